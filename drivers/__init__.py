@@ -1,0 +1,1 @@
+"""Speak to one piece of hardware each; know nothing of protocols."""

@@ -1,0 +1,332 @@
+"""What the rest of labrig may expect of a piece of hardware, and of time.
+
+Each interface is a `typing.Protocol`: it says when a method is called, how long it may block and
+what it may raise. Drivers of real devices fulfil them; the simulator stands behind the drivers, at
+the wire, so nothing here knows of it. All quantities are SI: V, N, m, s, rad.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+GreyImage = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
+
+
+class DeviceError(Exception):
+    """A device did not do what was asked of it.
+
+    The text is one sentence for the operator: which device, what was asked, what came instead, and
+    what to do. Drivers raise subclasses of it and nothing else.
+    """
+
+
+class DeviceNotFoundError(DeviceError):
+    """The device, its driver or its server is not there, or is of another type."""
+
+
+class DeviceTimeoutError(DeviceError):
+    """The device did not answer in the time that the request can take."""
+
+
+class LimitError(DeviceError):
+    """A value outside the configured limits was asked for; nothing was sent to the device."""
+
+
+class OverloadError(DeviceError):
+    """The load cell is loaded beyond what it stands."""
+
+
+class LostSamplesError(DeviceError):
+    """Samples were overwritten before they were read."""
+
+
+# ------------------------------------------------------------------------------------------- time
+
+
+class ThreadHandle(Protocol):
+    """A thread started by a clock."""
+
+    def join(self, timeout: float | None = None) -> bool:
+        """Wait for the thread's end, at most `timeout` seconds; tell whether it has ended."""
+
+
+class Clock(Protocol):
+    """Time, and threads that live in it. The real clock is `RealClock`; the simulator has another.
+
+    Everything that waits does it here, so that a simulated session need not wait.
+    """
+
+    def now(self) -> float:
+        """Monotonic time in s, from an arbitrary origin."""
+
+    def sleep_until(self, when: float) -> None:
+        """Return when `now() >= when`; at once when that has passed."""
+
+    def start_thread(self, target: Callable[[], None], name: str) -> ThreadHandle:
+        """Run `target` beside the caller. It may wait only by this clock or by its own device."""
+
+
+class _RealThread:
+    def __init__(self, target: Callable[[], None], name: str) -> None:
+        self._thread = threading.Thread(target=target, name=name, daemon=True)
+        self._thread.start()
+
+    def join(self, timeout: float | None = None) -> bool:
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+
+class RealClock:
+    """The computer's monotonic clock."""
+
+    # The operating system wakes a sleeper late by up to a fraction of a millisecond; the last bit
+    # is spent in a loop, so that an edge is as punctual as the computer can make it.
+    SPIN_S = 3e-4
+
+    def now(self) -> float:
+        """See `Clock.now`."""
+        return time.perf_counter()
+
+    def sleep_until(self, when: float) -> None:
+        """See `Clock.sleep_until`."""
+        left = when - time.perf_counter()
+        if left > self.SPIN_S:
+            time.sleep(left - self.SPIN_S)  # noqa: TID251 - this is the one place that may sleep
+        while time.perf_counter() < when:
+            pass
+
+    def start_thread(self, target: Callable[[], None], name: str) -> ThreadHandle:
+        """See `Clock.start_thread`."""
+        return _RealThread(target, name)
+
+
+# ----------------------------------------------------------------------------------------- output
+
+
+@dataclass(frozen=True)
+class VoltageWrite:
+    """One write of the drive voltage: what was sent, and between which two moments."""
+
+    sheet_V: float
+    board_V: float
+    before_s: float  # clock time just before the request was sent
+    after_s: float  # and just after the device confirmed it
+
+
+@runtime_checkable
+class VoltageOutput(Protocol):
+    """The voltage at the sheet, through whatever amplifies it.
+
+    The board holds its last value for ever: `close` writes 0 V first, and so must anything else
+    that stops using the output.
+    """
+
+    @property
+    def limit_V(self) -> float:
+        """Largest sheet voltage, either sign, that `write` accepts."""
+
+    def open(self) -> None:
+        """Take the output and write 0 V. Raises DeviceNotFoundError, DeviceError."""
+
+    def write(self, sheet_V: float) -> VoltageWrite:
+        """Put `sheet_V` on the sheet; blocks for one round trip.
+
+        Raises LimitError (nothing was sent) beyond the limit or for NaN, DeviceError otherwise.
+        """
+
+    def close(self) -> None:
+        """Write 0 V and let go of the output. May be called twice; raises when 0 V was refused."""
+
+
+# ------------------------------------------------------------------------------------------ input
+
+
+@dataclass(frozen=True)
+class SignalBlock:
+    """Consecutive samples of all channels. `volts` has shape (channels, samples)."""
+
+    first_index: int  # index of the first sample since the acquisition's start
+    volts: FloatArray
+    read_s: float  # clock time when the block had arrived
+
+
+@dataclass(frozen=True)
+class SampleClock:
+    """Sample indices against clock time: sample i was taken at start_s + i / rate_hz."""
+
+    start_s: float  # clock time of sample 0
+    start_uncertainty_s: float  # half the time the start request took
+    rate_hz: float  # the rate the device achieved, which is seldom quite the one asked for
+
+    def time_of(self, index: float) -> float:
+        """Clock time of a sample index (a fraction counts)."""
+        return self.start_s + index / self.rate_hz
+
+    def index_at(self, time_s: float) -> float:
+        """Sample index, with its fraction, at a clock time."""
+        return (time_s - self.start_s) * self.rate_hz
+
+
+@runtime_checkable
+class SignalInput(Protocol):
+    """Hardware-timed, continuous acquisition of named channels."""
+
+    @property
+    def channels(self) -> Sequence[str]:
+        """Names of the channels in the order of the blocks' rows, such as force, current, drive."""
+
+    @property
+    def ranges_V(self) -> Sequence[float]:
+        """The device's actual input range (either sign) of each channel."""
+
+    def open(self) -> None:
+        """Take the device and configure it. Raises DeviceNotFoundError, DeviceError."""
+
+    def start(self) -> SampleClock:
+        """Begin to acquire, from sample 0."""
+
+    def read_available(self) -> SignalBlock:
+        """All samples that have arrived since the last read (perhaps none); does not wait for more.
+
+        Raises LostSamplesError when samples were overwritten, DeviceTimeoutError, DeviceError.
+        """
+
+    def stop(self) -> None:
+        """Stop acquiring; may be called when not started."""
+
+    def measure(self, duration_s: float) -> FloatArray:
+        """Acquire for `duration_s` and return all samples (channels, samples), acquisition stopped.
+
+        For preflight and read-back; must not be called between `start` and `stop`.
+        """
+
+    def close(self) -> None:
+        """Let go of the device. May be called twice."""
+
+
+@runtime_checkable
+class ForceSensor(Protocol):
+    """A sensor that is asked for one force at a time (a meter on a serial line)."""
+
+    def open(self) -> None:
+        """Take the device."""
+
+    def read_force(self) -> float:
+        """The force now, in N; blocks for one exchange. Raises DeviceTimeoutError, DeviceError."""
+
+    def tare(self) -> None:
+        """Make the present load the zero."""
+
+    def close(self) -> None:
+        """Let go of the device. May be called twice."""
+
+
+# ----------------------------------------------------------------------------------------- camera
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture: `image` (rows, columns), grey, 8 or 16 bit."""
+
+    number: int  # counts every frame since `start`, those not kept too
+    time_s: float  # clock time at which the frame was complete on this computer
+    device_time_s: float | None  # the camera's own time stamp where it gives one
+    image: GreyImage
+
+
+@dataclass(frozen=True)
+class CameraCounts:
+    """Frames since `start`."""
+
+    grabbed: int  # arrived
+    dropped: int  # wanted, but lost because the queue was full
+
+
+@runtime_checkable
+class Camera(Protocol):
+    """A camera that runs by itself and hands over the frames that were asked for."""
+
+    def open(self) -> None:
+        """Take the camera; after it `frame_shape` is known. Raises DeviceNotFoundError."""
+
+    @property
+    def frame_shape(self) -> tuple[int, int]:
+        """Rows and columns of a frame."""
+
+    @property
+    def dtype(self) -> np.dtype[np.uint8] | np.dtype[np.uint16]:
+        """Type of a frame's pixels."""
+
+    def start(self) -> None:
+        """Begin to take frames."""
+
+    def want(self, from_s: float, to_s: float) -> None:
+        """Keep the frames completed between two clock times; others are only counted."""
+
+    def want_all(self) -> None:
+        """Keep every frame until `stop`."""
+
+    def frames(self) -> list[Frame]:
+        """The kept frames that have arrived since the last call; does not wait.
+
+        Raises DeviceError once the camera has stopped delivering.
+        """
+
+    @property
+    def counts(self) -> CameraCounts:
+        """Frames arrived and lost since `start`."""
+
+    def stop(self) -> None:
+        """Stop taking frames; may be called when not started."""
+
+    def close(self) -> None:
+        """Let go of the camera. May be called twice."""
+
+
+# ------------------------------------------------------------------------------- operator and stage
+
+
+@dataclass(frozen=True)
+class Prompt:
+    """Something the operator is asked to do before the run goes on."""
+
+    kind: str  # move | moisten | mount | free | remount | dead_weight | confirm
+    text: str  # one sentence, ready to show
+    configuration: str | None = None
+    position_m: float | None = None
+    load_N: float | None = None
+
+
+class Operator(Protocol):
+    """The person at the rig, or what answers in their place."""
+
+    def ask(self, prompt: Prompt) -> bool:
+        """Show the prompt and wait for the answer: True, it is done; False, stop the session."""
+
+
+@runtime_checkable
+class Positioner(Protocol):
+    """Moves the load cell along the arc; by a motor, or by asking the operator."""
+
+    def open(self) -> None:
+        """Take the stage."""
+
+    def move_to(self, position_m: float) -> bool:
+        """Move to a position along the arc and wait until it is reached.
+
+        False when the operator declined. Raises DeviceTimeoutError, LimitError, DeviceError.
+        """
+
+    def position(self) -> float | None:
+        """The position along the arc in m as the stage reports it; None where nothing can tell."""
+
+    def close(self) -> None:
+        """Let go of the stage. May be called twice."""

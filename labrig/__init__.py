@@ -1,0 +1,1 @@
+"""Run, record and understand force and shape experiments on ionic-polymer actuator sheets."""

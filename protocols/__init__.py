@@ -1,0 +1,1 @@
+"""What happens when: a schedule is plain data, and the scheduler runs one on a clock."""

@@ -1,0 +1,78 @@
+"""A schedule: every voltage and every reading of a session, as frozen data.
+
+It can be printed, drawn, checked against the limits before any hardware is touched, simulated,
+recorded with the session and replayed. Times are in s from the run's beginning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class ReadingKind(StrEnum):
+    """What a reading is for."""
+
+    ZERO = "zero"  # taken at 0 V before the first pulse
+    DISCARDED = "discarded"  # recorded, but the water has not settled yet
+    KEPT = "kept"
+    NO_CONTACT = "no_contact"  # nothing touches the load cell: its zero
+
+
+class Purpose(StrEnum):
+    """What a run is for."""
+
+    MEASUREMENT = "measurement"
+    NO_TOUCH_ZERO = "no_touch_zero"
+    FREE_SHAPE = "free_shape"
+    DEAD_WEIGHT = "dead_weight"
+
+
+@dataclass(frozen=True)
+class VoltageStep:
+    """At `time_s` the sheet voltage becomes `voltage_V` and stays until the next step."""
+
+    time_s: float
+    voltage_V: float
+
+
+@dataclass(frozen=True)
+class PlannedReading:
+    """A reading `delay_s` after its step *as written*, filtered over ± `half_window_s`."""
+
+    index: int  # in time order over the whole run, counting from 0
+    step: int  # index into the run's steps
+    delay_s: float
+    half_window_s: float
+    voltage_V: float
+    kind: ReadingKind
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """Everything that happens at one setting of sheet and load cell, without a pause."""
+
+    index: int  # in the order of execution
+    configuration: str  # a table of sheet.toml: long, short, ...
+    position_m: float | None  # along the arc; None: the load cell does not touch the sheet
+    purpose: Purpose
+    mounting: int  # 0, then 1, 2, ... each time the same position is set anew
+    approach: str  # up | down: from which side the position is approached
+    moisten: bool  # ask the operator to moisten the sheet first
+    load_N: float | None  # dead weight hung on the load cell
+    steps: tuple[VoltageStep, ...]  # the first at 0 s; the last one returns to 0 V
+    readings: tuple[PlannedReading, ...]
+    duration_s: float
+
+    def time_of(self, reading: PlannedReading) -> float:
+        """Planned time of a reading's sampling point, s."""
+        return self.steps[reading.step].time_s + reading.delay_s
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """The runs of a session in their order, and the name of the protocol that made them."""
+
+    protocol: str
+    runs: tuple[PlannedRun, ...]
+    frame_rate_hz: float  # wanted of the camera
