@@ -1,0 +1,29 @@
+"""The simulated optics: from the sheet's shape to the picture a camera takes of it."""
+
+from sim_hardware.optics.marker import read_marker, write_marker
+from sim_hardware.optics.renderer import Contact, Renderer
+from sim_hardware.optics.settings import (
+    FarFace,
+    Jaws,
+    Lens,
+    Light,
+    Noise,
+    OpticsSettings,
+    Rolls,
+    Spot,
+)
+
+__all__ = [
+    "Contact",
+    "FarFace",
+    "Jaws",
+    "Lens",
+    "Light",
+    "Noise",
+    "OpticsSettings",
+    "Renderer",
+    "Rolls",
+    "Spot",
+    "read_marker",
+    "write_marker",
+]

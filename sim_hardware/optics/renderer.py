@@ -1,0 +1,154 @@
+"""Pictures of the sheet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.optics import backdrop
+from sim_hardware.optics.geometry import FloatArray, Geometry, smooth_polyline
+from sim_hardware.optics.layer import BandLayer, Picture
+from sim_hardware.optics.marker import write_marker
+from sim_hardware.optics.settings import FarFace, OpticsSettings
+
+Contact = tuple[float, float, float]
+"""x and y in m of the point between the rolls, and the sheet's direction there in rad."""
+
+
+class Renderer:
+    """Draws frames: coverage by pixel areas, two-dimensional blur, uneven light, then the sensor.
+
+    A frame depends only on the settings, the seed and the arguments of `render`, so frames may be
+    rendered in any order, and again. Not for several threads at once.
+    """
+
+    def __init__(self, settings: OpticsSettings, seed: int = 0) -> None:
+        from sim_hardware.optics import kernels
+
+        self.settings = settings
+        self._kernels = kernels
+        self._seed = seed % (1 << 63)
+        self._geometry = Geometry(settings)
+        self._columns, self._rows = settings.image_size
+        self._gain = backdrop.light_gain(settings).ravel()
+        self._glare = backdrop.glare(settings).ravel()
+        self._jaws = backdrop.jaws(settings, self._geometry)
+        self._layer = BandLayer(self._columns, self._rows)
+        random = np.random.default_rng((self._seed, 0x0971C5))
+        self._ripples = random.uniform(2e-3, 8e-3, 6), random.uniform(0, 2 * np.pi, 6)
+
+    def render(
+        self,
+        shapes: Sequence[FloatArray],
+        contact: Contact | None,
+        number: int,
+        *,
+        sheet_length_m: float = math.inf,
+        time_s: float | None = None,
+    ) -> npt.NDArray[np.uint8]:
+        """A frame (rows, columns).
+
+        `shapes`: the neutral curve (n, 2) in m from the clamp to the end of the elongation, at
+        instants spread over the exposure. `sheet_length_m`: where along it the sheet ends and the
+        elongation begins. `time_s`: written into the marker, if the settings ask for one.
+        """
+        background = self.settings.background_level
+        picture = np.full(self._rows * self._columns, background, dtype=np.float32)
+        bands = [self._band(shape, sheet_length_m) for shape in shapes]
+        if self.settings.far_face is not None:
+            self._draw_far_face(picture, bands, self.settings.far_face)
+        for pixels, half, level in bands:
+            self._layer.draw(self._geometry.distort(pixels), half, level)
+            self._layer.add(1 / len(bands))
+        self._layer.lay_over(picture)
+        if contact is not None and self.settings.rolls.visible:
+            self._draw_rolls(picture, contact)
+        frame = picture.reshape(self._rows, self._columns)
+        if self._jaws is not None:
+            self._jaws.draw(frame)
+        return self._expose(self._blurred(frame), number, time_s)
+
+    def _band(
+        self, shape: FloatArray, sheet_length_m: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Points (m, 2) in undistorted pixels, half widths and grey levels along the curve."""
+        s = self.settings
+        points, at = smooth_polyline(shape, 1 / self._geometry.px_per_m)
+        on_sheet = at <= sheet_length_m
+        half = np.where(on_sheet, s.sheet_thickness_m, s.elongation_thickness_m) / 2
+        lengths, phases = self._ripples
+        ripple = np.cos(at[:, None] * (2 * np.pi / lengths) + phases).sum(1) / math.sqrt(3)
+        lit = s.sheet_level * (1 + s.light.unevenness * ripple)
+        pixels = self._geometry.to_undistorted(points)
+        if self._jaws is not None:
+            # The sheet goes on a little under the jaws, so that no background shows at their edge.
+            pixels[0] += 2 * (pixels[0] - pixels[1])
+        return pixels, half * self._geometry.px_per_m, np.where(on_sheet, lit, s.elongation_level)
+
+    def _draw_far_face(
+        self,
+        picture: Picture,
+        bands: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
+        face: FarFace,
+    ) -> None:
+        """The surface that the curve sweeps as it shrinks with depth towards the picture's centre.
+
+        It is made of bands less than a band's width apart.
+        """
+        centre = self._geometry.centre_px
+        for pixels, half, level in bands:
+            shift = np.max(np.hypot(*(pixels - centre).T)) * face.depth_m / face.distance_m
+            for part in np.linspace(0, 1, 2 + math.ceil(shift / max(0.5, half.min()))):
+                size = 1 / (1 + part * face.depth_m / face.distance_m)
+                shrunk = self._geometry.distort(centre + size * (pixels - centre))
+                self._layer.draw(shrunk, half * size, np.full_like(level, face.level))
+            self._layer.add(1 / len(bands))
+        self._layer.lay_over(picture)
+
+    def _draw_rolls(self, picture: Picture, contact: Contact) -> None:
+        x, y, angle = contact
+        rolls = self.settings.rolls
+        away = rolls.radius_m + self.settings.sheet_thickness_m / 2
+        for side in (-away, away):
+            centre = (x - side * math.sin(angle), y + side * math.cos(angle))
+            u, v = self._geometry.to_pixels([centre])[0]
+            scale = self._geometry.px_per_m
+            self._kernels.draw_disc(
+                picture,
+                self._columns,
+                float(u),
+                float(v),
+                rolls.radius_m * scale,
+                rolls.level,
+                rolls.rim_m * scale,
+                rolls.rim_level,
+            )
+
+    def _blurred(self, frame: Picture) -> Picture:
+        import cv2
+
+        sigma = self.settings.blur_px
+        if sigma == 0:
+            return frame
+        blurred = cv2.GaussianBlur(frame, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+        return np.asarray(blurred, dtype=np.float32)
+
+    def _expose(self, frame: Picture, number: int, time_s: float | None) -> npt.NDArray[np.uint8]:
+        image = np.empty((self._rows, self._columns), dtype=np.uint8)
+        noise = self.settings.noise
+        self._kernels.expose(
+            frame.ravel(),
+            self._gain,
+            self._glare,
+            self._seed,
+            number,
+            1 / noise.electrons_per_level,
+            noise.read_levels**2,
+            image.ravel(),
+        )
+        if self.settings.marker:
+            write_marker(image, number, time_s)
+        return image
