@@ -298,7 +298,7 @@ class Camera(Protocol):
 class Prompt:
     """Something the operator is asked to do before the run goes on."""
 
-    kind: str  # move | moisten | mount | free | remount | dead_weight | confirm
+    kind: str  # move | moisten | mount | free | touch | remount | dead_weight | confirm
     text: str  # one sentence, ready to show
     configuration: str | None = None
     position_m: float | None = None

@@ -54,7 +54,9 @@ class PlannedRun:
 
     index: int  # in the order of execution
     configuration: str  # a table of sheet.toml: long, short, ...
-    position_m: float | None  # along the arc; None: the load cell does not touch the sheet
+    # along the arc; None: the load cell is away. In a no-touch zero the load cell stands at its
+    # position, but the sheet is out of its rolls.
+    position_m: float | None
     purpose: Purpose
     mounting: int  # 0, then 1, 2, ... each time the same position is set anew
     approach: str  # up | down: from which side the position is approached
@@ -63,6 +65,8 @@ class PlannedRun:
     steps: tuple[VoltageStep, ...]  # the first at 0 s; the last one returns to 0 V
     readings: tuple[PlannedReading, ...]
     duration_s: float
+    # go here first, so that the position is approached from the right side; None: go straight
+    via_m: float | None = None
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""
