@@ -1,0 +1,75 @@
+"""Puts the commands together, and turns every failure into one sentence and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+from pathlib import Path
+
+import typer
+from typer.exceptions import TyperException
+
+from labrig.cli import prepare, record
+from labrig.cli.screen import warn
+from labrig.errors import ExitCode, LabrigError
+
+app = typer.Typer(
+    name="labrig",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
+)
+for room in (prepare, record):
+    room.add_to(app)
+
+
+def main() -> None:
+    """The program's entry point; ends the process with a documented exit code."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Run one command and return its exit code."""
+    command = typer.main.get_command(app)
+    try:
+        result = command.main(arguments, prog_name="labrig", standalone_mode=False)
+    except TyperException as error:
+        error.show()
+        return ExitCode.BAD_INPUT
+    except (KeyboardInterrupt, typer.Abort):
+        warn("labrig: stopped.")
+        return ExitCode.STOPPED
+    except LabrigError as error:
+        warn(f"labrig: {error}")
+        return error.code
+    except BrokenPipeError:
+        # The reader of a pipe (head, less) has gone: nothing is wrong.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ExitCode.DONE
+    except Exception as error:  # noqa: BLE001 - a person never sees a traceback
+        return _report_fault(error)
+    return int(result or 0)
+
+
+def _report_fault(error: Exception) -> int:
+    from drivers.interfaces import DeviceError
+    from model.measurements import ModelError
+
+    if isinstance(error, ModelError):
+        warn(f"labrig: {error}")
+        return ExitCode.BAD_INPUT
+    if isinstance(error, DeviceError):
+        warn(f"labrig: {error}")
+        return ExitCode.NOT_READY
+    handle, name = tempfile.mkstemp(prefix="labrig-fault-", suffix=".txt", text=True)
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        traceback.print_exception(error, file=file)
+    warn(
+        f"labrig: this should not have happened ({type(error).__name__}: {error}); "
+        f"please report it with {Path(name)}."
+    )
+    return ExitCode.FAILED

@@ -1,0 +1,115 @@
+"""What commands print: tables and progress on a terminal, plain lines elsewhere, or JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+from rich.console import Console
+from rich.table import Table
+
+
+def console() -> Console:
+    """Standard output; in a pipe without colour and without wrapping."""
+    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+
+
+def say(text: str = "") -> None:
+    """One line to standard output."""
+    console().print(text, markup=False)
+
+
+def warn(text: str) -> None:
+    """One line to standard error."""
+    Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
+
+
+def print_json(value: Any) -> None:
+    """One JSON object to standard output; what is not a number is null, as JSON has no NaN."""
+    sys.stdout.write(json.dumps(finite(value), indent=2, allow_nan=False) + "\n")
+
+
+def finite(value: Any) -> Any:
+    """The same structure of plain types, with None for NaN and infinities."""
+    if isinstance(value, dict):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if hasattr(value, "tolist"):  # numpy arrays and scalars
+        return finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """A table: drawn on a terminal, aligned text elsewhere. The first column is left-aligned."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    if sys.stdout.isatty():
+        _draw(title, columns, cells)
+    else:
+        for line in plain_table(title, columns, cells):
+            say(line)
+
+
+def _draw(title: str, columns: Sequence[str], rows: list[list[str]]) -> None:
+    table = Table(title=title, title_justify="left", title_style="bold")
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="left" if number == 0 else "right")
+    for row in rows:
+        table.add_row(*row)
+    console().print(table)
+
+
+def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> list[str]:
+    """The lines of a table as aligned text."""
+    widths = [max(len(row[i]) for row in [list(columns), *rows]) for i in range(len(columns))]
+
+    def line(cells: Sequence[str]) -> str:
+        first = cells[0].ljust(widths[0])
+        rest = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
+        return "  ".join([first, *rest]).rstrip()
+
+    rule = "  ".join("-" * width for width in widths)
+    return [title, line(columns), rule, *(line(row) for row in rows), ""]
+
+
+class Advance(Protocol):
+    """Tell how far a job is: a fraction from 0 to 1, and what is being done."""
+
+    def __call__(self, fraction: float, text: str) -> None:
+        """Called from time to time; cheap."""
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Advance]:
+    """A progress bar on a terminal; elsewhere a plain line at each tenth."""
+    if not sys.stderr.isatty():
+        yield _PlainProgress(title)
+        return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+
+        def advance(fraction: float, text: str) -> None:
+            bar.update(task, completed=fraction, description=f"{title}: {text}" if text else title)
+
+        yield advance
+
+
+class _PlainProgress:
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._tenth = -1
+
+    def __call__(self, fraction: float, text: str) -> None:
+        tenth = int(fraction * 10 + 1e-9)
+        if tenth > self._tenth:
+            self._tenth = tenth
+            warn(f"{self._title}: {10 * tenth} %{' - ' + text if text else ''}")

@@ -1,0 +1,23 @@
+"""rig.toml, sheet.toml, protocol.toml and calibrations as validated objects."""
+
+from labrig.config.base import parse_toml, read_text
+from labrig.config.load_cell import load_load_cell, parse_load_cell
+from labrig.config.protocol import ProtocolConfig, load_protocol, parse_protocol
+from labrig.config.rig import ReplayConfig, RigConfig, load_rig, parse_rig
+from labrig.config.sheet import load_sheet, parse_sheet
+
+__all__ = [
+    "ProtocolConfig",
+    "ReplayConfig",
+    "RigConfig",
+    "load_load_cell",
+    "load_protocol",
+    "load_rig",
+    "load_sheet",
+    "parse_load_cell",
+    "parse_protocol",
+    "parse_rig",
+    "parse_sheet",
+    "parse_toml",
+    "read_text",
+]

@@ -1,0 +1,112 @@
+"""Closed configuration models, and errors that name file, key, value and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from labrig.errors import BadInputError
+
+
+class Closed(BaseModel):
+    """A table of a configuration file: an unknown key is an error, a number must be finite."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+Model = TypeVar("Model", bound=Closed)
+
+
+def read_text(path: Path) -> str:
+    """The content of a text file, or one sentence about why there is none."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise BadInputError(f"{path}: there is no such file.") from None
+    except IsADirectoryError:
+        raise BadInputError(f"{path}: this is a folder, a file is needed.") from None
+    except UnicodeDecodeError as error:
+        raise BadInputError(
+            f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read)."
+        ) from None
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+
+
+def parse_toml(text: str, name: str) -> dict[str, Any]:
+    """TOML text as a dictionary; `name` is the file's name for the error."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise BadInputError(f"{name}: not valid TOML: {error}.") from None
+
+
+def validate(model: type[Model], data: dict[str, Any], name: str) -> Model:
+    """The data as a model; all faults together in one BadInputError, a sentence each."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise BadInputError("\n".join(_sentences(model, error, name))) from None
+
+
+def _sentences(model: type[BaseModel], error: ValidationError, name: str) -> list[str]:
+    """One for each key; the alternatives of a key that may be of several types go into one."""
+    faults: dict[str, list[Any]] = {}
+    for fault in error.errors():
+        faults.setdefault(_where(fault["loc"]), []).append(fault)
+    return [f"{name}: {_sentence(model, where, faults[where])}." for where in faults]
+
+
+def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:
+    first = faults[0]
+    if first["type"] == "extra_forbidden":
+        return f"{where} is not a known key{_suggestion(model, first['loc'])}"
+    if first["type"] == "missing":
+        return f"{where} is missing; it is required"
+    given = "" if isinstance(first["input"], dict) else f" = {first['input']!r}"
+    return f"{where}{given}: {' or '.join(dict.fromkeys(map(_said, faults)))}"
+
+
+def _said(fault: Any) -> str:
+    said: str = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").rstrip(".")
+    if fault["type"] in {"model_type", "model_attributes_type", "dict_type"}:
+        return "should be a table"
+    return said.removesuffix(", unable to parse string as a number")
+
+
+def _where(location: tuple[Any, ...]) -> str:
+    # Parts that pydantic adds for the branch of a union are no keys of the file.
+    keys = [str(part) for part in location if not _is_branch(part)]
+    if not keys:
+        return "the file"
+    if len(keys) == 1:
+        return keys[0]
+    return f"[{'.'.join(keys[:-1])}] {keys[-1]}"
+
+
+def _is_branch(part: Any) -> bool:
+    return isinstance(part, str) and (
+        part in {"float", "int", "str", "bool", "is_instance"}
+        or part.startswith(("literal[", "list[", "dict[", "function-"))
+        or (part[:1].isupper() and part.isalnum())
+    )
+
+
+def _suggestion(model: type[BaseModel], location: tuple[Any, ...]) -> str:
+    known = _known_keys(model)
+    close = difflib.get_close_matches(str(location[-1]), sorted(known), n=1)
+    return f"; did you mean {close[0]}" if close else ""
+
+
+def _known_keys(model: type[BaseModel]) -> set[str]:
+    keys: set[str] = set()
+    for key, field in model.model_fields.items():
+        keys.add(key)
+        for kind in (field.annotation, *get_args(field.annotation)):
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                keys |= _known_keys(kind)
+    return keys

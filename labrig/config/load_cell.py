@@ -1,0 +1,46 @@
+"""load_cell.toml: a dated calibration with dead weights."""
+
+from __future__ import annotations
+
+import datetime as dt
+from pathlib import Path
+
+from pydantic import Field, model_validator
+
+from drivers.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
+from labrig.config.base import Closed, parse_toml, read_text, validate
+
+
+class LoadCellConfig(Closed):
+    """volts = offset_V + sensitivity_V_per_N * force, of the whole chain as wired on `date`."""
+
+    date: dt.date
+    capacity_mN: float = Field(GSO_10_CAPACITY_N * 1000, gt=0, description="GSO-10: 98.07 mN")
+    sensitivity_V_per_N: float
+    sensitivity_sigma_V_per_N: float = Field(0.0, ge=0)
+    offset_V: float = 0.0
+    offset_sigma_V: float = Field(0.0, ge=0)
+    excitation_V: float = Field(10.0, gt=0)
+    gain: float = 1.0
+    serial: str = ""
+
+    @model_validator(mode="after")
+    def _has_a_slope(self) -> LoadCellConfig:
+        if self.sensitivity_V_per_N == 0:
+            raise ValueError("sensitivity_V_per_N must not be 0")
+        return self
+
+    def calibration(self) -> LoadCellCalibration:
+        """As `drivers` takes it."""
+        values = self.model_dump(exclude={"capacity_mN"})
+        return LoadCellCalibration(capacity_N=self.capacity_mN / 1000, **values)
+
+
+def parse_load_cell(text: str, name: str) -> LoadCellCalibration:
+    """load_cell.toml's text as a calibration."""
+    return validate(LoadCellConfig, parse_toml(text, name), name).calibration()
+
+
+def load_load_cell(path: Path) -> LoadCellCalibration:
+    """Read load_cell.toml."""
+    return parse_load_cell(read_text(path), str(path))

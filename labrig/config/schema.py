@@ -1,0 +1,33 @@
+"""The JSON Schemas of the configuration files, made from the models that read them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import create_model
+
+from labrig.config.base import Closed
+from labrig.config.load_cell import LoadCellConfig
+from labrig.config.protocol import ProtocolConfig
+from labrig.config.rig import RigConfig
+from labrig.config.sheet import Arc, Sheet
+
+
+def schemas() -> dict[str, dict[str, Any]]:
+    """One schema for each kind of file, by its name."""
+    return {
+        "rig": RigConfig.model_json_schema(),
+        "sheet": _sheet_schema(),
+        "protocol": ProtocolConfig.model_json_schema(),
+        "load_cell": LoadCellConfig.model_json_schema(),
+    }
+
+
+def _sheet_schema() -> dict[str, Any]:
+    # Its tables are named by the user, so it is no model of fixed keys.
+    model = create_model("SheetFile", __base__=Closed, arc=(Arc, Arc()), long=(Sheet, ...))
+    schema = model.model_json_schema()
+    schema["additionalProperties"] = schema["properties"].pop("long")
+    schema.pop("required", None)
+    schema["title"] = "sheet.toml"
+    return schema

@@ -1,0 +1,38 @@
+"""Ctrl-C and its relatives ask the run to stop; they never interrupt an instrument call."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+# SIGHUP is a closed terminal, SIGBREAK the same on Windows; each exists on one kind of system.
+_NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+
+
+@contextmanager
+def stop_signals(on_stop: Callable[[str, int], None]) -> Iterator[None]:
+    """While inside, call `on_stop(signal's name, how many came so far)` for each stop signal.
+
+    The handler runs between two steps of the main thread, so it must only set a flag (or raise,
+    where the main thread does nothing but wait for a person).
+    """
+    count = 0
+
+    def handle(number: int, _frame: FrameType | None) -> None:
+        nonlocal count
+        count += 1
+        on_stop(signal.Signals(number).name, count)
+
+    previous: dict[int, Any] = {}
+    for name in _NAMES:
+        number = getattr(signal, name, None)
+        if number is not None:
+            previous[number] = signal.signal(number, handle)
+    try:
+        yield
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)

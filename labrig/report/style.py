@@ -1,0 +1,71 @@
+"""How figures look: one place for size, type and colours that a colour-blind person can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+POSITIVE, ZERO, NEGATIVE = "#D55E00", "#555555", "#0072B2"  # Okabe and Ito's palette
+MEASURED, SIMULATED = "#222222", "#009E73"
+
+_SETTINGS = {
+    "figure.dpi": 110,
+    "savefig.dpi": 160,
+    "figure.constrained_layout.use": True,
+    "font.size": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "svg.hashsalt": "labrig",  # the same figure gives the same file
+}
+
+
+def colour_of(voltage_V: float) -> str:
+    """The colour of a drive voltage: by its sign."""
+    if voltage_V > 0:
+        return POSITIVE
+    return NEGATIVE if voltage_V < 0 else ZERO
+
+
+def label_of(voltage_V: float) -> str:
+    """A voltage for a legend, with its sign and a true minus."""
+    return f"{voltage_V:+g} V".replace("-", "\N{MINUS SIGN}") if voltage_V else "0 V"
+
+
+@contextmanager
+def figure(width_in: float, height_in: float) -> Iterator[Figure]:
+    """A new figure in this style, drawn without a screen and without pyplot's global state."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_SETTINGS):
+        fig = Figure(figsize=(width_in, height_in))
+        FigureCanvasAgg(fig)
+        yield fig
+
+
+def save(fig: Figure, path: Path) -> None:
+    """Write a figure beside its place and rename it; the ending chooses png, svg or pdf."""
+    ending = path.suffix.lower().lstrip(".")
+    if ending not in {"png", "svg", "pdf"}:
+        raise BadInputError(f"{path}: a picture's name must end in .png, .svg or .pdf.")
+    part = path.with_name(path.name + ".part")
+    metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
+    try:
+        fig.savefig(part, format=ending, metadata=metadata)
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
