@@ -1,0 +1,172 @@
+"""OpenCV's `VideoCapture` made grey, bounded in time and clear about what is wrong."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError, GreyImage
+
+OPEN_TIMEOUT_S = 5.0
+READ_TIMEOUT_S = 2.0
+# OpenCV's numbers for the properties used, so that a capture of another make needs no OpenCV.
+POS_MSEC, WIDTH, HEIGHT, FPS = 0, 3, 4, 5
+CONVERT_RGB, BUFFER_SIZE = 16, 38
+
+
+class OpenedCapture:
+    """A capture that has delivered a first frame. `source` is its name in error texts."""
+
+    def __init__(self, capture: Any, source: int | str) -> None:
+        self._capture = capture
+        self._source = source
+        self._is_file = _is_file(source)
+        first = self._first_frame()
+        self.shape: tuple[int, int] = (first.shape[0], first.shape[1])
+        self.dtype: np.dtype[np.uint8] | np.dtype[np.uint16] = first.dtype
+
+    def grab(self) -> bool:
+        """Take the next frame; waits for it. False when none will come."""
+        return bool(self._capture.grab())
+
+    def retrieve(self) -> GreyImage:
+        """The frame last taken, grey."""
+        good, picture = self._capture.retrieve()
+        if not good or picture is None:
+            raise DeviceError(f"a frame of camera {self._source} could not be decoded")
+        image = as_grey(picture, self._source)
+        if image.shape != self.shape or image.dtype != self.dtype:
+            raise DeviceError(
+                f"camera {self._source} sent a frame of {_describe(image)} after frames of "
+                f"{self.shape[1]} x {self.shape[0]} {self.dtype}; restart it"
+            )
+        return image
+
+    def device_time_s(self) -> float | None:
+        """The time stamp that the camera or stream gave the frame last taken."""
+        stamp = float(self._capture.get(POS_MSEC))
+        return stamp / 1e3 if stamp > 0.0 else None
+
+    def pace(self, clock: Clock) -> Callable[[], None]:
+        """Called before each grab. A recording would come at once: it is played at its own rate."""
+        if not self._is_file:
+            return lambda: None
+        rate_hz = float(self._capture.get(FPS)) or 25.0
+        frame, began_s = 0, clock.now()
+
+        def wait() -> None:
+            nonlocal frame
+            frame += 1
+            clock.sleep_until(began_s + frame / rate_hz)
+
+        return wait
+
+    def release(self) -> None:
+        """Let go of the camera."""
+        self._capture.release()
+
+    def _first_frame(self) -> npt.NDArray[Any]:
+        """One frame, raw where the camera is grey by itself, else converted by OpenCV."""
+        capture = self._capture
+        capture.set(BUFFER_SIZE, 1)  # where it can be set: no stale frames
+        capture.set(CONVERT_RGB, 0)
+        picture = self._read()
+        expected = (int(capture.get(HEIGHT)), int(capture.get(WIDTH)))
+        if picture.shape[:2] != expected or not _is_plain(picture):
+            capture.set(CONVERT_RGB, 1)  # packed or compressed data: let OpenCV decode it
+            picture = self._read()
+        if self._is_file:
+            capture.set(1, 0)  # back to the first frame
+        return as_grey(picture, self._source)
+
+    def _read(self) -> npt.NDArray[Any]:
+        good, picture = self._capture.read()
+        if not good or picture is None:
+            raise DeviceNotFoundError(
+                f"[camera] source = {self._source}: it opens but sends no frame within "
+                f"{READ_TIMEOUT_S:g} s; check that nothing else uses it"
+            )
+        return np.asarray(picture)
+
+
+def open_capture(source: int | str, factory: Callable[..., Any] | None = None) -> OpenedCapture:
+    """Open a camera and take its first frame. Raises DeviceNotFoundError in bounded time."""
+    capture = _video_capture(source) if factory is None else factory(source)
+    try:
+        if not capture.isOpened():
+            raise DeviceNotFoundError(f"[camera] source = {source}: {_why_not(source)}")
+        return OpenedCapture(capture, source)
+    except BaseException:
+        capture.release()
+        raise
+
+
+def as_grey(picture: npt.NDArray[Any], source: int | str) -> GreyImage:
+    """Rows x columns, 8 or 16 bit, in memory of its own order."""
+    if picture.dtype not in (np.uint8, np.uint16):
+        raise DeviceError(f"camera {source} sends {picture.dtype} pixels; 8 or 16 bit are needed")
+    if picture.ndim == 3 and picture.shape[2] in (3, 4):
+        import cv2
+
+        to_grey = cv2.COLOR_BGR2GRAY if picture.shape[2] == 3 else cv2.COLOR_BGRA2GRAY
+        picture = cv2.cvtColor(picture, to_grey)
+    elif picture.ndim == 3 and picture.shape[2] == 1:
+        picture = picture[:, :, 0]
+    if picture.ndim != 2:
+        raise DeviceError(f"camera {source} sends frames of shape {picture.shape}; no picture")
+    return np.ascontiguousarray(picture)
+
+
+def _is_plain(picture: npt.NDArray[Any]) -> bool:
+    return picture.ndim == 2 or (picture.ndim == 3 and picture.shape[2] in (1, 3, 4))
+
+
+def _describe(image: npt.NDArray[Any]) -> str:
+    return f"{image.shape[1]} x {image.shape[0]} {image.dtype}"
+
+
+def _video_capture(source: int | str) -> Any:
+    import cv2
+
+    logging = cv2.utils.logging
+    level = logging.getLogLevel()
+    logging.setLogLevel(logging.LOG_LEVEL_SILENT)  # we say ourselves what is wrong
+    try:
+        if _is_url(source):
+            limits = [
+                cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(OPEN_TIMEOUT_S * 1e3),
+                cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(READ_TIMEOUT_S * 1e3),
+            ]  # fmt: skip
+            return cv2.VideoCapture(source, cv2.CAP_FFMPEG, limits)
+        return cv2.VideoCapture(source)
+    finally:
+        logging.setLogLevel(level)
+
+
+def _is_url(source: int | str) -> bool:
+    return isinstance(source, str) and "://" in source
+
+
+def _is_file(source: int | str) -> bool:
+    try:
+        return isinstance(source, str) and stat.S_ISREG(os.stat(source).st_mode)
+    except (OSError, ValueError):  # a pipeline or a URL is no path
+        return False
+
+
+def _why_not(source: int | str) -> str:
+    if _is_url(source):
+        return (
+            f"nobody sends a picture there (waited {OPEN_TIMEOUT_S:g} s at most); check the "
+            "address, and that the camera's server runs"
+        )
+    if isinstance(source, int):
+        return "there is no camera of this number, or another program uses it"
+    if _is_file(source):
+        return "the file holds no video that can be read"
+    return "no camera, file or pipeline of this name can be opened; correct it in rig.toml"

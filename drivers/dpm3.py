@@ -1,0 +1,85 @@
+"""The DPM-3 panel meter on a serial line: another way to read a load cell.
+
+8N1; commands end in CR and begin with `*`, the address (0: any meter) and the command. A reply is
+`+999.99` CR: sign first, the point always there, perhaps an LF, perhaps an alarm letter A to H.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from drivers.interfaces import DeviceError, DeviceTimeoutError
+from drivers.serial_port import SerialLine
+
+GRAM_FORCE_N = 9.80665e-3
+BAUD_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200)
+_REPLY = re.compile(rb"^\n?([+-](?:\d+\.\d*|\.\d+))([A-H]?)\n?$")
+_LONGEST_REPLY = 12  # characters, for the time-out at a low baud rate
+
+
+class Dpm3Meter:
+    """A `ForceSensor`. `newtons_per_unit`: of the unit that the meter displays (gram-force)."""
+
+    def __init__(
+        self,
+        port: str,
+        newtons_per_unit: float = GRAM_FORCE_N,
+        address: int = 0,
+        baudrate: int = 9600,
+        serial_factory: Callable[..., Any] | None = None,
+    ) -> None:
+        if baudrate not in BAUD_RATES:
+            rates = ", ".join(map(str, BAUD_RATES))
+            raise DeviceError(f"DPM-3 meter on {port}: baud rate {baudrate} is none of {rates}")
+        wire_s = 2 * _LONGEST_REPLY * 10 / baudrate
+        self._line = SerialLine("DPM-3 meter", port, baudrate, 0.5 + wire_s, serial_factory)
+        self._address = address
+        self._newtons_per_unit = newtons_per_unit
+        self.alarm = ""  # the alarm letter of the last reply, if any
+
+    def open(self) -> None:
+        """Take the port and end continuous output, which would mix with replies."""
+        self._line.open()
+        try:
+            self._send("A1")
+            self.read_force()
+        except DeviceError:
+            self._line.close()
+            raise
+
+    def read_force(self) -> float:
+        """See `ForceSensor.read_force`."""
+        self._line.drop_input()
+        self._send("B1")
+        return self._parse(self._line.read_line(b"\r")) * self._newtons_per_unit
+
+    def tare(self) -> None:
+        """See `ForceSensor.tare`."""
+        self._send("CA")
+
+    def untare(self) -> None:
+        """Take the tare back."""
+        self._send("CB")
+
+    def close(self) -> None:
+        """See `ForceSensor.close`."""
+        self._line.close()
+
+    def _send(self, command: str) -> None:
+        self._line.write(f"*{self._address}{command}\r".encode("ascii"))
+
+    def _parse(self, line: bytes) -> float:
+        if not line:
+            raise DeviceTimeoutError(
+                f"{self._line.name} did not answer; check that it is on, its baud rate and address"
+            )
+        match = _REPLY.match(line.removesuffix(b"\r"))
+        if match is None or not line.endswith(b"\r"):
+            raise DeviceError(
+                f"{self._line.name} sent {line!r} where a reading such as +999.99 was expected; "
+                "check baud rate and wiring"
+            )
+        self.alarm = match.group(2).decode("ascii")
+        return float(match.group(1))

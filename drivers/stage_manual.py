@@ -1,0 +1,27 @@
+"""A stage that is moved by hand: the operator is asked, and answers when it is done."""
+
+from __future__ import annotations
+
+from drivers.interfaces import Operator, Prompt
+
+
+class ManualStage:
+    """A `Positioner` that asks. It cannot tell where it is."""
+
+    def __init__(self, operator: Operator) -> None:
+        self._operator = operator
+
+    def open(self) -> None:
+        """Nothing is to be taken."""
+
+    def move_to(self, position_m: float) -> bool:
+        """See `Positioner.move_to`."""
+        text = f"Set the load cell to {position_m * 1e3:g} mm on the arc."
+        return self._operator.ask(Prompt(kind="move", text=text, position_m=position_m))
+
+    def position(self) -> float | None:
+        """See `Positioner.position`: nothing can tell."""
+        return None
+
+    def close(self) -> None:
+        """Nothing is to be let go of."""
