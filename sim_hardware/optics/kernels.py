@@ -1,8 +1,7 @@
 """The inner loops of the renderer, compiled. Import this where it is used: numba is slow to load.
 
-Pictures are flat float32 arrays of rows * columns. A band's layer is built in `nearest`, `coverage`
-and `colour`, which hold (infinity, 0, 0) wherever nothing is drawn; `touched` lists the pixels that
-differ, so that only those need to be visited and put back.
+Pictures are flat float32 arrays of rows * columns. `touched` lists the pixels of a layer that
+differ from the empty one, so that only those need to be visited and put back.
 """
 
 from __future__ import annotations
@@ -27,19 +26,9 @@ def _compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 @_compiled
-def area_below(offset: float, nx: float, ny: float) -> float:
-    """Area of the unit pixel where n.x <= offset; (nx, ny) a unit vector, x from its centre."""
-    long = max(abs(nx), abs(ny))
-    short = min(abs(nx), abs(ny))
-    t = abs(offset)
-    outer = 0.5 * (long + short)
-    if t >= outer:
-        area = 1.0
-    elif t <= 0.5 * (long - short):
-        area = 0.5 + t / long
-    else:
-        area = 1.0 - (outer - t) ** 2 / (2.0 * long * short)
-    return area if offset >= 0.0 else 1.0 - area
+def edge(depth: float, softness: float) -> float:
+    """Light of a pixel whose centre lies this deep inside a straight edge, both in px."""
+    return 0.5 * (1.0 + math.erf(depth / (math.sqrt(2.0) * softness)))
 
 
 @_compiled
@@ -47,21 +36,22 @@ def draw_band(
     points: Floats,
     half_width: Floats,
     level: Floats,
+    softness: float,
+    layer: Picture,
     columns: int,
-    nearest: Picture,
-    coverage: Picture,
-    colour: Picture,
     touched: npt.NDArray[np.int32],
     count: int,
 ) -> int:
     """Draw the band along a polyline (n, 2) in pixels, cut off square at both ends.
 
-    A pixel's coverage is the area of it between two straight edges at the half width from the
-    piece of polyline nearest to it. Bands drawn into the same layer unite. Returns how many pixels
+    `layer` (pixels, 5) holds of the piece of polyline nearest to each pixel: squared distance
+    (infinite: none is near), signed distance, half width, grey level, and how deep the pixel lies
+    inside the band's nearest end. Bands drawn into the same layer unite. Returns how many pixels
     are touched so far.
     """
-    rows = nearest.size // columns
+    rows = layer.shape[0] // columns
     last = points.shape[0] - 1
+    margin = 4.0 * softness
     for k in range(last):
         x0 = points[k, 0]
         y0 = points[k, 1]
@@ -70,48 +60,44 @@ def draw_band(
             continue
         tx = (points[k + 1, 0] - x0) / length
         ty = (points[k + 1, 1] - y0) / length
-        reach = max(half_width[k], half_width[k + 1]) + 1.0
+        reach = max(half_width[k], half_width[k + 1]) + margin
         left = max(0, math.floor(min(x0, points[k + 1, 0]) - reach))
         right = min(columns - 1, math.ceil(max(x0, points[k + 1, 0]) + reach))
         top = max(0, math.floor(min(y0, points[k + 1, 1]) - reach))
         bottom = min(rows - 1, math.ceil(max(y0, points[k + 1, 1]) + reach))
+        # Past its ends the band goes on for a little, for the square cut to be made in it.
+        before_allowed = margin if k == 0 else 0.0
+        past_allowed = margin if k == last - 1 else 0.0
         for row in range(top, bottom + 1):
             for column in range(left, right + 1):
                 along = (column - x0) * tx + (row - y0) * ty
                 across = (row - y0) * tx - (column - x0) * ty
-                before = -along
-                past = along - length
-                # Past its ends the band goes on for a pixel, for the square cut to be made in it.
-                over = max(
-                    0.0, before if k > 0 else before - 1.0, past if k < last - 1 else past - 1.0
-                )
+                over = max(0.0, -along - before_allowed, along - length - past_allowed)
                 distance2 = across * across + over * over
                 pixel = row * columns + column
-                if distance2 > reach * reach or distance2 >= nearest[pixel]:
+                if distance2 > reach * reach or distance2 >= layer[pixel, 0]:
                     continue
-                part = min(1.0, max(0.0, along / length))
-                half = half_width[k] + part * (half_width[k + 1] - half_width[k])
-                area = area_below(half - across, -ty, tx) - area_below(-half - across, -ty, tx)
-                if k == 0:
-                    area *= area_below(-before, -tx, -ty)
-                if k == last - 1:
-                    area *= area_below(-past, tx, ty)
-                if nearest[pixel] == np.inf:
+                if layer[pixel, 0] == np.inf:
                     touched[count] = pixel
                     count += 1
-                nearest[pixel] = distance2
-                coverage[pixel] = area
-                colour[pixel] = level[k] + part * (level[k + 1] - level[k])
+                part = min(1.0, max(0.0, along / length))
+                layer[pixel, 0] = distance2
+                layer[pixel, 1] = across
+                layer[pixel, 2] = half_width[k] + part * (half_width[k + 1] - half_width[k])
+                layer[pixel, 3] = level[k] + part * (level[k + 1] - level[k])
+                # Seen from elsewhere than the first and the last piece the ends are far away.
+                from_start = along if k == 0 else margin
+                from_end = length - along if k == last - 1 else margin
+                layer[pixel, 4] = min(from_start, from_end)
     return count
 
 
 @_compiled
 def lay_down(
-    nearest: Picture,
-    coverage: Picture,
-    colour: Picture,
+    layer: Picture,
     touched: npt.NDArray[np.int32],
     count: int,
+    softness: float,
     share: float,
     hidden: Picture,
     light: Picture,
@@ -119,11 +105,15 @@ def lay_down(
     """Add `share` of a layer to what hides the background and to the light; clear the layer."""
     for k in range(count):
         pixel = touched[k]
-        part = share * coverage[pixel]
+        across = layer[pixel, 1]
+        half = layer[pixel, 2]
+        inside = edge(half - across, softness) - edge(-half - across, softness)
+        part = share * inside
+        if layer[pixel, 4] < 4.0 * softness:
+            part *= edge(layer[pixel, 4], softness)
         hidden[pixel] += part
-        light[pixel] += part * colour[pixel]
-        nearest[pixel] = np.inf
-        coverage[pixel] = 0.0
+        light[pixel] += part * layer[pixel, 3]
+        layer[pixel, 0] = np.inf
 
 
 @_compiled

@@ -14,19 +14,20 @@ class BandLayer:
     """Collects the coverage and the light of bands, averaged over the instants of an exposure.
 
     Draw the bands of one instant, which unite; `add` them with the instant's share of the exposure;
-    when all instants are in, `lay_over` a picture, which empties the layer.
+    when all instants are in, `lay_over` a picture, which empties the layer. `softness_px` is the
+    standard deviation of the edges.
     """
 
-    def __init__(self, columns: int, rows: int) -> None:
+    def __init__(self, columns: int, rows: int, softness_px: float) -> None:
         from sim_hardware.optics import kernels
 
         self._kernels = kernels
         self._columns = columns
+        self._softness_px = softness_px
         pixels = columns * rows
-        self._nearest = np.full(pixels, np.inf, dtype=np.float32)
-        self._coverage, self._colour, self._hidden, self._light = (
-            np.zeros(pixels, dtype=np.float32) for _ in range(4)
-        )
+        self._layer = np.full((pixels, 5), np.inf, dtype=np.float32)
+        self._hidden = np.zeros(pixels, dtype=np.float32)
+        self._light = np.zeros(pixels, dtype=np.float32)
         self._touched = np.zeros(pixels, dtype=np.int32)
         self._count = 0
         self._changed: list[npt.NDArray[np.int32]] = []
@@ -37,10 +38,9 @@ class BandLayer:
             points_px,
             half_width_px,
             level,
+            self._softness_px,
+            self._layer,
             self._columns,
-            self._nearest,
-            self._coverage,
-            self._colour,
             self._touched,
             self._count,
         )
@@ -48,11 +48,10 @@ class BandLayer:
     def add(self, share: float) -> None:
         """Count what was drawn since the last call with this share of the exposure."""
         self._kernels.lay_down(
-            self._nearest,
-            self._coverage,
-            self._colour,
+            self._layer,
             self._touched,
             self._count,
+            self._softness_px,
             share,
             self._hidden,
             self._light,

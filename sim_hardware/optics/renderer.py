@@ -14,12 +14,17 @@ from sim_hardware.optics.layer import BandLayer, Picture
 from sim_hardware.optics.marker import write_marker
 from sim_hardware.optics.settings import FarFace, OpticsSettings
 
+# Part of the lens's blur goes into the edges of the bands before they are sampled: a sharp edge,
+# sampled, would carry the band's middle up to 0.03 px off, and no later blur brings that back.
+_EDGE_BLUR_PX = 0.5
+_PIXEL_VARIANCE = 1 / 12
+
 Contact = tuple[float, float, float]
 """x and y in m of the point between the rolls, and the sheet's direction there in rad."""
 
 
 class Renderer:
-    """Draws frames: coverage by pixel areas, two-dimensional blur, uneven light, then the sensor.
+    """Draws frames: bands with soft edges, two-dimensional blur, uneven light, then the sensor.
 
     A frame depends only on the settings, the seed and the arguments of `render`, so frames may be
     rendered in any order, and again. Not for several threads at once.
@@ -36,9 +41,11 @@ class Renderer:
         self._gain = backdrop.light_gain(settings).ravel()
         self._glare = backdrop.glare(settings).ravel()
         self._jaws = backdrop.jaws(settings, self._geometry)
-        self._layer = BandLayer(self._columns, self._rows)
-        random = np.random.default_rng((self._seed, 0x0971C5))
-        self._ripples = random.uniform(2e-3, 8e-3, 6), random.uniform(0, 2 * np.pi, 6)
+        edge_blur = min(settings.blur_px, _EDGE_BLUR_PX)
+        self._blur_left_px = math.sqrt(settings.blur_px**2 - edge_blur**2)
+        softness = math.sqrt(edge_blur**2 + _PIXEL_VARIANCE)
+        self._layer = BandLayer(self._columns, self._rows, softness)
+        self._lit_m, self._lit_level = self._light_along_the_sheet()
 
     def render(
         self,
@@ -71,6 +78,14 @@ class Renderer:
             self._jaws.draw(frame)
         return self._expose(self._blurred(frame), number, time_s)
 
+    def _light_along_the_sheet(self) -> tuple[FloatArray, FloatArray]:
+        """Places along the sheet and its grey level there: waves of 2-8 mm, drawn by the seed."""
+        random = np.random.default_rng((self._seed, 0x0971C5))
+        lengths, phases = random.uniform(2e-3, 8e-3, 6), random.uniform(0, 2 * np.pi, 6)
+        at = np.arange(0, 0.2, 1e-4)
+        waves = np.cos(at[:, None] * (2 * np.pi / lengths) + phases).sum(1) / math.sqrt(3)
+        return at, self.settings.sheet_level * (1 + self.settings.light.unevenness * waves)
+
     def _band(
         self, shape: FloatArray, sheet_length_m: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -79,9 +94,7 @@ class Renderer:
         points, at = smooth_polyline(shape, 1 / self._geometry.px_per_m)
         on_sheet = at <= sheet_length_m
         half = np.where(on_sheet, s.sheet_thickness_m, s.elongation_thickness_m) / 2
-        lengths, phases = self._ripples
-        ripple = np.cos(at[:, None] * (2 * np.pi / lengths) + phases).sum(1) / math.sqrt(3)
-        lit = s.sheet_level * (1 + s.light.unevenness * ripple)
+        lit = np.interp(at, self._lit_m, self._lit_level)
         pixels = self._geometry.to_undistorted(points)
         if self._jaws is not None:
             # The sheet goes on a little under the jaws, so that no background shows at their edge.
@@ -130,7 +143,7 @@ class Renderer:
     def _blurred(self, frame: Picture) -> Picture:
         import cv2
 
-        sigma = self.settings.blur_px
+        sigma = self._blur_left_px
         if sigma == 0:
             return frame
         blurred = cv2.GaussianBlur(frame, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)

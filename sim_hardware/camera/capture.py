@@ -1,0 +1,123 @@
+"""The simulated camera as an object with the interface of `cv2.VideoCapture`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from drivers.interfaces import Clock
+from sim_hardware.bench import Scene
+from sim_hardware.camera.faults import CameraFaults
+from sim_hardware.camera.stream import FrameStream
+
+# OpenCV's numbers of its properties, which do not change.
+POS_MSEC, FRAME_WIDTH, FRAME_HEIGHT, FPS, CONVERT_RGB = 0, 3, 4, 5, 16
+OPEN_TIMEOUT_MSEC, READ_TIMEOUT_MSEC = 53, 54
+
+
+class SimulatedCapture:
+    """What a driver uses of `cv2.VideoCapture`, on any clock.
+
+    `grab` waits for the next frame and only marks it; `retrieve` renders it, so frames that nobody
+    wants cost nothing. A reader that comes late finds the last `buffered` frames, as a driver keeps
+    them; older ones are lost. As with OpenCV, images have three channels until
+    `CAP_PROP_CONVERT_RGB` is set to 0, which gives grey (rows, columns).
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        clock: Clock,
+        *,
+        faults: CameraFaults | None = None,
+        jitter_s: float = 0.0,
+        buffered: int = 4,
+    ) -> None:
+        self._scene = scene
+        self._clock = clock
+        self.faults = faults if faults is not None else CameraFaults()
+        self._jitter_s = jitter_s
+        self._buffered = buffered
+        self._stream: FrameStream | None = None
+        self._number: int | None = None  # of the frame that is grabbed
+        self._properties = {CONVERT_RGB: 1.0, OPEN_TIMEOUT_MSEC: 3e4, READ_TIMEOUT_MSEC: 3e4}
+        self.open()
+
+    def open(self, *_source: Any) -> bool:
+        """Start the camera anew, from frame 0; what OpenCV would be told to open is ignored."""
+        self._stream = FrameStream(self._scene, self._clock.now(), self.faults, self._jitter_s)
+        self._next = 0
+        self._number = None
+        return True
+
+    def isOpened(self) -> bool:
+        """Tell whether the camera was opened and not released."""
+        return self._stream is not None
+
+    def release(self) -> None:
+        """Stop the camera."""
+        self._stream = None
+        self._number = None
+
+    def getBackendName(self) -> str:
+        """OpenCV's name of what reads the camera."""
+        return "SIMULATED"
+
+    def grab(self) -> bool:
+        """Wait for the next frame; False when the camera is closed, gone, or delivers nothing."""
+        self._number = None
+        if self._stream is None:
+            return False
+        wait_until = self._clock.now() + self._properties[READ_TIMEOUT_MSEC] / 1000
+        oldest = self._stream.latest_at(self._clock.now()) - self._buffered + 1
+        number = max(self._next, oldest)
+        while number in self.faults.drop and number not in self.faults.gone:
+            if self._stream.arrival_of(number) > wait_until:
+                break
+            number += 1
+        self._next = number
+        if number in self.faults.gone:
+            return False
+        arrival = self._stream.arrival_of(number)
+        self._clock.sleep_until(min(arrival, wait_until))
+        if arrival > wait_until:
+            return False
+        self._next = number + 1
+        self._number = number
+        return True
+
+    def retrieve(self) -> tuple[bool, npt.NDArray[np.uint8] | None]:
+        """The frame that was grabbed last."""
+        if self._stream is None or self._number is None:
+            return False, None
+        grey = self._stream.image(self._number)
+        if self._properties[CONVERT_RGB]:
+            return True, np.repeat(grey[:, :, None], 3, axis=2)
+        return True, grey
+
+    def read(self) -> tuple[bool, npt.NDArray[np.uint8] | None]:
+        """Grab and retrieve."""
+        return self.retrieve() if self.grab() else (False, None)
+
+    def get(self, propId: int) -> float:
+        """A property; 0 for those that are not known, as OpenCV does."""
+        rows, columns = self._scene.frame_shape
+        if propId == POS_MSEC:
+            if self._stream is None or self._number is None:
+                return 0.0
+            return (self._stream.time_of(self._number) - self._stream.start_s) * 1000
+        known = {
+            FRAME_WIDTH: float(columns),
+            FRAME_HEIGHT: float(rows),
+            FPS: self._scene.frame_rate_hz,
+        }
+        return known.get(propId, self._properties.get(propId, 0.0))
+
+    def set(self, propId: int, value: float) -> bool:
+        """Set a property; False for those that this camera cannot change."""
+        if propId not in self._properties:
+            return False
+        self._properties[propId] = float(value)
+        return True

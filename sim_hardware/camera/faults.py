@@ -1,0 +1,36 @@
+"""What can go wrong with the simulated camera, by frame number."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import dataclass
+
+FOREVER = 1 << 62
+
+
+def from_frame(first: int) -> range:
+    """All frames from this one on."""
+    return range(first, FOREVER)
+
+
+@dataclass
+class CameraFaults:
+    """Which frames suffer from what; may be changed while the camera runs.
+
+    Any container of frame numbers will do: a set, a range, `from_frame(100)`. Frames are numbered
+    from 0, in the order in which the camera takes them, lost ones too.
+    """
+
+    drop: Container[int] = ()
+    """Never arrive. After `from_frame(n)` a reader waits for its time-out: a camera that hangs."""
+    late: Container[int] = ()
+    """Arrive `late_s` after their time."""
+    late_s: float = 0.1
+    freeze: Container[int] = ()
+    """Show again the last picture that was not frozen."""
+    black: Container[int] = ()
+    """Show nothing at all."""
+    wrong_size: Container[int] = ()
+    """Come with half the rows and columns."""
+    gone: Container[int] = ()
+    """The camera is unplugged; one such frame ends the stream for good."""

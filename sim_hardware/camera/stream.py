@@ -1,0 +1,60 @@
+"""The frames of a free-running camera: when each is there, and what is in it."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.bench import Scene
+from sim_hardware.camera.faults import CameraFaults
+
+Image = npt.NDArray[np.uint8]
+
+
+class FrameStream:
+    """Frame k's exposure ends at start + (k + 1) / rate; jitter and faults are added to that."""
+
+    def __init__(
+        self, scene: Scene, start_s: float, faults: CameraFaults, jitter_s: float = 0.0
+    ) -> None:
+        self.scene = scene
+        self.faults = faults
+        self.start_s = start_s
+        self.period_s = 1 / scene.frame_rate_hz
+        self._jitter_s = jitter_s
+        self._lock = threading.Lock()
+        self._last_good: Image | None = None
+
+    def time_of(self, number: int) -> float:
+        """Clock time at which the frame's exposure ends; jitter only delays."""
+        time_s = self.start_s + (number + 1) * self.period_s
+        if self._jitter_s:
+            time_s += float(np.random.default_rng((number, 0xCA3)).uniform(0, self._jitter_s))
+        return time_s
+
+    def arrival_of(self, number: int) -> float:
+        """Clock time at which the frame can be read."""
+        late = self.faults.late_s if number in self.faults.late else 0.0
+        return self.time_of(number) + late
+
+    def latest_at(self, when_s: float) -> int:
+        """Number of the last frame whose nominal time has passed; -1 before the first."""
+        # A frame whose time is just now counts, whatever the last bit of the division says.
+        return int((when_s - self.start_s) / self.period_s + 1e-6) - 1
+
+    def image(self, number: int) -> Image:
+        """The frame (rows, columns) as it arrives."""
+        faults = self.faults
+        if number in faults.black:
+            return np.zeros(self.scene.frame_shape, dtype=np.uint8)
+        with self._lock:
+            if number in faults.freeze and self._last_good is not None:
+                image = self._last_good
+            else:
+                image = self.scene.picture(self.time_of(number), number)
+                self._last_good = image
+        if number in faults.wrong_size:
+            image = image[::2, ::2]
+        return image.copy()
