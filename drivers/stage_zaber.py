@@ -15,6 +15,7 @@ from typing import Any
 
 from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, LimitError
 from drivers.serial_port import SerialLine
+from drivers.stage_zaber_warnings import HARMLESS, NO_REFERENCE, in_words, is_fault
 
 BAUD_RATE = 115200
 RST_MICROSTEP_RAD = math.radians(0.000234375)  # X-RST and X-RSW stages at 64 microsteps
@@ -24,32 +25,6 @@ _POLL_S = 0.05
 _MARGIN_S = 2.0
 _REPLY_S = 1.0
 _HOMING_S = 120.0
-_NO_REFERENCE = ("WR", "WH")
-_WARNINGS = {
-    "FF": "critical system error",
-    "FN": "peripheral not supported",
-    "FZ": "peripheral inactive",
-    "FH": "motor temperature or position error while homing",
-    "FQ": "encoder error",
-    "FS": "stalled and stopped",
-    "FT": "excessive twist",
-    "FB": "previous stream failed",
-    "FP": "streaming failed",
-    "FE": "limit error: the target could not be reached",
-    "WL": "a limit switch was met unexpectedly",
-    "WV": "supply voltage out of range",
-    "WT": "temperature high",
-    "WM": "displaced while stationary",
-    "WR": "no reference position: it must be homed",
-    "WH": "not homed: it must be homed",
-    "NC": "moved by its knob",
-    "NI": "the movement was interrupted",
-    "ND": "driver disabled by command",
-    "NU": "a setting awaits a restart",
-    "NJ": "joystick calibrating",
-    "NR": "updating the reference position",
-}
-_HARMLESS = frozenset({"--", "NU", "NC"})
 
 
 @dataclass(frozen=True)
@@ -96,8 +71,7 @@ class ZaberStage:
             self._line.drop_input()
             self._range_steps = (self._get("limit.min"), self._get("limit.max"))
             self._steps_per_s = max(1.0, self._get("maxspeed") / _SPEED_UNIT)
-            if self._ask("").warning in _NO_REFERENCE:
-                self._reference()
+            self._check_reference()
         except DeviceError:
             self._line.close()
             raise
@@ -131,7 +105,12 @@ class ZaberStage:
         """See `Positioner.close`; it stays where it is."""
         self._line.close()
 
-    def _reference(self) -> None:
+    def _check_reference(self) -> None:
+        warning = self._ask("").warning
+        if is_fault(warning):
+            raise DeviceError(f"{self._line.name} cannot move: {in_words(warning)}")
+        if warning not in NO_REFERENCE:
+            return
         if not self._home_on_open:
             raise DeviceError(
                 f"{self._line.name} has no reference position: move everything out of its way and "
@@ -157,9 +136,9 @@ class ZaberStage:
         began_s = self._clock.now()
         while True:
             reply = self._ask("")
-            if reply.warning.startswith("F"):
+            if is_fault(reply.warning):
                 self._stop()
-                raise DeviceError(f"{self._line.name}: {what} failed: {_words(reply.warning)}")
+                raise DeviceError(f"{self._line.name}: {what} failed: {in_words(reply.warning)}")
             if not reply.busy:
                 return
             if self._clock.now() - began_s > allowed_s:
@@ -206,13 +185,9 @@ class ZaberStage:
         accepted, busy, warning, data = match.groups()[2:]
         if accepted == "RJ":
             raise DeviceError(f"{self._line.name} rejected '{command or 'status'}': {data}")
-        if warning not in _HARMLESS and _words(warning) not in self.warnings:
-            self.warnings.append(_words(warning))
+        if warning not in HARMLESS and in_words(warning) not in self.warnings:
+            self.warnings.append(in_words(warning))
         return _Reply(busy == "BUSY", warning, data)
-
-
-def _words(warning: str) -> str:
-    return f"{_WARNINGS.get(warning, 'unknown warning')} ({warning})"
 
 
 def _without_checksum(line: str) -> str:

@@ -1,0 +1,30 @@
+"""Options and fixtures of the whole test suite."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--rig", type=Path, help="rig.toml of the rig that real_hardware tests may use"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Real hardware is touched only when a rig is named."""
+    if config.getoption("--rig") is not None:
+        return
+    skip = pytest.mark.skip(reason="needs a rig: -m real_hardware --rig rig.toml")
+    for item in items:
+        if "real_hardware" in item.keywords:
+            item.add_marker(skip)
+
+
+@pytest.fixture(scope="session")
+def rig_file(request: pytest.FixtureRequest) -> Path:
+    """The rig.toml given with --rig."""
+    path: Path = request.config.getoption("--rig")
+    return path
