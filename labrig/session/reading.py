@@ -1,0 +1,113 @@
+"""Pieces of an open session file as Python values."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from labrig.errors import BadInputError
+from labrig.session import layout
+from labrig.session.layout import Array
+from labrig.session.setup import Setup
+from protocols import schedule_from_dict
+from protocols.errors import ScheduleError
+
+
+def read_dataset(file: Any, name: str, path: Path) -> Any:
+    """A dataset by its full name. Raises BadInputError when it is not there."""
+    found = file.get(name)
+    if not isinstance(found, h5py.Dataset):
+        raise BadInputError(f"{path}: {name} is missing, so this is no whole session.")
+    return found
+
+
+def read_array(dataset: Any, path: Path, rows: Any = ()) -> Array:
+    """Some or all of a dataset. Raises BadInputError when its bytes are damaged."""
+    try:
+        return np.asarray(dataset[rows])
+    except (OSError, RuntimeError) as error:
+        raise BadInputError(
+            f"{path}: {dataset.name} is damaged ({error}); where its journal still lies beside the "
+            f"file, run labrig recover {path}."
+        ) from None
+
+
+def read_text(file: Any, name: str, path: Path) -> str:
+    """A scalar text."""
+    value = read_array(read_dataset(file, name, path), path)
+    if value.shape != () or value.dtype.kind != "S":
+        raise BadInputError(f"{path}: {name} is no text, so this is no whole session.")
+    try:
+        return bytes(value[()]).decode("utf-8")
+    except UnicodeDecodeError:
+        raise BadInputError(f"{path}: {name} is damaged; it is no text in UTF-8.") from None
+
+
+def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
+    """All texts of a group."""
+    group = file.get(name)
+    if not isinstance(group, h5py.Group):
+        raise BadInputError(f"{path}: {name} is missing, so this is no whole session.")
+    return {key: read_text(file, f"{name}/{key}", path) for key in group}
+
+
+def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
+    """A table, its texts as str. Raises BadInputError when it has other columns."""
+    dataset = read_dataset(file, name, path)
+    if dataset.dtype != kind:
+        raise BadInputError(f"{path}: {name} has other columns than a session has.")
+    return with_str(read_array(dataset, path))
+
+
+def with_str(table: Array) -> Array:
+    """The structured array with its bytes decoded to str."""
+    columns = {name: table.dtype[name] for name in table.dtype.names or ()}
+    wanted = [
+        (name, f"<U{kind.itemsize}" if kind.kind == "S" else kind) for name, kind in columns.items()
+    ]
+    decoded = np.empty(table.shape, dtype=wanted)
+    for name, kind in columns.items():
+        values = table[name]
+        decoded[name] = np.char.decode(values, "utf-8", "replace") if kind.kind == "S" else values
+    return decoded
+
+
+def read_setup(file: Any, path: Path) -> Setup:
+    """What the file was created from."""
+
+    def scalar(name: str) -> Any:
+        return read_array(read_dataset(file, f"{layout.SETUP}/{name}", path), path)[()]
+
+    signals = read_table(file, f"{layout.SETUP}/signals", layout.SIGNAL_ROW, path)
+    has_frames = f"{layout.SETUP}/frame_shape" in file
+    shape = scalar("frame_shape") if has_frames else None
+    frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
+    try:
+        return Setup(
+            schedule=schedule_from_dict(_json(file, "schedule", path)),
+            texts=read_texts(file, f"{layout.SETUP}/texts", path),
+            resolved=_json(file, "resolved", path),
+            channels=tuple(str(name) for name in signals["name"]),
+            ranges_V=tuple(float(value) for value in signals["range_V"]),
+            rate_hz=float(scalar("rate_hz")),
+            frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
+            frame_dtype=frame_dtype,
+            keep_all_frames=bool(scalar("keep_all_frames")),
+            simulated=bool(scalar("simulated")),
+            identifier=read_text(file, f"{layout.ENTRY}/identifier", path),
+            versions=read_texts(file, f"{layout.SETUP}/versions", path),
+        )
+    except (ScheduleError, TypeError, ValueError, IndexError) as error:
+        raise BadInputError(f"{path}: what was planned cannot be read: {error}.") from None
+
+
+def _json(file: Any, name: str, path: Path) -> Any:
+    text = read_text(file, f"{layout.SETUP}/{name}", path)
+    try:
+        return json.loads(text)
+    except ValueError:
+        raise BadInputError(f"{path}: {layout.SETUP}/{name} is no JSON.") from None

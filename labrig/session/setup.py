@@ -1,0 +1,101 @@
+"""What is known of a session before it begins; the file is made from it up front."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from labrig.errors import BadInputError
+from protocols import schedule_from_dict, schedule_to_dict
+from protocols.schedule import Schedule
+
+_PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
+
+
+def present_versions() -> dict[str, str]:
+    """Versions of labrig, of the packages it works with, of Python and of the platform."""
+    found = {"python": platform.python_version(), "platform": platform.platform()}
+    for package in _PACKAGES:
+        try:
+            found[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            found[package] = "absent"
+    return found
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything the file is created from."""
+
+    schedule: Schedule
+    texts: Mapping[str, str]  # configuration files as used: name -> content
+    resolved: Mapping[str, Any]  # the same as understood, plain JSON
+    channels: tuple[str, ...]
+    ranges_V: tuple[float, ...]
+    rate_hz: float
+    frame_shape: tuple[int, int] | None  # None: no camera
+    frame_dtype: str = "uint8"
+    keep_all_frames: bool = False
+    simulated: bool = False
+    identifier: str = field(default_factory=lambda: str(uuid.uuid4()))
+    versions: Mapping[str, str] = field(default_factory=present_versions)
+
+    def __post_init__(self) -> None:
+        _check_names("channel", self.channels, reserved=("time",))
+        _check_names("configuration file", tuple(self.texts))
+        if len(self.ranges_V) != len(self.channels):
+            raise BadInputError(
+                f"There are {len(self.channels)} channels and {len(self.ranges_V)} input ranges; "
+                "each channel needs one."
+            )
+        if np.dtype(self.frame_dtype) not in (np.dtype(np.uint8), np.dtype(np.uint16)):
+            raise BadInputError(
+                f"Frames of type {self.frame_dtype} cannot be recorded; the camera must deliver "
+                "grey pictures of 8 or 16 bit."
+            )
+
+    def to_json(self) -> str:
+        """As one JSON object."""
+        plain = {
+            "schedule": schedule_to_dict(self.schedule),
+            "texts": dict(self.texts),
+            "resolved": dict(self.resolved),
+            "channels": list(self.channels),
+            "ranges_V": list(self.ranges_V),
+            "rate_hz": self.rate_hz,
+            "frame_shape": self.frame_shape,
+            "frame_dtype": self.frame_dtype,
+            "keep_all_frames": self.keep_all_frames,
+            "simulated": self.simulated,
+            "identifier": self.identifier,
+            "versions": dict(self.versions),
+        }
+        return json.dumps(plain)
+
+    @classmethod
+    def from_json(cls, text: str) -> Setup:
+        """The reverse of `to_json`; raises ValueError or KeyError when the text is not one."""
+        plain = json.loads(text)
+        shape = plain.pop("frame_shape")
+        return cls(
+            schedule=schedule_from_dict(plain.pop("schedule")),
+            channels=tuple(plain.pop("channels")),
+            ranges_V=tuple(plain.pop("ranges_V")),
+            frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
+            **plain,
+        )
+
+
+def _check_names(what: str, names: Sequence[str], reserved: tuple[str, ...] = ()) -> None:
+    for name in names:
+        if not name or "/" in name or name in {".", ".."} or name in reserved or len(name) > 60:
+            raise BadInputError(f"{name!r} cannot be the name of a {what} in a session file.")
+    if len(set(names)) != len(names):
+        raise BadInputError(f"Two have the same {what} name among {', '.join(names)}.")

@@ -1,0 +1,188 @@
+"""The session file: what goes in comes out, number by number."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+from session_recording import (
+    CHANNELS,
+    FRAME_SHAPE,
+    OFFSET_V,
+    SENSITIVITY_V_PER_N,
+    TEXTS,
+    drive_V,
+    force_N,
+    record,
+    session_events,
+    settings,
+    small_schedule,
+)
+
+from labrig.errors import BadInputError
+from labrig.session import SessionWriter, open_session
+from protocols import events as ev
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("recorded") / "session.h5"
+    record(path, small_schedule())
+    return path
+
+
+def test_what_was_planned_is_in_the_file(recorded):
+    with open_session(recorded) as session:
+        assert session.schedule == small_schedule()
+        assert session.texts == TEXTS
+        assert session.resolved == {"current_sense": {"shunt_ohm": 2.0}}
+        assert session.versions["numpy"] == np.__version__
+        assert session.simulated
+        assert session.channels == CHANNELS
+
+
+def test_the_outcome_and_its_reason_are_in_the_file(recorded):
+    with open_session(recorded) as session:
+        assert session.outcome is ev.Outcome.COMPLETED
+        assert session.reason == "All runs were done."
+        assert session.output_state is ev.OutputState.SAFE
+        assert session.started == "2026-11-21T09:00:00+00:00"
+
+
+def test_raw_signals_come_back_to_the_last_bit(recorded):
+    blocks = [e for e in session_events(small_schedule()) if isinstance(e, ev.SignalsArrived)]
+    with open_session(recorded) as session:
+        for run in session.runs:
+            sent = np.hstack([e.block.volts for e in blocks if e.run == run.planned.index])
+            for row, name in zip(sent, CHANNELS, strict=True):
+                np.testing.assert_array_equal(run.signal_V(name), row)
+            assert run.samples == sent.shape[1]
+
+
+def test_signals_stand_on_the_time_of_the_run(recorded):
+    with open_session(recorded) as session:
+        run = session.runs[1]
+        np.testing.assert_array_equal(run.signal_V("drive"), drive_V(run.planned, run.time_s))
+        force = (run.signal_V("force") - OFFSET_V) / SENSITIVITY_V_PER_N
+        np.testing.assert_allclose(force, force_N(run.planned, run.time_s), atol=1e-4)
+
+
+def test_readings_and_their_frames_come_back(recorded):
+    taken = [e for e in session_events(small_schedule()) if isinstance(e, ev.ReadingTaken)]
+    with open_session(recorded) as session:
+        for event in taken:
+            run = session.runs[event.run]
+            row = run.readings[event.planned.index]
+            assert row["kind"] == event.planned.kind
+            assert row["force_N"] == event.force_N
+            assert row["sample_index"] == event.sample_index
+            assert row["time_s"] == pytest.approx(row["planned_s"] + 1e-3, abs=1e-9)
+            np.testing.assert_array_equal(run.frame(event.planned.index), event.frame.image)
+            assert run.frame_offset_s(event.planned.index) == 4e-3
+        assert run.image(0).shape == FRAME_SHAPE
+
+
+def test_writes_carry_their_lateness_and_sample_index(recorded):
+    with open_session(recorded) as session:
+        writes = session.runs[0].writes
+        np.testing.assert_allclose(writes["lateness_s"], 1e-3, atol=1e-9)
+        planned = [step.time_s for step in session.runs[0].planned.steps]
+        np.testing.assert_array_equal(writes["planned_s"], planned)
+        np.testing.assert_allclose(writes["sample_index"], np.array(planned) * 1e3 + 201, atol=1e-6)
+
+
+def test_the_log_has_one_line_for_each_event_in_order(recorded):
+    quiet = (ev.SignalsArrived, ev.ReadingTaken, ev.VoltageSet, ev.FramesArrived)
+    sent = [e for e in session_events(small_schedule()) if not isinstance(e, quiet)]
+    with open_session(recorded) as session:
+        assert [line.time_s for line in session.events] == [event.time_s for event in sent]
+        assert session.events[1].subject == "move"
+
+
+def test_a_long_warning_is_not_cut(tmp_path):
+    schedule = small_schedule()
+    text = "Grüße " * 200
+    with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
+        for event in session_events(schedule):
+            writer.handle(event)
+            if isinstance(event, ev.SessionStarted):
+                writer.handle(ev.Warned(100.0, text))
+    with open_session(tmp_path / "s.h5") as session:
+        assert [line.text for line in session.events if line.kind == "warned"] == [text]
+
+
+def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
+    schedule = small_schedule()
+    with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
+        for event in session_events(schedule):
+            writer.handle(event)
+            if isinstance(event, ev.RunStopped) and event.run == 1:
+                writer.handle(ev.ReadingMarked(event.time_s, 1, 3, "stuck in the rolls", "anna"))
+                writer.handle(ev.ReadingMarked(event.time_s, 0, None, "dry", "anna"))
+    with open_session(tmp_path / "s.h5") as session:
+        readings = session.runs[1].readings
+        assert list(np.flatnonzero(~readings["valid"])) == [3]
+        assert readings["why"][3] == "stuck in the rolls"
+        assert not session.runs[0].readings["valid"].any()
+    with h5py.File(tmp_path / "s.h5") as file:
+        assert file["session/run_001/readings"]["valid"].all()
+
+
+def test_samples_that_were_lost_leave_a_gap_of_nan(tmp_path):
+    schedule = small_schedule()
+    with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
+        for event in session_events(schedule):
+            lost = isinstance(event, ev.SignalsArrived) and event.block.first_index == 100
+            if not lost:
+                writer.handle(event)
+    with open_session(tmp_path / "s.h5") as session:
+        force = session.runs[0].signal_V("force")
+        assert list(np.flatnonzero(np.isnan(force))) == list(range(100, 150))
+        assert np.isfinite(session.runs[0].time_s).all()
+
+
+def test_a_session_without_a_camera_has_no_frames(tmp_path):
+    record(tmp_path / "s.h5", small_schedule(), frame_shape=None)
+    with open_session(tmp_path / "s.h5") as session:
+        assert session.runs[0].frame_count == 0
+        assert session.runs[0].frame(0) is None
+        assert session.frame_shape is None
+
+
+def test_any_viewer_finds_its_way_by_nexus_defaults(recorded):
+    with h5py.File(recorded) as file:
+        entry = file[file.attrs["default"]]
+        run = entry[entry.attrs["default"]]
+        data = run[run.attrs["default"]]
+        assert data.attrs["NX_class"] == b"NXdata"
+        signal, axis = data[data.attrs["signal"]], data[data.attrs["axes"][0]]
+        assert signal.shape == axis.shape
+        assert signal.attrs["units"] == b"V"
+
+
+def test_nothing_in_the_file_has_a_variable_length(recorded):
+    def visit(name, item):
+        kinds = [value.dtype for value in map(item.attrs.get_id, item.attrs)]
+        if isinstance(item, h5py.Dataset):
+            kinds.append(item.dtype)
+        assert not any(kind.hasobject for kind in kinds), name
+
+    with h5py.File(recorded) as file:
+        visit("/", file)
+        file.visititems(visit)
+
+
+def test_nothing_is_left_beside_a_session_that_was_closed(recorded):
+    assert [entry.name for entry in recorded.parent.iterdir()] == ["session.h5"]
+
+
+def test_an_existing_file_is_never_overwritten(recorded):
+    before = recorded.read_bytes()
+    with pytest.raises(BadInputError, match=r"exists already.*another name"):
+        SessionWriter(recorded, **settings(small_schedule()))
+    assert recorded.read_bytes() == before
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(BadInputError, match=r"no/s\.h5 cannot be written"):
+        SessionWriter(tmp_path / "no" / "s.h5", **settings(small_schedule()))
