@@ -1,0 +1,281 @@
+"""The pixels beside a curve, and what they say of it: the kernels of the intensity fit.
+
+Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P the
+band of the sheet's thickness blurred by the lens, and b, a, c slow along the sheet (solved in
+windows). A shift of the curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what
+they could imitate of a shift are projected out, so what is left is the full likelihood's answer.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision._jit import jit
+
+FloatArray = npt.NDArray[np.float64]
+MapArray = npt.NDArray[np.float32]
+IntArray = npt.NDArray[np.int64]
+MaskArray = npt.NDArray[np.uint8]
+
+
+@jit
+def collect(
+    image: MapArray,
+    plane: MapArray,
+    node_u: FloatArray,
+    node_v: FloatArray,
+    x: FloatArray,
+    y: FloatArray,
+    phi: FloatArray,
+    k: FloatArray,
+    reach: float,
+    pixel_size: float,
+    mask: MaskArray,
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Intensities (pixels,), distances (pixels,) and the first pixel of each cell (cells + 1,).
+
+    A cell lies between the normals of two neighbouring nodes, so each pixel belongs to one.
+    `plane` (rows, columns, 2): every pixel's place in the sheet's plane; `node_u`, `node_v`: the
+    nodes in the picture; `reach` how far beside the curve, `pixel_size` a pixel's largest extent
+    in plane units; pixels where `mask` (rows, columns) is not 0 are left out.
+    """
+    rows, columns = image.shape
+    cells = len(x) - 1
+    first = np.zeros(cells + 1, dtype=np.int64)
+    capacity = int(cells * (2 * reach + 3) * 2.2 / (pixel_size * pixel_size)) + 1000
+    value = np.empty(capacity)
+    distance = np.empty(capacity)
+    many = 0
+    margin = reach / pixel_size + 1.5
+    cos, sin = np.cos(phi), np.sin(phi)
+    for i in range(cells):
+        first[i] = many
+        low_v = max(0, int(math.floor(min(node_v[i], node_v[i + 1]) - margin)))
+        high_v = min(rows - 1, int(math.ceil(max(node_v[i], node_v[i + 1]) + margin)))
+        low_u = max(0, int(math.floor(min(node_u[i], node_u[i + 1]) - margin)))
+        high_u = min(columns - 1, int(math.ceil(max(node_u[i], node_u[i + 1]) + margin)))
+        for row in range(low_v, high_v + 1):
+            for column in range(low_u, high_u + 1):
+                px, py = plane[row, column, 0], plane[row, column, 1]
+                ahead = (px - x[i]) * cos[i] + (py - y[i]) * sin[i]
+                if ahead < 0:
+                    continue
+                left = (px - x[i + 1]) * cos[i + 1] + (py - y[i + 1]) * sin[i + 1]
+                if left >= 0:
+                    continue
+                d = -(px - x[i]) * sin[i] + (py - y[i]) * cos[i] - 0.5 * k[i] * ahead * ahead
+                if abs(d) > reach or many >= capacity or mask[row, column] != 0:
+                    continue
+                value[many] = image[row, column]
+                distance[many] = d
+                many += 1
+    first[cells] = many
+    return value[:many].copy(), distance[:many].copy(), first
+
+
+@jit
+def template(d: float, half_width: float, blur: float) -> tuple[float, float]:
+    """The blurred band P and its derivative P'."""
+    scale = 1.0 / (math.sqrt(2.0) * blur)
+    up, low = (d + half_width) * scale, (d - half_width) * scale
+    value = 0.5 * (math.erf(up) - math.erf(low))
+    slope = (math.exp(-up * up) - math.exp(-low * low)) * scale / math.sqrt(math.pi)
+    return value, slope
+
+
+@jit
+def window_sums(sums: FloatArray, half: int) -> FloatArray:
+    """Moving sums over `2 half + 1` cells of (cells, columns)."""
+    cells, columns = sums.shape
+    running = np.zeros((cells + 1, columns))
+    for i in range(cells):
+        for q in range(columns):
+            running[i + 1, q] = running[i, q] + sums[i, q]
+    out = np.empty_like(sums)
+    for i in range(cells):
+        low, high = max(0, i - half), min(cells, i + half + 1)
+        for q in range(columns):
+            out[i, q] = running[high, q] - running[low, q]
+    return out
+
+
+@jit
+def _solve3(n: FloatArray, r0: float, r1: float, r2: float) -> tuple[float, float, float]:
+    # symmetric 3 x 3: n = (11, 1d, 1P, dd, dP, PP), with a trace of a ridge for empty windows
+    tiny = 1e-9 * (n[0] + n[3] + n[5]) + 1e-12
+    a, b, c, d, e, f = n[0] + tiny, n[1], n[2], n[3] + tiny, n[4], n[5] + tiny
+    ca, cb, cc = d * f - e * e, c * e - b * f, b * e - c * d
+    determinant = a * ca + b * cb + c * cc
+    if not determinant > 0:
+        return 0.0, 0.0, 0.0
+    cd, ce, cf = a * f - c * c, b * c - a * e, a * d - b * b
+    return (
+        (ca * r0 + cb * r1 + cc * r2) / determinant,
+        (cb * r0 + cd * r1 + ce * r2) / determinant,
+        (cc * r0 + ce * r1 + cf * r2) / determinant,
+    )
+
+
+@jit
+def measure(
+    value: FloatArray,
+    distance: FloatArray,
+    first: IntArray,
+    half_width: FloatArray,
+    blur: float,
+    window: int,
+    noise: float,
+    rounds: int,
+    used: FloatArray,
+    widen: FloatArray,
+) -> FloatArray:
+    """Per cell (cells, 9): contrast c, background b, slope a, sum g^2, sum g res, sum res^2, weight,
+    sum h res, sum h^2.
+
+    g is the derivative of a pixel with respect to a shift, what b, a, c could imitate projected
+    out; h the same for the blur, or, where `widen` is not 0, for the half width. `noise` is one
+    pixel's, the scale of the robust weights; `half_width`, `used` and `widen` are (cells,).
+    """
+    cells = len(first) - 1
+    pixels = len(value)
+    p, slope, look_slope, weight = (
+        np.empty(pixels),
+        np.empty(pixels),
+        np.empty(pixels),
+        np.ones(pixels),
+    )
+    for i in range(cells):
+        for q in range(first[i], first[i + 1]):
+            p[q], slope[q] = template(distance[q], half_width[i], blur)
+            up, low = distance[q] + half_width[i], distance[q] - half_width[i]
+            high = math.exp(-0.5 * up * up / (blur * blur)) / (math.sqrt(2 * math.pi) * blur)
+            deep = math.exp(-0.5 * low * low / (blur * blur)) / (math.sqrt(2 * math.pi) * blur)
+            if widen[i] > 0:
+                look_slope[q] = high + deep
+            else:
+                look_slope[q] = -(up * high - low * deep) / blur
+    out = np.zeros((cells, 9))
+    sums = np.empty((cells, 15))
+    for turn in range(rounds):
+        for i in range(cells):
+            for q in range(15):
+                sums[i, q] = 0.0
+            if used[i] <= 0:
+                continue
+            for q in range(first[i], first[i + 1]):
+                w, d, t, f = weight[q], distance[q], p[q], value[q]
+                sums[i, 0] += w
+                sums[i, 1] += w * d
+                sums[i, 2] += w * t
+                sums[i, 3] += w * d * d
+                sums[i, 4] += w * d * t
+                sums[i, 5] += w * t * t
+                sums[i, 6] += w * f
+                sums[i, 7] += w * f * d
+                sums[i, 8] += w * f * t
+                g = slope[q]
+                sums[i, 9] += w * g
+                sums[i, 10] += w * g * d
+                sums[i, 11] += w * g * t
+                g = look_slope[q]
+                sums[i, 12] += w * g
+                sums[i, 13] += w * g * d
+                sums[i, 14] += w * g * t
+        total = window_sums(sums, window)
+        last = turn == rounds - 1
+        for i in range(cells):
+            n = total[i]
+            b, a, c = _solve3(n, n[6], n[7], n[8])
+            gb, ga, gc = _solve3(n, n[9], n[10], n[11])
+            hb, ha, hc = _solve3(n, n[12], n[13], n[14])
+            information, pull, square, share = 0.0, 0.0, 0.0, 0.0
+            look_pull, look_information = 0.0, 0.0
+            for q in range(first[i], first[i + 1]):
+                d, t = distance[q], p[q]
+                miss = value[q] - b - a * d - c * t
+                # Tukey's weights: an outlier beyond 4.7 sigma counts for nothing
+                ratio = miss / (4.7 * noise)
+                w = (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
+                if last:
+                    w = weight[q]
+                    g = -c * (slope[q] - gb - ga * d - gc * t)
+                    h = c * (look_slope[q] - hb - ha * d - hc * t)
+                    information += w * g * g
+                    pull += w * g * miss
+                    square += w * miss * miss
+                    share += w
+                    look_pull += w * h * miss
+                    look_information += w * h * h
+                else:
+                    weight[q] = w
+            if last:
+                out[i, 0], out[i, 1], out[i, 2] = c, b, a
+                out[i, 3], out[i, 4], out[i, 5], out[i, 6] = information, pull, square, share
+                out[i, 7], out[i, 8] = look_pull, look_information
+    return out
+
+
+@jit
+def ridge_offsets(
+    smooth: MapArray,
+    u: FloatArray,
+    v: FloatArray,
+    along_u: FloatArray,
+    along_v: FloatArray,
+    reach: IntArray,
+    sign: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Offset of the ridge nearest to each point, its height and its full width at half height.
+
+    In steps of (along_u, along_v), looked for within `reach` (points,) steps. The offset is the
+    middle between the two places at half height, so thin and thick bands are measured alike; NaN
+    where there is none. The height is counted from the mean of the two ends.
+    """
+    rows, columns = smooth.shape
+    n = len(u)
+    offset, width = np.full(n, np.nan), np.full(n, np.nan)
+    height = np.zeros(n)
+    profile = np.empty(2 * reach.max() + 1)
+    for i in range(n):
+        r = reach[i]
+        inside = True
+        for q in range(-r, r + 1):
+            a, b = u[i] + q * along_u[i], v[i] + q * along_v[i]
+            col, row = int(math.floor(a)), int(math.floor(b))
+            if row < 0 or col < 0 or row >= rows - 1 or col >= columns - 1:
+                inside = False
+                break
+            fa, fb = a - col, b - row
+            profile[q + r] = sign * (
+                (smooth[row, col] * (1 - fa) + smooth[row, col + 1] * fa) * (1 - fb)
+                + (smooth[row + 1, col] * (1 - fa) + smooth[row + 1, col + 1] * fa) * fb
+            )
+        if not inside:
+            continue
+        floor = 0.5 * (profile[0] + profile[2 * r])
+        best, where = 0.0, 0
+        for q in range(1, 2 * r):
+            if profile[q] >= profile[q - 1] and profile[q] >= profile[q + 1]:
+                worth = (profile[q] - floor) * (1.0 - 0.5 * abs(q - r) / r)
+                if worth > best:
+                    best, where = worth, q
+        if where == 0:
+            continue
+        half = floor + 0.5 * (profile[where] - floor)
+        left = where
+        while left > 0 and profile[left] > half:
+            left -= 1
+        right = where
+        while right < 2 * r and profile[right] > half:
+            right += 1
+        if profile[left] > half or profile[right] > half:
+            continue
+        low = left + (half - profile[left]) / (profile[left + 1] - profile[left])
+        high = right - (half - profile[right]) / (profile[right - 1] - profile[right])
+        offset[i] = 0.5 * (low + high) - r
+        width[i] = high - low
+        height[i] = profile[where] - floor
+    return offset, height, width

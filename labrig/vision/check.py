@@ -1,0 +1,116 @@
+"""Is this really the sheet? Every reason to say no, as a sentence, and what deserves a warning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from labrig.vision.ends import Tip
+from labrig.vision.fit import Fit
+from labrig.vision.setting import Setting
+from labrig.vision.trace import MOST_CURVATURE_PER_M
+
+LEAST_COVERED = 0.6
+LEAST_START_COVERED = 0.4
+LEAST_SNR = 2.0
+MOST_RESIDUAL_PX = 0.5
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """`why` is empty when the curve passes."""
+
+    why: str
+    warnings: tuple[str, ...]
+    covered: float
+    residual_px: float
+    worth: float  # to choose between candidates: how much of the picture the curve explains
+
+
+def judge(fit: Fit, setting: Setting, tip: Tip) -> Verdict:
+    """All tests of a fitted curve."""
+    covered = float(fit.used[2:-2].mean())
+    residual = smooth_residual_px(fit)
+    strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
+    worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
+    faults = [fault for fault in _faults(fit, setting, tip, covered, residual) if fault]
+    return Verdict(
+        why=faults[0] if faults else "",
+        warnings=tuple(_warnings(fit, setting, tip, covered)),
+        covered=covered,
+        residual_px=residual,
+        worth=worth * (0.3 if faults else 1.0),
+    )
+
+
+def smooth_residual_px(fit: Fit) -> float:
+    """RMS distance between the curve and the sheet as measured in pieces of 15 pixels."""
+    offset, sigma = fit.offsets_px
+    weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
+    box = np.ones(15)
+    total = np.convolve(weight, box, mode="same")
+    mean = np.convolve(weight * np.clip(offset, -3, 3), box, mode="same")
+    seen = fit.used & (total > 0)
+    if not seen.any():
+        return float("inf")
+    return float(np.sqrt(np.mean((mean[seen] / total[seen]) ** 2)))
+
+
+def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: float) -> list[str]:
+    shape, optics = fit.shape, setting.optics
+    length_mm = shape.basis.total_px / optics.px_per_mm
+    out = float((fit.present < 0.3).mean())
+    snr = float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise if fit.used.any() else 0.0
+    start = max(20, len(fit.used) // 8)
+    steepest = float(np.abs(shape.k).max()) * optics.px_per_m
+    offset, angle = shape.parameters[0], shape.parameters[1]
+    tip_px = tip.beyond_px or 0.0
+    allowed = max(6.0, 0.03 * shape.basis.total_px)
+    return [
+        f"the sheet leaves the picture: {out:.0%} of its {length_mm:.1f} mm would be outside; "
+        "move the camera or check clamp_px and px_per_mm."
+        if out > 0.03 and not setting.mask.any()
+        else "",
+        f"no sheet was found that starts at the clamp: only {covered:.0%} of the best path looks "
+        "like one; check the picture, clamp_px and the sheet's length."
+        if covered < LEAST_COVERED
+        else "",
+        "no sheet was found at the clamp: the first "
+        f"{start} pixels of the best path do not look like one; check clamp_px."
+        if fit.used[2:start].mean() < LEAST_START_COVERED
+        else "",
+        f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
+        if snr < LEAST_SNR
+        else "",
+        f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
+        if residual > MOST_RESIDUAL_PX
+        else "",
+        f"the best curve starts {offset:.1f} pixels and {angle:.3f} rad beside the clamp; "
+        "check clamp_px and clamp_angle_rad."
+        if abs(offset) > 4 * setting.prior[0] or abs(angle) > 5 * setting.prior[1]
+        else "",
+        f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
+        if steepest > 1.5 * max(MOST_CURVATURE_PER_M, 1250 / shape.basis.free_px)
+        else "",
+        f"the sheet ends {abs(tip_px) / optics.px_per_mm:.1f} mm "
+        f"{'after' if tip_px > 0 else 'before'} the stated {length_mm:.1f} mm; "
+        "px_per_mm or the sheet's length is wrong."
+        if abs(tip_px) > allowed
+        else "",
+    ]
+
+
+def _warnings(fit: Fit, setting: Setting, tip: Tip, covered: float) -> list[str]:
+    out = []
+    if covered < 0.85:
+        out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
+    clipped = setting.picture.grey >= setting.picture.full_scale
+    if setting.sign > 0 and clipped.mean() > 0.005:
+        out.append("parts of the picture are saturated")
+    if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
+        out.append(
+            f"the sheet's end is seen {tip.beyond_px / setting.optics.px_per_mm:+.2f} mm from "
+            "where length and scale put it"
+        )
+    return out

@@ -1,0 +1,93 @@
+"""What goes in beside the picture, and what comes out: the strip's geometry, the neutral curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.errors import BadInputError
+from model.measurements import Curve
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StripGeometry:
+    """What is known of the sheet before the picture is looked at."""
+
+    free_length_m: float
+    elongation_m: float = 0.0  # rigid and straight, beyond the free length
+    thickness_m: float = 0.21e-3
+
+    def __post_init__(self) -> None:
+        if not 0 < self.free_length_m < 10:
+            raise BadInputError(
+                f"the sheet's free length is {self.free_length_m * 1000:g} mm; "
+                "it must be above 0 and below 10 m."
+            )
+        if not 0 <= self.elongation_m < 10:
+            raise BadInputError(
+                f"the sheet's elongation is {self.elongation_m * 1000:g} mm; "
+                "it must be 0 (none) or positive and below 10 m."
+            )
+        if not 0 < self.thickness_m < self.free_length_m:
+            raise BadInputError(
+                f"the sheet's thickness is {self.thickness_m * 1000:g} mm; "
+                "it must be above 0 and below the free length."
+            )
+
+    @property
+    def length_m(self) -> float:
+        """Visible length from the clamp to the end."""
+        return self.free_length_m + self.elongation_m
+
+
+def _nothing() -> FloatArray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True)
+class NeutralCurve:
+    """The neutral curve found in one picture; arrays run from the clamp to the visible end.
+
+    `sigma_m` is one standard deviation of the distance along the normal, from noise and from the
+    calibration together. With `ok` False the arrays are empty and `why` is a sentence.
+    """
+
+    ok: bool
+    why: str = ""
+    warnings: tuple[str, ...] = ()
+    s_m: FloatArray = field(default_factory=_nothing)  # (points,)
+    x_m: FloatArray = field(default_factory=_nothing)
+    y_m: FloatArray = field(default_factory=_nothing)
+    curvature_per_m: FloatArray = field(default_factory=_nothing)
+    sigma_m: FloatArray = field(default_factory=_nothing)
+    curvature_sigma_per_m: FloatArray = field(default_factory=_nothing)
+    curvature_resolution_m: float = 0.0  # features of k(s) shorter than this are not resolved
+    points_px: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # raw pixels
+    covered: float = 0.0  # share of the length on which the sheet was really seen
+    seen: npt.NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
+    residual_px: float = 0.0  # RMS distance of the locally measured sheet from the curve
+    snr: float = 0.0  # contrast over the noise of one pixel
+    # [offset along the normal at the clamp (m), angle there (rad), curvature coefficients (1/m)]
+    parameters: FloatArray = field(default_factory=_nothing)
+    covariance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # of the parameters
+    # (points, parameters): displacement along the normal for each parameter; with it the
+    # covariance of the whole curve is modes @ covariance @ modes.T, plus the scale's part
+    normal_modes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    polarity: str = ""  # bright or dark, as found
+    blur_px: float = 0.0  # standard deviation of the edge's blur, as found
+    width_px: float = 0.0  # visible thickness of the sheet, as found
+
+    def as_curve(self) -> Curve:
+        """The same as the model takes it."""
+        return Curve(
+            s_m=self.s_m,
+            x_m=self.x_m,
+            y_m=self.y_m,
+            curvature_per_m=self.curvature_per_m,
+            sigma_m=self.sigma_m,
+            curvature_sigma_per_m=self.curvature_sigma_per_m,
+        )

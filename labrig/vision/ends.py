@@ -1,0 +1,94 @@
+"""Where the sheet ends in the picture: the profile along the curve's last pixels and beyond."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit import Fit
+from labrig.vision.setting import Setting
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tip:
+    """The visible end against the stated one, in pixels; None where it cannot be seen."""
+
+    beyond_px: float | None  # positive: the sheet is longer than stated
+    sigma_px: float = math.inf
+
+
+def find_tip(fit: Fit, setting: Setting) -> Tip:
+    """Fit a step to the sheet's contrast along the curve, around its stated end."""
+    total = fit.shape.basis.total_px
+    before = min(40.0, 0.3 * total)
+    after = max(16.0, 0.12 * total)
+    at = np.arange(-round(before), round(after) + 1, dtype=float)
+    ratio = _contrast_along(fit, setting, at)
+    seen = np.isfinite(ratio)
+    if seen[at < -3].sum() < 8 or seen[at > 3].sum() < 6:
+        return Tip(None)
+    noise = _roughness(ratio[seen])
+    places = np.arange(at[seen][0] + 6, at[seen][-1] - 3, 0.1)
+    blur = math.hypot(fit.band.blur, 0.3)
+    step = np.clip(0.5 + (places[:, None] - at[seen][None, :]) / (2.5 * blur), 0, 1)
+    cost = np.minimum(((ratio[seen] - step) / noise) ** 2, 9.0).sum(axis=1)
+    best = int(np.argmin(cost))
+    # a step must explain more than a sheet that goes on, or one that ended long before, does
+    plain = min(cost[0], cost[-1])
+    if best in (0, len(cost) - 1) or plain - cost[best] < 12:
+        return Tip(None)
+    return Tip(float(places[best]), noise / math.sqrt(1 / (2.5 * blur)) + 0.2)
+
+
+def _roughness(ratio: FloatArray) -> float:
+    spread = float(np.median(np.abs(np.diff(ratio)))) / 0.6745 / math.sqrt(2)
+    return max(0.08, 1.5 * spread)
+
+
+def _contrast_along(fit: Fit, setting: Setting, at: FloatArray) -> FloatArray:
+    """Core minus flanks at distances `at` from the end, in units of the sheet's contrast."""
+    import cv2
+
+    shape, band = fit.shape, fit.band
+    k, phi = float(shape.k[-8]), float(shape.phi[-1])
+    angle = phi + k * at / 2
+    x = shape.x[-1] + at * np.cos(angle)
+    y = shape.y[-1] + at * np.sin(angle)
+    half = float(band.half_width[-1])
+    core = max(1.0, half)
+    side = half + 2.5 * band.blur + 1.0
+    across = np.concatenate([np.linspace(-core, core, 5) * 0.6, [-side - 1, -side, side, side + 1]])
+    turn = phi + k * at
+    px = x[:, None] - np.sin(turn)[:, None] * across
+    py = y[:, None] + np.cos(turn)[:, None] * across
+    plane = np.stack([px.ravel(), py.ravel()], axis=1)
+    uv = setting.optics.world_to_pixel(plane / setting.optics.px_per_m).astype(np.float32)
+    grey = setting.picture.grey
+    shown = cv2.remap(
+        grey,
+        uv[:, 0].reshape(px.shape),
+        uv[:, 1].reshape(px.shape),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=float("nan"),
+    ).astype(float)
+    covered = cv2.remap(
+        setting.mask,
+        uv[:, 0].reshape(px.shape),
+        uv[:, 1].reshape(px.shape),
+        cv2.INTER_NEAREST,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=1.0,
+    )
+    raw = shown[:, :5].mean(axis=1) - shown[:, 5:].mean(axis=1)
+    raw[covered.any(axis=1)] = np.nan
+    inside = at < -4
+    reference = float(np.nanmedian(raw[inside])) if np.isfinite(raw[inside]).any() else math.nan
+    if not setting.sign * reference > 0:
+        return np.full(len(at), np.nan)
+    return np.asarray(raw / reference)

@@ -1,0 +1,123 @@
+"""`neutral_curve`: one picture in, the sheet's curve with its uncertainty out, or a reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.check import Verdict, judge
+from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.ends import find_tip
+from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
+from labrig.vision.optics import Optics
+from labrig.vision.picture import Picture, PictureError, read_picture
+from labrig.vision.report import report
+from labrig.vision.setting import Band, Setting, roll_mask
+from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis
+from labrig.vision.trace import Trace, ridge_maps, shape_through, trace_from_clamp
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A fitted curve and what the self-check says of it."""
+
+    fit: Fit
+    setting: Setting
+    verdict: Verdict
+
+
+def neutral_curve(
+    image: npt.NDArray[Any],
+    optics: Optics,
+    strip: StripGeometry,
+    *,
+    start: NeutralCurve | None = None,
+) -> NeutralCurve:
+    """The neutral curve of the sheet in `image`."""
+    try:
+        picture = read_picture(image, optics)
+    except PictureError as error:
+        return NeutralCurve(ok=False, why=str(error))
+    job = _Job(picture, optics, strip)
+    best = job.cold()
+    if best is None:
+        return NeutralCurve(
+            ok=False, why="no path a sheet could take leaves the clamp; check clamp_px."
+        )
+    return report(best.fit, best.setting, best.verdict)
+
+
+class _Job:
+    """One picture on its way to a curve."""
+
+    def __init__(self, picture: Picture, optics: Optics, strip: StripGeometry) -> None:
+        self.picture, self.optics, self.strip = picture, optics, strip
+        self.thickness_px = strip.thickness_m * optics.px_per_m
+        free_px = strip.free_length_m * optics.px_per_m
+        self.basis: ShapeBasis = make_basis(
+            free_px, strip.length_m * optics.px_per_m, coefficients_for(free_px)
+        )
+        self.mask = roll_mask(optics, picture.grey.shape)
+
+    def setting(self, sign: float) -> Setting:
+        optics = self.optics
+        return Setting(
+            picture=self.picture,
+            optics=optics,
+            sign=sign,
+            prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
+            spectral=SPECTRAL_PER_M3 / optics.px_per_m**3,
+            mask=self.mask,
+        )
+
+    def cold(self) -> Candidate | None:
+        """The best curve without any idea where the sheet is."""
+        candidates = self._candidates(width=160)
+        if not any(c.verdict.why == "" for c in candidates):
+            candidates += self._candidates(width=600)
+        return max(candidates, key=lambda c: c.verdict.worth, default=None)
+
+    def _candidates(self, *, width: int) -> list[Candidate]:
+        signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[self.optics.polarity]
+        traces: list[tuple[Trace, float]] = []
+        for sign in signs:
+            wide = self.strip.elongation_m > 0 or width > 200
+            ridges = ridge_maps(self.picture, self.thickness_px, sign, wide=wide)
+            trace = trace_from_clamp(ridges, self.optics, self.strip, width=width)
+            if trace is not None:
+                traces.append((trace, sign))
+        best = max((trace.score for trace, _ in traces), default=0.0)
+        return [self.refine(t, sign) for t, sign in traces if t.score > best - 0.3]
+
+    def refine(self, trace: Trace, sign: float) -> Candidate:
+        """From a traced path to a judged curve."""
+        setting = self.setting(sign)
+        shape = shape_through(trace, self.optics, self.basis, setting.spectral)
+        half = self._elongation_half_width(shape, setting)
+        shape = fit_points(shape, setting, half_width=half)
+        beyond = 0.5 * (self.basis.s[1:] + self.basis.s[:-1]) > self.basis.free_px
+        band = Band(np.where(beyond, half, self.thickness_px / 2), 1.0, beyond)
+        fit = fit_intensities(shape, setting, band)
+        return Candidate(fit, setting, judge(fit, setting, find_tip(fit, setting)))
+
+    def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
+        """Half the elongation's visible width, from its height's halves; the sheet's if none."""
+        import cv2
+
+        if self.strip.elongation_m == 0:
+            return self.thickness_px / 2
+        beyond = self.basis.s > self.basis.free_px
+        smooth = cv2.GaussianBlur(self.picture.grey, (0, 0), 1.0)
+        reach = np.full(len(beyond), round(12 + 4 * self.thickness_px))
+        _, _, width = ridge_points(smooth, shape, setting, reach)
+        seen = beyond & np.isfinite(width)
+        if not seen.any():
+            return self.thickness_px / 2
+        # the blur of lens and smoothing makes a thin band look about 2.7 pixels wide
+        full = float(np.median(width[seen]))
+        return 0.5 * max(float(np.sqrt(max(full**2 - 2.7**2, 0.0))), self.thickness_px)

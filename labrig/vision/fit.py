@@ -1,0 +1,213 @@
+"""The two fits: a curve through sub-pixel ridge points, then through the intensities themselves.
+
+Both are Gauss-Newton on the curve's parameters with the minimum-variation penalty
+int (dk/ds)^2 ds / q, which says that curvature is a smooth function of unknown slope, and with
+the clamp's calibration as a prior on the first two parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.setting import Band, Setting, look
+from labrig.vision.shape import Shape
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+# q in 1/m^3: curvature that wanders by 100 per m over 20 mm
+SPECTRAL_PER_M3 = 5e5
+POINT_NOISE_PX = 0.15
+SETTLED_PX = 0.004
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted curve, with what each cell said about it."""
+
+    shape: Shape
+    band: Band
+    cells: FloatArray  # (cells, 9), see band.measure
+    present: FloatArray  # (cells,): share of the pixels beside the curve that are in the picture
+    used: BoolArray  # (cells,)
+    noise: float  # grey levels, of a pixel, from the residuals
+    normal: FloatArray  # (parameters, parameters): information of data and clamp prior
+    pull: FloatArray  # (parameters,): normal @ (the parameters the data alone would take)
+    spectral: float  # q used
+    step_px: float  # largest movement of the last iteration
+
+    @property
+    def contrast(self) -> FloatArray:
+        """(cells,) grey levels, positive where the sheet is brighter."""
+        return self.cells[:, 0]
+
+    @property
+    def offsets_px(self) -> tuple[FloatArray, FloatArray]:
+        """Each cell's own measured distance from the curve, and its standard deviation."""
+        information = np.maximum(self.cells[:, 3], 1e-12)
+        return self.cells[:, 4] / information, self.noise / np.sqrt(information)
+
+
+def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:
+    """An information matrix with the smoothness prior added."""
+    full = normal.copy()
+    full[2:, 2:] += shape.basis.penalty / spectral
+    # a constant curvature costs nothing; a curve that is nowhere seen must not make this singular
+    full[2:, 2:] += 1e-6 * spectral ** (-2 / 3) * np.eye(len(full) - 2)
+    return full
+
+
+def information(
+    shape: Shape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The normal matrix and right-hand side for the parameters themselves.
+
+    Of sum weight (offset - modes (p - p_now))^2 + (p_0, p_1)^2 / prior^2.
+    """
+    normal = (modes * weight[:, None]).T @ modes
+    pull = modes.T @ (weight * offset) + normal @ shape.parameters
+    normal[0, 0] += 1 / prior[0] ** 2
+    normal[1, 1] += 1 / prior[1] ** 2
+    return normal, pull
+
+
+def fit_points(
+    shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4, 4)
+) -> Shape:
+    """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
+    import cv2
+
+    smooth = cv2.GaussianBlur(setting.picture.grey, (0, 0), 1.0)
+    beyond = shape.basis.s > shape.basis.free_px
+    for reach in reaches:
+        extra = np.where(beyond, round(half_width), 0)
+        offset, height, _ = ridge_points(smooth, shape, setting, reach + extra)
+        good = np.isfinite(offset) & (height > setting.picture.noise)
+        if good.sum() < 12:
+            break
+        offset = np.where(good, offset, 0.0)
+        weight = np.where(good, _tukey(offset, good), 0.0)
+        weight *= np.minimum(1.0, height / (0.5 * np.median(height[good])))
+        normal, pull = information(
+            shape,
+            shape.normal_modes(),
+            offset,
+            weight / POINT_NOISE_PX**2 / 3,  # neighbours share their noise
+            setting.prior,
+        )
+        shape = shape.moved(np.linalg.solve(penalised(normal, shape, setting.spectral), pull))
+    return shape
+
+
+def ridge_points(
+    smooth: npt.NDArray[np.float32], shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Offset, height and width of the ridge beside each node; see band.ridge_offsets."""
+    from labrig.vision.band import ridge_offsets
+
+    centre = setting.nodes_px(shape)
+    sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))
+    beside = setting.nodes_px(sideways) - centre
+    return ridge_offsets(
+        smooth,
+        centre[:, 0].copy(),
+        centre[:, 1].copy(),
+        beside[:, 0].copy(),
+        beside[:, 1].copy(),
+        reach.astype(np.int64),
+        setting.sign,
+    )
+
+
+def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
+    spread = max(0.3, 1.48 * float(np.median(np.abs(offset[good]))))
+    ratio = np.minimum(np.abs(offset) / (4.7 * spread), 1.0)
+    return np.asarray((1 - ratio**2) ** 2)
+
+
+def fit_intensities(
+    shape: Shape, setting: Setting, band: Band, *, rounds: int = 8, noise: float | None = None
+) -> Fit:
+    """Fit the picture's own intensities beside the curve, and the band's look with it."""
+    used = np.ones(len(band.half_width), dtype=bool)
+    fit = _iteration(shape, setting, band, noise or setting.picture.noise, used)
+    for _ in range(rounds - 1):
+        fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
+        if fit.step_px < SETTLED_PX:
+            break
+    return fit
+
+
+def _retuned(fit: Fit) -> Band:
+    band = fit.band
+    sheet = _newton(fit, ~band.elongation)
+    ends = _newton(fit, band.elongation) if band.elongation.any() else 0.0
+    blur = float(np.clip(band.blur + np.clip(sheet, -0.3, 0.3), 0.4, 6.0))
+    half = float(np.clip(band.half_width[-1] + np.clip(ends, -0.4, 0.4), 0.5, 40.0))
+    return band.retuned(blur, half)
+
+
+def _newton(fit: Fit, where: BoolArray) -> float:
+    table = fit.cells[fit.used & where]
+    return float(table[:, 7].sum() / max(table[:, 8].sum(), 1e-9))
+
+
+def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray) -> Fit:
+    cells, present = look(shape, setting, band, noise, used)
+    used = usable_cells(cells, present, setting, band, noise)
+    level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
+    # Tukey's weights shrink the residuals of pure noise by 6 %
+    noise = float(np.clip(level * 1.06, 0.3 * setting.picture.noise, 20 * setting.picture.noise))
+    weight = np.where(used, cells[:, 3], 0.0) / noise**2
+    offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
+    modes = shape.normal_modes()
+    middle = 0.5 * (modes[1:] + modes[:-1])
+    normal, pull = information(shape, middle, offset, weight, setting.prior)
+    wanted = np.linalg.solve(penalised(normal, shape, setting.spectral), pull)
+    moved = middle @ (wanted - shape.parameters)
+    return Fit(
+        shape=shape.moved(wanted),
+        band=band,
+        cells=cells,
+        present=present,
+        used=used,
+        noise=noise,
+        normal=normal,
+        pull=pull,
+        spectral=setting.spectral,
+        step_px=float(np.abs(moved).max()),
+    )
+
+
+def usable_cells(
+    cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
+) -> BoolArray:
+    """Where the sheet is really seen: contrast of the right sign and usual size, pixels that fit."""
+    there = present > 0.6
+    there[:2] = False  # the clamp's blurred edge
+    there[-2:] = False  # and the sheet's own end
+    contrast = setting.sign * cells[:, 0]
+    for part in (band.elongation, ~band.elongation):
+        if (there & part).any():
+            usual = float(np.median(contrast[there & part]))
+            there &= ~part | (contrast > 0.35 * usual) & (contrast < 2.5 * usual)
+    there &= contrast > 1.5 * noise
+    if there.sum() < 10:
+        return there
+    # what does not look like a band here, such as a roll's rim, would only pull the curve
+    misfit = _smooth(cells[:, 5], 2) / np.maximum(_smooth(cells[:, 6], 2), 1.0)
+    usual = max(float(np.median(misfit[there])), 1e-12)
+    strange = misfit > 2.0 * usual
+    lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
+    return np.asarray(there & ~_grown(strange | lost, 2))
+
+
+def _smooth(values: FloatArray, half: int) -> FloatArray:
+    return np.convolve(values, np.ones(2 * half + 1), mode="same")
+
+
+def _grown(flags: BoolArray, by: int) -> BoolArray:
+    return np.convolve(flags.astype(float), np.ones(2 * by + 1), mode="same") > 0.5

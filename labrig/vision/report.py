@@ -1,0 +1,76 @@
+"""From a fit in pixels to a `NeutralCurve` in metres, with the uncertainty of both parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.check import Verdict
+from labrig.vision.curve import NeutralCurve
+from labrig.vision.fit import Fit, penalised
+from labrig.vision.setting import Setting
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
+    """The curve as others see it; empty, with the reason, when the self-check failed."""
+    warnings = setting.picture.warnings + verdict.warnings
+    if verdict.why:
+        return NeutralCurve(
+            ok=False,
+            why=verdict.why,
+            warnings=warnings,
+            covered=verdict.covered,
+            residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
+        )
+    shape, ppm = fit.shape, setting.optics.px_per_m
+    covariance = np.linalg.inv(penalised(fit.normal, shape, fit.spectral))
+    modes = shape.normal_modes()
+    rows = shape.basis.curvature
+    # offset in m, angle in rad, coefficients in 1/m
+    unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
+    noise_m = _spread(modes, covariance) / ppm
+    return NeutralCurve(
+        ok=True,
+        warnings=warnings,
+        s_m=shape.basis.s / ppm,
+        x_m=shape.x / ppm,
+        y_m=shape.y / ppm,
+        curvature_per_m=shape.k * ppm,
+        sigma_m=np.hypot(noise_m, systematic_m(fit, setting)),
+        curvature_sigma_per_m=_spread(rows, covariance[2:, 2:]) * ppm,
+        curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
+        points_px=setting.nodes_px(shape),
+        covered=verdict.covered,
+        seen=np.append(fit.used, fit.used[-1]),
+        residual_px=verdict.residual_px,
+        snr=float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise,
+        parameters=shape.parameters * unit,
+        covariance=covariance * np.outer(unit, unit),
+        normal_modes=modes / ppm / unit,
+        polarity="bright" if setting.sign > 0 else "dark",
+        blur_px=fit.band.blur,
+        width_px=2 * float(fit.band.half_width[0]),
+    )
+
+
+def _spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", rows, covariance, rows)))
+
+
+def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
+    """(nodes,) the calibration's part of sigma: scale, rotation and origin, along the normal."""
+    shape, optics = fit.shape, setting.optics
+    x, y = shape.x / optics.px_per_m, shape.y / optics.px_per_m
+    sine, cosine = np.sin(shape.phi), np.cos(shape.phi)
+    stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
+    turn = (x * cosine + y * sine) * optics.roll_sigma_rad
+    shift = optics.origin_sigma_px / optics.px_per_m
+    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2))
+
+
+def _resolution_px(fit: Fit, covariance: FloatArray) -> float:
+    """Length per effective degree of freedom of the curvature."""
+    share = np.trace(covariance[2:, 2:] @ fit.normal[2:, 2:])
+    return float(fit.shape.basis.free_px / max(share, 1.0))

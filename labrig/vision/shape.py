@@ -1,0 +1,157 @@
+"""A plane curve given by its curvature: k(s) a cubic B-spline, everything else follows from it.
+
+`phi` is the spline's exact antiderivative, `r` its integral by Simpson's rule. All lengths here
+are in pixels of the sheet's plane (world coordinates times px_per_m), y up. Beyond the free length
+the curvature is zero: the elongation is straight by construction.
+
+Parameters: [offset along the normal at the clamp, angle at the clamp, spline coefficients].
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeBasis:
+    """The spline and its antiderivative on a fixed grid of `cells` equal steps."""
+
+    free_px: float
+    total_px: float
+    step_px: float
+    s: FloatArray  # (nodes,) = cells + 1
+    curvature: FloatArray  # (nodes, coefficients): k = curvature @ c
+    angle: FloatArray  # (nodes, coefficients): phi - phi0 = angle @ c
+    angle_mid: FloatArray  # (cells, coefficients): the same in the cells' middles
+    penalty: FloatArray  # (coefficients, coefficients): c' penalty c = int (dk/ds)^2 ds
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return 2 + self.curvature.shape[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A curve on a basis' grid."""
+
+    basis: ShapeBasis
+    start: FloatArray  # (2,): the clamp's nominal place
+    heading: float  # the clamp's nominal angle
+    parameters: FloatArray
+    x: FloatArray  # (nodes,)
+    y: FloatArray
+    phi: FloatArray
+    k: FloatArray
+
+    def moved(self, parameters: FloatArray) -> Shape:
+        """The curve with other parameters."""
+        return make_shape(self.basis, self.start, self.heading, parameters)
+
+    def started_at(self, start: FloatArray) -> Shape:
+        """The same curve with another nominal start."""
+        return make_shape(self.basis, start, self.heading, self.parameters)
+
+    def normal_modes(self) -> FloatArray:
+        """(nodes, parameters): displacement along the normal for each parameter."""
+        basis, c, s = self.basis, np.cos(self.phi), np.sin(self.phi)
+        # dr/dp = int n dphi/dp ds, so along the normal: n(s) . int n A ds
+        angle = np.concatenate([np.ones((len(c), 1)), basis.angle], axis=1)
+        half = 0.5 * basis.step_px
+        east = _cumulative(-s[:, None] * angle, half)
+        north = _cumulative(c[:, None] * angle, half)
+        modes = np.empty((len(c), basis.size))
+        # the clamp's offset moves the whole curve along the normal of the clamp
+        modes[:, 0] = np.cos(self.phi - self.heading)
+        modes[:, 1:] = c[:, None] * north - s[:, None] * east
+        return modes
+
+
+def _cumulative(values: FloatArray, half: float) -> FloatArray:
+    out = np.zeros_like(values)
+    np.cumsum((values[1:] + values[:-1]) * half, axis=0, out=out[1:])
+    return out
+
+
+def make_shape(
+    basis: ShapeBasis, start: FloatArray, heading: float, parameters: FloatArray
+) -> Shape:
+    """Integrate the curvature into a curve."""
+    offset, turn, c = parameters[0], parameters[1], parameters[2:]
+    phi = heading + turn + basis.angle @ c
+    middle = heading + turn + basis.angle_mid @ c
+    sixth = basis.step_px / 6
+    x = _integral(np.cos(phi), np.cos(middle), sixth)
+    y = _integral(np.sin(phi), np.sin(middle), sixth)
+    return Shape(
+        basis=basis,
+        start=start,
+        heading=heading,
+        parameters=parameters,
+        x=start[0] - offset * math.sin(heading) + x,
+        y=start[1] + offset * math.cos(heading) + y,
+        phi=phi,
+        k=basis.curvature @ c,
+    )
+
+
+def _integral(nodes: FloatArray, middles: FloatArray, sixth: float) -> FloatArray:
+    out = np.zeros_like(nodes)
+    np.cumsum((nodes[1:] + nodes[:-1] + 4 * middles) * sixth, out=out[1:])
+    return out
+
+
+@lru_cache(maxsize=16)
+def make_basis(free_px: float, total_px: float, coefficients: int) -> ShapeBasis:
+    """The basis for a sheet of `free_px` and a straight rest up to `total_px`."""
+    from scipy.interpolate import BSpline
+
+    cells = max(16, math.ceil(total_px))
+    step = total_px / cells
+    s = np.arange(cells + 1) * step
+    pieces = coefficients - 3
+    knots = np.linspace(0, free_px, pieces + 1)
+    t = np.concatenate([np.zeros(3), knots, np.full(3, free_px)])
+    splines = BSpline(t, np.eye(coefficients), 3)
+    integral = splines.antiderivative()
+    inside = s <= free_px
+    curvature = np.where(inside[:, None], splines(np.minimum(s, free_px)), 0.0)
+    return ShapeBasis(
+        free_px=free_px,
+        total_px=total_px,
+        step_px=step,
+        s=s,
+        curvature=curvature,
+        angle=integral(np.minimum(s, free_px)),
+        angle_mid=integral(np.minimum(s[:-1] + step / 2, free_px)),
+        penalty=_penalty(splines.derivative(), knots),
+    )
+
+
+def _penalty(slope: object, knots: FloatArray) -> FloatArray:
+    # the slope's square is of fourth order in each piece: three Gauss points are exact
+    at, weight = np.polynomial.legendre.leggauss(3)
+    width = np.diff(knots)[:, None]
+    where = (knots[:-1, None] + width * (at + 1) / 2).ravel()
+    values = slope(where)  # type: ignore[operator]
+    return np.asarray((values * (width * weight / 2).ravel()[:, None]).T @ values)
+
+
+def coefficients_for(free_px: float) -> int:
+    """About twenty for a long sheet; fewer where pieces would be shorter than about 6 pixels."""
+    return int(np.clip(round(free_px / 7) + 3, 5, 21))
+
+
+def fit_angles(basis: ShapeBasis, phi: FloatArray, weight: FloatArray, smooth: float) -> FloatArray:
+    """Coefficients whose angle follows `phi` (nodes,), counted from the clamp's angle."""
+    a = basis.angle
+    normal = (a * weight[:, None]).T @ a + smooth * basis.penalty
+    ridge = 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))
+    return np.linalg.solve(normal + ridge, a.T @ (weight * phi))
