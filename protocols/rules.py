@@ -1,0 +1,64 @@
+"""When a reading does not count without anybody saying so, and the loop's own times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.interfaces import FloatArray
+
+AT_THE_RAIL = 0.999  # of the input's range: the last counts of the converter
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Thresholds beyond which a reading is invalid."""
+
+    late_edge_s: float = 0.005  # an edge written later spoils its reading
+    drive_tolerance_V: float = 0.2  # of the read-back against the voltage that was written
+    frame_periods: float = 1.5  # a frame further from the sampling point is not its frame
+    position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Times of the loop, s."""
+
+    service_s: float = 0.025  # between two looks at signals, frames, stop request; also the beat
+    least_margin_s: float = 0.005  # no service this close before an edge...
+    most_margin_s: float = 0.04  # ... nor this close, however long the last services took
+    lead_in_s: float = 0.2  # acquisition before the first step
+    tail_s: float = 0.2  # and after the last
+    frame_grace_s: float = 0.3  # a frame may arrive this much later than it was taken
+    starved_s: float = 2.0  # an input silent for so long has failed
+    settle_s: float = 0.05  # from a written 0 V to its read-back
+    read_back_s: float = 0.05  # over which the read-back is averaged
+    retry_s: float = 0.05  # between attempts to write 0 V
+    attempts: int = 3
+
+
+def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:
+    """A reason when the reading's own edge came late."""
+    if lateness_s > rules.late_edge_s:
+        yield (
+            f"its edge came {lateness_s * 1e3:.1f} ms late (limit {rules.late_edge_s * 1e3:g} ms)"
+        )
+
+
+def bad_samples(
+    volts: FloatArray, ranges_V: Sequence[float], channels: Sequence[str]
+) -> Iterator[str]:
+    """Reasons in the raw samples (channels, samples) of a window: lost ones, or a channel's end."""
+    if np.isnan(volts).any():
+        yield "samples were lost in its window"
+    for row, range_V, name in zip(volts, ranges_V, channels, strict=True):
+        if np.nanmax(np.abs(row), initial=0.0) >= AT_THE_RAIL * range_V:
+            yield f"the {name} input is at the end of its range (±{range_V:g} V)"
+
+
+def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]:
+    """A reason when the sheet did not get what was written."""
+    if abs(drive_V - written_V) > rules.drive_tolerance_V:
+        yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
