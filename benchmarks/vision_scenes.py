@@ -88,7 +88,7 @@ def make_scene(recipe: Recipe) -> Scene:
     w, h = recipe.size
     for _ in range(200):
         s, xy, k, phi = truth_curve(recipe, rng)
-        if np.abs(k).max() > 200 and recipe.elongation_mm == 0:
+        if np.abs(k).max() > 200 or ((xy[200:, 0] < 0.5) & (np.abs(xy[200:, 1]) < 9)).any():
             continue
         origin = np.array(recipe.place or (rng.uniform(0.08, 0.5) * w, rng.uniform(0.2, 0.8) * h))
         c, sn = np.cos(recipe.roll_rad), np.sin(recipe.roll_rad)

@@ -31,7 +31,7 @@ def ridge_score(
     in units of their noise. A step edge bends as well as a ridge does, but it slopes too.
     """
     rows, columns = maps.shape[1], maps.shape[2]
-    i, j = int(math.floor(v + 0.5)), int(math.floor(u + 0.5))
+    i, j = int((v + 0.5) // 1), int((u + 0.5) // 1)
     if i < 0 or j < 0 or i >= rows or j >= columns:
         return -0.3
     best = -1e9
@@ -101,28 +101,27 @@ def search(
         for a in range(alive):
             for change in range(-2, 3):
                 b = bend[a] + change
-                if j == 0:
-                    if change != 0:
-                        continue
-                    b = bend[a]
+                turn = b * TURN
+                if j == 0 and change != 0:
+                    continue
                 if j >= straight_from:
-                    if change != 0:
-                        continue
+                    # no bend, but room to correct the quantum of the angles before
                     b = 0
+                    turn = 0.4 * change * TURN
                 if abs(b) > most_bend:
                     continue
-                angle = state[a, 2] + b * TURN
+                angle = state[a, 2] + turn
                 if abs(angle - state[a, 4]) > most_turn:
                     continue
                 gain = 0.0
                 u, v = state[a, 0], state[a, 1]
                 for q in range(PER_STEP):
-                    part = state[a, 2] + b * TURN * (q + 0.5) / PER_STEP
+                    part = state[a, 2] + turn * (q + 0.5) / PER_STEP
                     c, s = math.cos(part), math.sin(part)
                     u += c * length / PER_STEP
                     v += s * length / PER_STEP
                     gain += ridge_score(maps, u, v, c, s, layers, half)
-                gain = gain / PER_STEP - 0.02 * change * change
+                gain = gain / PER_STEP - 0.01 * change * change
                 child[many, 0] = u
                 child[many, 1] = v
                 child[many, 2] = angle
@@ -136,18 +135,19 @@ def search(
             return np.empty((0, 2)), np.empty(0), -1.0
         order = np.argsort(-child[:many, 3])
         kept = 0
-        cells = np.zeros(4096, dtype=np.int64)
+        cells = np.zeros(8192, dtype=np.int64)
         for o in range(many):
             if kept >= width:
                 break
             t = order[o]
             # few states of one place and direction, so that the beam stays broad
             key = (
-                int(math.floor(child[t, 0] / 2.0)) * 73856093
-                ^ int(math.floor(child[t, 1] / 2.0)) * 19349663
-                ^ int(math.floor(child[t, 2] / 0.12)) * 83492791
-            ) & 4095
-            if cells[key] >= 3:
+                int(child[t, 0] // 2.0) * 73856093
+                ^ int(child[t, 1] // 2.0) * 19349663
+                ^ int(child[t, 2] // 0.1) * 83492791
+                ^ int(child_bend[t] // 3) * 49979687
+            ) & 8191
+            if cells[key] >= 2:
                 continue
             cells[key] += 1
             for q in range(5):

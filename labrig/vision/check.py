@@ -91,7 +91,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if abs(offset) > 4 * setting.prior[0] or abs(angle) > 5 * setting.prior[1]
         else "",
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
-        if steepest > 1.5 * max(MOST_CURVATURE_PER_M, 1250 / shape.basis.free_px)
+        if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
         f"the sheet ends {abs(tip_px) / optics.px_per_mm:.1f} mm "
         f"{'after' if tip_px > 0 else 'before'} the stated {length_mm:.1f} mm; "

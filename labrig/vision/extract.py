@@ -77,16 +77,16 @@ class _Job:
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
-        candidates = self._candidates(width=160)
+        candidates = self._candidates(width=250)
         if not any(c.verdict.why == "" for c in candidates):
-            candidates += self._candidates(width=600)
+            candidates += self._candidates(width=800)
         return max(candidates, key=lambda c: c.verdict.worth, default=None)
 
     def _candidates(self, *, width: int) -> list[Candidate]:
         signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[self.optics.polarity]
         traces: list[tuple[Trace, float]] = []
         for sign in signs:
-            wide = self.strip.elongation_m > 0 or width > 200
+            wide = self.strip.elongation_m > 0 or width > 250
             ridges = ridge_maps(self.picture, self.thickness_px, sign, wide=wide)
             trace = trace_from_clamp(ridges, self.optics, self.strip, width=width)
             if trace is not None:

@@ -22,6 +22,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.004
+SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,10 +136,29 @@ def fit_intensities(
     used = np.ones(len(band.half_width), dtype=bool)
     fit = _iteration(shape, setting, band, noise or setting.picture.noise, used)
     for _ in range(rounds - 1):
+        setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
         if fit.step_px < SETTLED_PX:
             break
     return fit
+
+
+def likeliest_spectral(fit: Fit, px_per_m: float) -> float:
+    """The q under which the picture is likeliest, the curve's own parameters integrated out.
+
+    Neighbouring cells share no noise (a pixel belongs to one cell), so this does not undersmooth
+    as cross-validation of ridge points does.
+    """
+    best, answer = -np.inf, fit.spectral
+    for q in SPECTRAL_CHOICE_PER_M3 / px_per_m**3:
+        full = penalised(fit.normal, fit.shape, q)
+        factor = np.linalg.cholesky(full)
+        white = np.linalg.solve(factor, fit.pull)
+        rank = len(full) - 3
+        evidence = white @ white - 2 * np.log(np.diag(factor)).sum() - rank * np.log(q)
+        if evidence > best:
+            best, answer = float(evidence), float(q)
+    return answer
 
 
 def _retuned(fit: Fit) -> Band:

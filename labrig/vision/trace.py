@@ -16,7 +16,7 @@ from labrig.vision.shape import Shape, ShapeBasis, fit_angles, make_shape
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 
-MOST_CURVATURE_PER_M = 300.0
+MOST_CURVATURE_PER_M = 400.0
 MOST_TURN_RAD = 4.8  # 240 degrees and a little
 ANGLE_NOISE_RAD = 0.02  # of a step of the beam
 
@@ -88,7 +88,7 @@ def trace_from_clamp(
     strip: StripGeometry,
     *,
     offsets_px: tuple[float, ...] = (-2.0, -1.0, 0.0, 1.0, 2.0),
-    width: int = 160,
+    width: int = 250,
 ) -> Trace | None:
     """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do."""
     from labrig.vision.beam import TURN, search
@@ -98,7 +98,7 @@ def trace_from_clamp(
     total = strip.length_m * optics.px_per_m * local_scale / scale
     steps = int(np.clip(round(total / 6), 12, 400))
     length = total / steps
-    most = max(MOST_CURVATURE_PER_M, 5.0 / strip.free_length_m * 0.25)
+    most = MOST_CURVATURE_PER_M
     most_bend = math.ceil(most / (optics.px_per_m * local_scale) * scale * length / TURN)
     free_share = strip.free_length_m / strip.length_m
     u0, v0 = (np.array(optics.clamp_px) + 0.5) / scale - 0.5
