@@ -1,0 +1,63 @@
+"""A simulated device on a real serial port: a pseudo-terminal, which POSIX systems have."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import threading
+
+from sim_hardware.serial_devices.wire import SerialDevice, SerialFaults, Wire
+
+_POLL_S = 0.005
+
+
+class PtyPort:
+    """Serves a device at `path`, which any serial library opens, until `stop`."""
+
+    def __init__(self, device: SerialDevice, faults: SerialFaults | None = None) -> None:
+        try:
+            import pty
+            import tty
+        except ImportError:
+            raise OSError(
+                "simulated serial ports need pseudo-terminals, which this system does not have: "
+                "use `simulated` as the device's address instead"
+            ) from None
+        self._wire = Wire(device, faults)
+        # This end of the line is kept open too: between two clients it must not look unplugged.
+        self._ours, self._theirs = pty.openpty()
+        tty.setraw(self._theirs)
+        os.set_blocking(self._ours, False)
+        self.path = os.ttyname(self._theirs)
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="serial-device", daemon=True)
+        self._thread.start()
+
+    @property
+    def faults(self) -> SerialFaults:
+        """The faults of the cable; `unplugged` takes the port away for good."""
+        return self._wire.faults
+
+    def stop(self) -> None:
+        """Take the port away. May be called twice."""
+        self._ending.set()
+        self._thread.join(timeout=5)
+
+    def _serve(self) -> None:
+        try:
+            while not self._ending.is_set() and not self.faults.unplugged:
+                ready, _, _ = select.select([self._ours], [], [], _POLL_S)
+                self._send(self._wire.poll())
+                if ready:
+                    self._send(self._wire.respond(os.read(self._ours, 4096)))
+        finally:
+            os.close(self._theirs)
+            os.close(self._ours)
+
+    def _send(self, data: bytes) -> None:
+        # Nobody reads and the line's buffer is full: a device without flow control speaks on, and
+        # what it says is lost.
+        with contextlib.suppress(BlockingIOError):
+            if data:
+                os.write(self._ours, data)

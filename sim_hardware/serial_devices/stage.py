@@ -1,0 +1,321 @@
+"""A Zaber rotary stage that carries the load cell along the arc.
+
+Modelled on an X-RSW60A-E03 with firmware 6: 64 microsteps a step, 0.000234375 degrees a microstep,
+one axis. Speeds are set in microsteps/s times 1.6384, accelerations in microsteps/s^2 times
+1.6384/10000, as the protocol's manual has it. Like the real one it does not know where it is after
+power-up (warning WR) until it is homed, and rejects movements until then.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+from drivers.interfaces import Clock
+from sim_hardware.serial_devices.motion import Motion
+from sim_hardware.serial_devices.zaber_settings import SPEED_UNIT, Settings
+from sim_hardware.serial_devices.zaber_text import Command, message, number
+
+MICROSTEP_RAD = math.radians(0.000234375)
+# The gravest first; a reply shows the first that is up.
+_WARNINGS = ("FS", "WR", "NI")
+
+
+class ArcSettings(Protocol):
+    """What the stage needs of the world's settings."""
+
+    @property
+    def arc_radius_m(self) -> float:
+        """Radius of the arc on which the load cell stands."""
+
+
+class ArcWorld(Protocol):
+    """What the stage needs of the world."""
+
+    @property
+    def settings(self) -> ArcSettings:
+        """The world's settings."""
+
+    def place(self, position_m: float | None, approach: str = "up") -> None:
+        """The load cell now stands at this position on the arc, reached from below or above."""
+
+
+class RejectedError(Exception):
+    """A command that the device refuses; the text is the reason it gives."""
+
+
+class ZaberStage:
+    """The stage as a line-protocol state machine.
+
+    The angle 0, where it homes to, is `origin_m` on the arc. The world hears
+    of a new place when a movement has ended, as soon as somebody speaks to the stage or polls it.
+    `obstacle_rad`: an angle that cannot be passed; the stage stalls there.
+    """
+
+    baudrate = 115200
+
+    def __init__(
+        self,
+        world: ArcWorld,
+        clock: Clock,
+        *,
+        origin_m: float = 0.0,
+        power_up_angle_rad: float = 0.3,
+        homed: bool = False,
+    ) -> None:
+        self._world = world
+        self._clock = clock
+        self._radius_m = world.settings.arc_radius_m
+        self._origin_m = origin_m
+        self.obstacle_rad: float | None = None
+        self.settings = Settings()
+        self._received = ""
+        # What the stage counts may differ from where it is until it has been homed.
+        self._offset = 0.0 if homed else power_up_angle_rad / MICROSTEP_RAD
+        self._motion = Motion(clock.now(), 0.0)
+        self._moving = False
+        self._homing = False
+        self._stalls = False
+        self._came_from_m = self.position_m
+        self._warnings = set() if homed else {"WR"}
+        self._commands: dict[str, Callable[[Command], str]] = {
+            "get": self._get,
+            "set": self._set,
+            "home": self._home,
+            "move": self._move,
+            "stop": self._stop,
+            "estop": self._estop,
+            "warnings": self._list_warnings,
+            "renumber": self._renumber,
+            "tools": self._tools,
+            "system": self._system,
+        }
+
+    @property
+    def position_m(self) -> float:
+        """Where on the arc it truly is now."""
+        counted = self._motion.position_at(self._clock.now())
+        return self._origin_m + (counted + self._offset) * MICROSTEP_RAD * self._radius_m
+
+    def respond(self, data: bytes) -> bytes:
+        """See `SerialDevice.respond`."""
+        text = self._received + data.decode("ascii", "replace").replace("\r", "\n")
+        *lines, self._received = text.split("\n")
+        self._settle()
+        return b"".join(self._answer(line) for line in lines)
+
+    def poll(self) -> bytes:
+        """The alert that a movement has ended, if alerts are on."""
+        if not self._settle() or not self.settings["comm.alert"]:
+            return b""
+        return self._say("!", f"1 IDLE {self._gravest()}")
+
+    # ------------------------------------------------------------------------------- conversation
+
+    def _answer(self, line: str) -> bytes:
+        command = Command.parse(line)
+        if command is None or command.device not in (0, self.settings["comm.address"]):
+            return b""
+        try:
+            flag, data = "OK", self._execute(command)
+        except RejectedError as reason:
+            flag, data = "RJ", str(reason)
+        if command.identifier == "--":
+            return b""
+        identifier = f"{command.identifier} " if command.identifier is not None else ""
+        state = "BUSY" if self._moving else "IDLE"
+        return self._say("@", f"{command.axis} {identifier}{flag} {state} {self._gravest()} {data}")
+
+    def _say(self, kind: str, rest: str) -> bytes:
+        body = f"{self.settings['comm.address']:02d} {rest}"
+        return message(kind, body, checked=bool(self.settings["comm.checksum"]))
+
+    def _execute(self, command: Command) -> str:
+        if command.axis not in (0, 1):
+            raise RejectedError("BADAXIS")
+        if not command.words:
+            return "0"
+        handler = self._commands.get(command.words[0])
+        if handler is None:
+            raise RejectedError("BADCOMMAND")
+        return handler(command)
+
+    def _gravest(self) -> str:
+        return next((flag for flag in _WARNINGS if flag in self._warnings), "--")
+
+    # ----------------------------------------------------------------------------------- settings
+
+    def _get(self, command: Command) -> str:
+        name = self._setting_name(command, 2)
+        if name == "pos":
+            return str(round(self._motion.position_at(self._clock.now())))
+        return f"{self.settings[name]:.10g}"
+
+    def _set(self, command: Command) -> str:
+        name = self._setting_name(command, 3)
+        value = _whole(command, 2)
+        if name == "pos":
+            self._count_from(value)
+            self._warnings.discard("WR")
+            return "0"
+        try:
+            self.settings.write(name, value)
+        except KeyError:
+            raise RejectedError("BADCOMMAND") from None
+        except ValueError:
+            raise RejectedError("BADDATA") from None
+        return "0"
+
+    def _setting_name(self, command: Command, words: int) -> str:
+        name = command.words[1] if len(command.words) == words else ""
+        try:
+            device_only = name != "pos" and self.settings.is_device_only(name)
+        except KeyError:
+            raise RejectedError("BADCOMMAND") from None
+        if device_only and command.axis != 0:
+            raise RejectedError("DEVICEONLY")
+        return name
+
+    def _renumber(self, command: Command) -> str:
+        _device_only(command)
+        try:
+            self.settings.write("comm.address", _whole(command, 1) if command.words[1:] else 1)
+        except ValueError:
+            raise RejectedError("BADDATA") from None
+        return "0"
+
+    def _list_warnings(self, command: Command) -> str:
+        up = [flag for flag in _WARNINGS if flag in self._warnings]
+        if command.words[1:] == ("clear",):
+            self._warnings &= {"WR"}  # only homing helps against that
+        elif command.words[1:]:
+            raise RejectedError("BADCOMMAND")
+        return " ".join([f"{len(up):02d}", *up])
+
+    def _tools(self, command: Command) -> str:
+        _device_only(command)
+        if command.words[1:2] != ("echo",):
+            raise RejectedError("BADCOMMAND")
+        return " ".join(command.words[2:]) or "0"
+
+    def _system(self, command: Command) -> str:
+        _device_only(command)
+        if command.words[1:] != ("reset",):
+            raise RejectedError("BADCOMMAND")
+        self._halt()
+        self._count_from(0)
+        self._warnings = {"WR"}
+        self.settings = Settings()
+        return "0"
+
+    # ----------------------------------------------------------------------------------- movement
+
+    def _home(self, command: Command) -> str:
+        if command.words[1:]:
+            raise RejectedError("BADCOMMAND")
+        self._start(-self._offset, self.settings.homing_speed, homing=True)
+        return "0"
+
+    def _move(self, command: Command) -> str:
+        way = command.words[1] if len(command.words) > 1 else ""
+        if way in ("min", "max") and len(command.words) == 2:
+            value = 0
+        elif way in ("abs", "rel", "vel"):
+            value = _whole(command, 2)
+        else:
+            raise RejectedError("BADCOMMAND")
+        if "WR" in self._warnings:
+            raise RejectedError("BADDATA")
+        low, high = self.settings["limit.min"], self.settings["limit.max"]
+        if way == "vel":
+            if value == 0:
+                return self._stop(command)
+            self._start(high if value > 0 else low, abs(value) / SPEED_UNIT)
+            return "0"
+        here = round(self._motion.position_at(self._clock.now()))
+        target = {"min": low, "max": high, "abs": value, "rel": here + value}[way]
+        if not low <= target <= high:
+            raise RejectedError("BADDATA")
+        self._start(target, self.settings.speed)
+        return "0"
+
+    def _stop(self, _command: Command) -> str:
+        if self._moving:
+            self._warnings.add("NI")
+            self._homing = False
+            self._motion = self._motion_from_now().brake(self.settings.acceleration)
+        return "0"
+
+    def _estop(self, _command: Command) -> str:
+        if self._moving:
+            self._warnings.add("NI")
+            self._halt()
+        return "0"
+
+    def _start(self, target: float, speed: float, *, homing: bool = False) -> None:
+        if self._moving:
+            self._warnings.add("NI")
+        else:
+            self._warnings.discard("NI")
+            self._came_from_m = self.position_m
+        start = self._motion.position_at(self._clock.now())
+        self._motion = self._motion_from_now().go(target, speed, self.settings.acceleration)
+        self._moving, self._homing = True, homing
+        self._stalls = self._meets_obstacle(start, target)
+
+    def _meets_obstacle(self, start: float, target: float) -> bool:
+        """Cut the movement short in front of the obstacle, if there is one on the way."""
+        if self.obstacle_rad is None:
+            return False
+        obstacle = self.obstacle_rad / MICROSTEP_RAD - self._offset
+        if not min(start, target) <= obstacle <= max(start, target):
+            return False
+        gap = min(1.0, abs(obstacle - start))
+        return self._motion.cut_at(obstacle - math.copysign(gap, target - start))
+
+    def _motion_from_now(self) -> Motion:
+        now = self._clock.now()
+        return Motion(now, self._motion.position_at(now), self._motion.speed_at(now))
+
+    def _halt(self) -> None:
+        now = self._clock.now()
+        self._motion = Motion(now, self._motion.position_at(now))
+        self._homing = False
+
+    def _count_from(self, value: float) -> None:
+        """Call the present place by another number."""
+        here = self._motion.position_at(self._clock.now())
+        self._halt()
+        self._offset += here - value
+        self._motion = Motion(self._clock.now(), value)
+
+    def _settle(self) -> bool:
+        """See whether a movement has ended; if so, put the load cell there."""
+        if not self._moving or self._clock.now() < self._motion.end_s:
+            return False
+        self._moving = False
+        if self._stalls:
+            self._warnings.add("FS")
+        elif self._homing:
+            self._count_from(0)
+            self._warnings.discard("WR")
+        self._homing = self._stalls = False
+        place = self.position_m
+        self._world.place(place, approach="down" if place < self._came_from_m else "up")
+        return True
+
+
+def _whole(command: Command, index: int) -> int:
+    """A command's word as a whole number."""
+    if len(command.words) != index + 1:
+        raise RejectedError("BADDATA")
+    value = number(command.words[index])
+    if value is None:
+        raise RejectedError("BADDATA")
+    return value
+
+
+def _device_only(command: Command) -> None:
+    if command.axis != 0:
+        raise RejectedError("DEVICEONLY")

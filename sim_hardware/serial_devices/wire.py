@@ -1,0 +1,70 @@
+"""What a simulated serial device is to the port it hangs on, and what can go wrong between them."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+
+class SerialDevice(Protocol):
+    """A device as a state machine: bytes in, bytes out, no waiting and no threads."""
+
+    @property
+    def baudrate(self) -> int:
+        """Bits per second at which it listens and speaks."""
+
+    def respond(self, data: bytes) -> bytes:
+        """What it answers to these bytes; they may hold a part of a command, or several."""
+
+    def poll(self) -> bytes:
+        """What it says unasked; called again and again."""
+
+
+@dataclass
+class SerialFaults:
+    """Which replies suffer from what; may be changed while the port is open.
+
+    Replies are numbered from 0; any container of numbers will do: a set, a range.
+    """
+
+    garbage: Container[int] = ()
+    """Arrive as other bytes, as at a wrong baud rate."""
+    half_line: Container[int] = ()
+    """Break off in the middle."""
+    silent: Container[int] = ()
+    """Never arrive."""
+    unplugged: bool = False
+    """The port is gone."""
+
+
+def garbled(data: bytes, seed: int) -> bytes:
+    """As many bytes, at random."""
+    return np.random.default_rng(seed).bytes(len(data))
+
+
+class Wire:
+    """A device with the faults of its cable."""
+
+    def __init__(self, device: SerialDevice, faults: SerialFaults | None = None) -> None:
+        self.device = device
+        self.faults = faults if faults is not None else SerialFaults()
+        self._replies = 0
+
+    def respond(self, data: bytes) -> bytes:
+        """See `SerialDevice.respond`."""
+        reply = self.device.respond(data)
+        if not reply:
+            return b""
+        number, self._replies = self._replies, self._replies + 1
+        if number in self.faults.silent:
+            return b""
+        if number in self.faults.half_line:
+            return reply[: len(reply) // 2]
+        return garbled(reply, number) if number in self.faults.garbage else reply
+
+    def poll(self) -> bytes:
+        """See `SerialDevice.poll`."""
+        return self.device.poll()
