@@ -16,7 +16,7 @@ OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_S = 2.0
 # OpenCV's numbers for the properties used, so that a capture of another make needs no OpenCV.
 POS_MSEC, WIDTH, HEIGHT, FPS = 0, 3, 4, 5
-CONVERT_RGB, BUFFER_SIZE = 16, 38
+POS_FRAMES, CONVERT_RGB, BUFFER_SIZE, READ_TIMEOUT_MSEC = 1, 16, 38, 54
 
 
 class OpenedCapture:
@@ -74,6 +74,7 @@ class OpenedCapture:
         """One frame, raw where the camera is grey by itself, else converted by OpenCV."""
         capture = self._capture
         capture.set(BUFFER_SIZE, 1)  # where it can be set: no stale frames
+        capture.set(READ_TIMEOUT_MSEC, READ_TIMEOUT_S * 1e3)
         capture.set(CONVERT_RGB, 0)
         picture = self._read()
         expected = (int(capture.get(HEIGHT)), int(capture.get(WIDTH)))
@@ -81,7 +82,7 @@ class OpenedCapture:
             capture.set(CONVERT_RGB, 1)  # packed or compressed data: let OpenCV decode it
             picture = self._read()
         if self._is_file:
-            capture.set(1, 0)  # back to the first frame
+            capture.set(POS_FRAMES, 0)
         return as_grey(picture, self._source)
 
     def _read(self) -> npt.NDArray[Any]:
