@@ -13,7 +13,7 @@ from sim_hardware.camera.faults import CameraFaults
 from sim_hardware.camera.stream import FrameStream
 
 # OpenCV's numbers of its properties, which do not change.
-POS_MSEC, FRAME_WIDTH, FRAME_HEIGHT, FPS, CONVERT_RGB = 0, 3, 4, 5, 16
+POS_MSEC, FRAME_WIDTH, FRAME_HEIGHT, FPS, CONVERT_RGB, BUFFER_SIZE = 0, 3, 4, 5, 16, 38
 OPEN_TIMEOUT_MSEC, READ_TIMEOUT_MSEC = 53, 54
 
 
@@ -21,8 +21,8 @@ class SimulatedCapture:
     """What a driver uses of `cv2.VideoCapture`, on any clock.
 
     `grab` waits for the next frame and only marks it; `retrieve` renders it, so frames that nobody
-    wants cost nothing. A reader that comes late finds the last `buffered` frames, as a driver keeps
-    them; older ones are lost. As with OpenCV, images have three channels until
+    wants cost nothing. A reader that comes late finds the last `CAP_PROP_BUFFERSIZE` frames (4), as
+    a driver keeps them; older ones are lost. As with OpenCV, images have three channels until
     `CAP_PROP_CONVERT_RGB` is set to 0, which gives grey (rows, columns).
     """
 
@@ -33,16 +33,20 @@ class SimulatedCapture:
         *,
         faults: CameraFaults | None = None,
         jitter_s: float = 0.0,
-        buffered: int = 4,
+        read_timeout_s: float = 2.0,
     ) -> None:
         self._scene = scene
         self._clock = clock
         self.faults = faults if faults is not None else CameraFaults()
         self._jitter_s = jitter_s
-        self._buffered = buffered
         self._stream: FrameStream | None = None
         self._number: int | None = None  # of the frame that is grabbed
-        self._properties = {CONVERT_RGB: 1.0, OPEN_TIMEOUT_MSEC: 3e4, READ_TIMEOUT_MSEC: 3e4}
+        self._properties = {
+            CONVERT_RGB: 1.0,
+            BUFFER_SIZE: 4.0,
+            OPEN_TIMEOUT_MSEC: read_timeout_s * 1e3,
+            READ_TIMEOUT_MSEC: read_timeout_s * 1e3,
+        }
         self.open()
 
     def open(self, *_source: Any) -> bool:
@@ -71,7 +75,8 @@ class SimulatedCapture:
         if self._stream is None:
             return False
         wait_until = self._clock.now() + self._properties[READ_TIMEOUT_MSEC] / 1000
-        oldest = self._stream.latest_at(self._clock.now()) - self._buffered + 1
+        kept = max(1, int(self._properties[BUFFER_SIZE]))
+        oldest = self._stream.latest_at(self._clock.now()) - kept + 1
         number = max(self._next, oldest)
         while number in self.faults.drop and number not in self.faults.gone:
             if self._stream.arrival_of(number) > wait_until:
