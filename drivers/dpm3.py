@@ -10,12 +10,13 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from drivers.interfaces import DeviceError, DeviceTimeoutError
+from drivers.interfaces import DeviceError, DeviceTimeoutError, OverloadError
 from drivers.serial_port import SerialLine
 
 GRAM_FORCE_N = 9.80665e-3
 BAUD_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200)
 _REPLY = re.compile(rb"^\n?([+-](?:\d+\.\d*|\.\d+))([A-H]?)\n?$")
+_OVERLOADED = ("E", "F", "G", "H")  # A to D: alarms neither, first, second, both; E to H: and this
 _LONGEST_REPLY = 12  # characters, for the time-out at a low baud rate
 
 
@@ -44,7 +45,7 @@ class Dpm3Meter:
         self._line.open()
         try:
             self._send("A1")
-            self.read_force()
+            self._first_reply()
         except DeviceError:
             self._line.close()
             raise
@@ -67,6 +68,17 @@ class Dpm3Meter:
         """See `ForceSensor.close`."""
         self._line.close()
 
+    def _first_reply(self) -> None:
+        """The rest of an unasked reading may come first: what follows it counts."""
+        try:
+            self.read_force()
+        except DeviceTimeoutError:
+            raise
+        except OverloadError:
+            pass  # it answers; the load is for whoever reads it
+        except DeviceError:
+            self.read_force()
+
     def _send(self, command: str) -> None:
         self._line.write(f"*{self._address}{command}\r".encode("ascii"))
 
@@ -82,4 +94,9 @@ class Dpm3Meter:
                 "check baud rate and wiring"
             )
         self.alarm = match.group(2).decode("ascii")
+        if self.alarm in _OVERLOADED:
+            raise OverloadError(
+                f"{self._line.name} is beyond its range at {line.strip().decode('ascii')}: unload "
+                "the cell, or set the meter to a wider range"
+            )
         return float(match.group(1))

@@ -78,6 +78,7 @@ class ZaberStage:
 
     def home(self) -> None:
         """Sweep to the home sensor, which makes positions known. Nothing may stand in the way."""
+        self._forget_fault()
         self._ask("home")
         self._wait_until_idle(_HOMING_S, "homing")
 
@@ -85,6 +86,7 @@ class ZaberStage:
         """See `Positioner.move_to`."""
         target = self._target_steps(position_m)
         distance = abs(target - self._get("pos"))
+        self._forget_fault()
         self._ask(f"move abs {target}")
         allowed_s = 2.0 * distance / self._steps_per_s + _MARGIN_S  # twice: it accelerates too
         what = f"moving to {position_m * 1e3:g} mm"
@@ -104,6 +106,11 @@ class ZaberStage:
     def close(self) -> None:
         """See `Positioner.close`; it stays where it is."""
         self._line.close()
+
+    def _forget_fault(self) -> None:
+        """It was reported when it came; one that lasts comes again."""
+        if is_fault(self._ask("").warning):
+            self._ask("warnings clear")
 
     def _check_reference(self) -> None:
         warning = self._ask("").warning
@@ -138,7 +145,10 @@ class ZaberStage:
             reply = self._ask("")
             if is_fault(reply.warning):
                 self._stop()
-                raise DeviceError(f"{self._line.name}: {what} failed: {in_words(reply.warning)}")
+                raise DeviceError(
+                    f"{self._line.name}: {what} failed: {in_words(reply.warning)}; free its way "
+                    "and home it"
+                )
             if not reply.busy:
                 return
             if self._clock.now() - began_s > allowed_s:
