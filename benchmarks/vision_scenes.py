@@ -46,6 +46,7 @@ class Recipe:
     clutter: int = 0
     bits: int = 8
     place: tuple[float, float] | None = None
+    physical: bool = False  # curvature as the gel's model has it, not at random
     extra: dict = field(default_factory=dict)
 
 
@@ -66,6 +67,8 @@ def truth_curve(recipe: Recipe, rng):
     n = 4001
     length = recipe.free_mm + recipe.elongation_mm
     s = np.linspace(0, length, n)
+    if recipe.physical:
+        return _gel_curve(recipe, rng, s)
     free = s <= recipe.free_mm
     t = s / recipe.free_mm
     k = rng.normal(0, 1) + 1.5 * rng.normal() * np.exp(-t / rng.uniform(0.2, 0.9))
@@ -78,6 +81,20 @@ def truth_curve(recipe: Recipe, rng):
     phi = np.concatenate([[0], np.cumsum((k[1:] + k[:-1]) / 2 * ds)])
     scale = turn / phi[-1] if abs(phi[-1]) > 0.3 * np.abs(phi).max() else 1.0 / np.abs(phi).max()
     k, phi = k * scale, phi * scale
+    x = np.concatenate([[0], np.cumsum((np.cos(phi[1:]) + np.cos(phi[:-1])) / 2 * ds)])
+    y = np.concatenate([[0], np.cumsum((np.sin(phi[1:]) + np.sin(phi[:-1])) / 2 * ds)])
+    return s, np.stack([x, y], axis=1), k * 1000, phi
+
+
+def _gel_curve(recipe, rng, s):
+    """Initial curvature, a moment that decays from the root, and a force at a contact."""
+    k = 24 * rng.uniform(0.8, 1.2) * np.exp(-s / 40)
+    k = k + rng.choice([-80, 0, 100]) * rng.uniform(0.8, 1.2) * np.exp(-s / rng.uniform(9, 16))
+    contact = rng.uniform(36, 44)
+    k = k + rng.normal(0, 15) * np.maximum(0, 1 - s / contact)
+    k = np.where(s <= recipe.free_mm, k, 0.0) * rng.choice([-1, 1]) / 1000
+    ds = s[1] - s[0]
+    phi = np.concatenate([[0], np.cumsum((k[1:] + k[:-1]) / 2 * ds)])
     x = np.concatenate([[0], np.cumsum((np.cos(phi[1:]) + np.cos(phi[:-1])) / 2 * ds)])
     y = np.concatenate([[0], np.cumsum((np.sin(phi[1:]) + np.sin(phi[:-1])) / 2 * ds)])
     return s, np.stack([x, y], axis=1), k * 1000, phi

@@ -22,6 +22,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.004
+LIKENESS = 0.01  # of the contrast: how well any band is like the template
 SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
 
@@ -134,13 +135,20 @@ def fit_intensities(
 ) -> Fit:
     """Fit the picture's own intensities beside the curve, and the band's look with it."""
     used = np.ones(len(band.half_width), dtype=bool)
-    fit = _iteration(shape, setting, band, noise or setting.picture.noise, used)
+    noise = noise or _first_noise(shape, setting, band)
+    fit = _iteration(shape, setting, band, noise, used)
     for _ in range(rounds - 1):
         setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
         if fit.step_px < SETTLED_PX:
             break
     return fit
+
+
+def _first_noise(shape: Shape, setting: Setting, band: Band) -> float:
+    """Before the first step the curve misses by more than the noise: allow a tenth of the sheet."""
+    cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
+    return max(setting.picture.noise, 0.1 * float(np.median(np.abs(cells[:, 0]))))
 
 
 def likeliest_spectral(fit: Fit, px_per_m: float) -> float:
@@ -180,7 +188,9 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     used = usable_cells(cells, present, setting, band, noise)
     level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
     # Tukey's weights shrink the residuals of pure noise by 6 %
-    noise = float(np.clip(level * 1.06, 0.3 * setting.picture.noise, 20 * setting.picture.noise))
+    # and no lens draws a band just as the template has it
+    contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
+    noise = max(level * 1.06, 0.3 * setting.picture.noise, LIKENESS * contrast)
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()
@@ -207,8 +217,9 @@ def usable_cells(
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the right sign and usual size, pixels that fit."""
     there = present > 0.6
-    there[:2] = False  # the clamp's blurred edge
-    there[-2:] = False  # and the sheet's own end
+    edge = round(2.5 * band.blur) + 1
+    there[:edge] = False  # the clamp's blurred edge
+    there[-edge:] = False  # and the sheet's own end
     contrast = setting.sign * cells[:, 0]
     for part in (band.elongation, ~band.elongation):
         if (there & part).any():
@@ -220,7 +231,7 @@ def usable_cells(
     # what does not look like a band here, such as a roll's rim, would only pull the curve
     misfit = _smooth(cells[:, 5], 2) / np.maximum(_smooth(cells[:, 6], 2), 1.0)
     usual = max(float(np.median(misfit[there])), 1e-12)
-    strange = misfit > 2.0 * usual
+    strange = misfit > np.maximum(2.0 * usual, (0.06 * contrast) ** 2)
     lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
     return np.asarray(there & ~_grown(strange | lost, 2))
 
