@@ -23,7 +23,14 @@ PER_STEP = 3  # samples of the maps a step
 
 @jit
 def ridge_score(
-    maps: MapArray, u: float, v: float, c: float, s: float, layers: int, half: float
+    maps: MapArray,
+    sign: float,
+    u: float,
+    v: float,
+    c: float,
+    s: float,
+    layers: int,
+    half: float,
 ) -> float:
     """How much the place looks like a band's ridge in direction (c, s): -0.3 .. 1.
 
@@ -37,7 +44,7 @@ def ridge_score(
     best = -1e9
     for layer in range(layers):
         m = maps[layer, i, j]
-        bend = -(s * s * m[0] - 2 * s * c * m[1] + c * c * m[2])
+        bend = -sign * (s * s * m[0] - 2 * s * c * m[1] + c * c * m[2])
         slope = abs(-s * m[3] + c * m[4])
         best = max(best, bend - 0.7 * slope)
     if best <= 0:
@@ -48,6 +55,7 @@ def ridge_score(
 @jit
 def search(
     maps: MapArray,
+    sign: float,
     u0: float,
     v0: float,
     heading: float,
@@ -61,7 +69,7 @@ def search(
     width: int,
     half: float,
 ) -> tuple[FloatArray, FloatArray, float]:
-    """The best path: nodes (steps + 1, 2) and the score of each step (steps,), and their mean.
+    """The best path of `steps` steps: nodes (steps + 1, 2) and the score of each step (steps,), and their mean.
 
     `spread` (n, 2): offsets along the normal and angles at which paths may start. `most_bend` in
     quanta a step, `most_turn` in rad from the start; `width` states are kept after each step.
@@ -120,7 +128,7 @@ def search(
                     c, s = math.cos(part), math.sin(part)
                     u += c * length / PER_STEP
                     v += s * length / PER_STEP
-                    gain += ridge_score(maps, u, v, c, s, layers, half)
+                    gain += ridge_score(maps, sign, u, v, c, s, layers, half)
                 gain = gain / PER_STEP - 0.01 * change * change
                 child[many, 0] = u
                 child[many, 1] = v

@@ -17,7 +17,7 @@ from labrig.vision.picture import Picture, PictureError, read_picture
 from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis
-from labrig.vision.trace import Trace, ridge_maps, shape_through, trace_from_clamp
+from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -77,22 +77,30 @@ class _Job:
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
-        candidates = self._candidates(width=250)
-        if not any(c.verdict.why == "" for c in candidates):
-            candidates += self._candidates(width=800)
-        return max(candidates, key=lambda c: c.verdict.worth, default=None)
+        first = self._candidates(width=120, hasty=True)
+        passed = [c for c in first if not c.verdict.why]
+        if not passed:
+            first += self._candidates(width=800, hasty=False)
+        return max(passed or first, key=lambda c: c.verdict.worth, default=None)
 
-    def _candidates(self, *, width: int) -> list[Candidate]:
-        signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[self.optics.polarity]
-        traces: list[tuple[Trace, float]] = []
-        for sign in signs:
-            wide = self.strip.elongation_m > 0 or width > 250
-            ridges = ridge_maps(self.picture, self.thickness_px, sign, wide=wide)
-            trace = trace_from_clamp(ridges, self.optics, self.strip, width=width)
-            if trace is not None:
-                traces.append((trace, sign))
-        best = max((trace.score for trace, _ in traces), default=0.0)
-        return [self.refine(t, sign) for t, sign in traces if t.score > best - 0.3]
+    def _candidates(self, *, width: int, hasty: bool) -> list[Candidate]:
+        """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
+        wide = self.strip.elongation_m > 0 or not hasty
+        ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
+        signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
+        if hasty and len(signs) == 2:
+            signs = self._likely(ridges, signs)
+        traces = [(trace_from_clamp(ridges, self.optics, self.strip, s, width=width), s) for s in signs]
+        return [self.refine(trace, sign) for trace, sign in traces if trace is not None]
+
+    def _likely(self, ridges: RidgeMaps, signs: list[float]) -> list[float]:
+        """The polarities worth tracing, from a short search at the clamp."""
+        short = [
+            trace_from_clamp(ridges, self.optics, self.strip, s, share=0.35, width=40) for s in signs
+        ]
+        scores = [trace.score if trace else -1.0 for trace in short]
+        best = max(scores)
+        return [s for s, score in zip(signs, scores, strict=True) if score > best - 0.25]
 
     def refine(self, trace: Trace, sign: float) -> Candidate:
         """From a traced path to a judged curve."""

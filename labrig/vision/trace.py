@@ -32,7 +32,7 @@ class Trace:
 
 @dataclass(frozen=True, eq=False)
 class RidgeMaps:
-    """The ridge maps of a picture for one polarity; `scale` reduces large pictures."""
+    """The ridge maps of a picture, bright ridges positive; `scale` reduces large pictures."""
 
     maps: MapArray
     scale: int
@@ -48,12 +48,12 @@ class RidgeMaps:
         return RidgeMaps(self.maps * (mask == 0)[None, :, :, None], self.scale)
 
 
-def ridge_maps(picture: Picture, thickness_px: float, sign: float, *, wide: bool) -> RidgeMaps:
+def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMaps:
     """Second derivatives and slopes in units of their noise, at the sheet's width and wider."""
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
-    grey = picture.grey * np.float32(sign / picture.noise)
+    grey = picture.grey * np.float32(1 / picture.noise)
     if scale > 1:
         size = (grey.shape[1] // scale, grey.shape[0] // scale)
         grey = grey[: size[1] * scale, : size[0] * scale]
@@ -72,25 +72,33 @@ def _derivatives(grey: MapArray, blur: float) -> MapArray:
     g0 /= g0.sum()
     g1, g2 = -t * g0 / blur, (t * t - 1) * g0 / blur**2
     unit = 1 / (np.linalg.norm(g0) * np.linalg.norm(g2))
-    out = np.empty((*grey.shape, 5), np.float32)
     # filter2D correlates: an odd kernel is turned round
-    kernels = ((g2, g0, unit), (g1, g1, unit), (g0, g2, unit))
-    for i, (ku, kv, factor) in enumerate(kernels):
-        out[:, :, i] = cv2.sepFilter2D(grey, cv2.CV_32F, ku[::-1] * factor, kv[::-1])
-    out[:, :, 3] = cv2.sepFilter2D(grey, cv2.CV_32F, g1[::-1] * unit / blur, g0)
-    out[:, :, 4] = cv2.sepFilter2D(grey, cv2.CV_32F, g0 * unit / blur, g1[::-1])
-    return out
+    kernels = (
+        (g2 * unit, g0),
+        (g1 * unit, g1),
+        (g0 * unit, g2),
+        (g1[::-1] * unit / blur, g0),
+        (g0 * unit / blur, g1[::-1]),
+    )
+    return np.asarray(
+        cv2.merge([cv2.sepFilter2D(grey, cv2.CV_32F, ku, kv) for ku, kv in kernels])
+    )
 
 
 def trace_from_clamp(
     ridges: RidgeMaps,
     optics: Optics,
     strip: StripGeometry,
+    sign: float,
     *,
+    share: float = 1.0,
     offsets_px: tuple[float, ...] = (-2.0, -1.0, 0.0, 1.0, 2.0),
-    width: int = 250,
+    width: int = 120,
 ) -> Trace | None:
-    """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do."""
+    """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do.
+
+    `share` of the length is traced, with `width` states kept.
+    """
     from labrig.vision.beam import TURN, search
 
     heading, local_scale = _clamp_direction(optics)
@@ -106,13 +114,14 @@ def trace_from_clamp(
     bent_steps = max(1, math.ceil(free_share * steps))
     path, gains, score = search(
         ridges.maps,
+        sign,
         float(u0),
         float(v0),
         heading,
         spread,
-        steps,
+        max(6, round(share * steps)),
         steps if free_share >= 1 else bent_steps,
-        0 if free_share >= 1 else bent_steps,
+        steps if free_share >= 1 and ridges.maps.shape[0] == 1 else bent_steps % steps,
         length,
         int(np.clip(most_bend, 3, 40)),
         MOST_TURN_RAD,
