@@ -42,6 +42,7 @@ class InMemorySerial:
         self.is_open = True
         self._coming: deque[tuple[float, bytes]] = deque()  # when the last byte is there, bytes
         self._arrived = bytearray()
+        self._polled_s = clock.now()
         self._spoken = 0
 
     @property
@@ -61,7 +62,7 @@ class InMemorySerial:
         self._receive()
         self._clock.sleep_until(self._clock.now() + self._duration(data))
         if self._rates_match:
-            self._hear(self._wire.respond(bytes(data)))
+            self._hear(self._wire.respond(bytes(data)), self._clock.now())
         return len(data)
 
     def read(self, size: int = 1) -> bytes:
@@ -125,18 +126,20 @@ class InMemorySerial:
         if self.faults.unplugged:
             raise serial.SerialException(f"{self.port}: device disconnected")
 
-    def _hear(self, said: bytes) -> None:
+    def _hear(self, said: bytes, since_s: float) -> None:
+        """The device began to say this then, or as soon as it had said what came before."""
         if not said:
             return
         if not self._rates_match:
             self._spoken += 1
             said = garbled(said, self._spoken)
-        line_free = max(self._clock.now(), self._coming[-1][0] if self._coming else -math.inf)
-        self._coming.append((line_free + self._duration(said), said))
+        began_s = max(since_s, self._coming[-1][0]) if self._coming else since_s
+        self._coming.append((began_s + self._duration(said), said))
 
     def _receive(self) -> None:
         self._check()
-        self._hear(self._wire.poll())
+        self._hear(self._wire.poll(), self._polled_s)
+        self._polled_s = self._clock.now()
         # A clock may wake a sleeper a rounding error early.
         while self._coming and self._coming[0][0] <= self._clock.now() + 1e-9:
             self._arrived += self._coming.popleft()[1]

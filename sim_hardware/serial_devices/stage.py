@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import Literal, Protocol
 
 from drivers.interfaces import Clock
 from sim_hardware.serial_devices.motion import Motion
@@ -22,12 +22,20 @@ MICROSTEP_RAD = math.radians(0.000234375)
 _WARNINGS = ("FS", "WR", "NI")
 
 
+class Arc(Protocol):
+    """The arc that the stage turns about."""
+
+    @property
+    def radius_mm(self) -> float:
+        """Its radius."""
+
+
 class ArcSettings(Protocol):
     """What the stage needs of the world's settings."""
 
     @property
-    def arc_radius_m(self) -> float:
-        """Radius of the arc on which the load cell stands."""
+    def arc(self) -> Arc:
+        """The arc on which the load cell stands."""
 
 
 class ArcWorld(Protocol):
@@ -37,7 +45,7 @@ class ArcWorld(Protocol):
     def settings(self) -> ArcSettings:
         """The world's settings."""
 
-    def place(self, position_m: float | None, approach: str = "up") -> None:
+    def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
         """The load cell now stands at this position on the arc, reached from below or above."""
 
 
@@ -66,7 +74,7 @@ class ZaberStage:
     ) -> None:
         self._world = world
         self._clock = clock
-        self._radius_m = world.settings.arc_radius_m
+        self._radius_m = world.settings.arc.radius_mm * 1e-3
         self._origin_m = origin_m
         self.obstacle_rad: float | None = None
         self.settings = Settings()

@@ -139,7 +139,7 @@ def test_a_client_that_sends_nothing_does_not_disturb_the_others(serve: Serve) -
 def test_a_taken_port_is_an_error(serve: Serve) -> None:
     server = serve(NoiseScene())
     port = int(server.url.rstrip("/").rsplit(":", 1)[1])
-    with pytest.raises(OSError, match="[Aa]ddress"):
+    with pytest.raises(OSError, match=r"[Aa]ddress"):
         CameraServer(NoiseScene(), RealClock(), port)
 
 
