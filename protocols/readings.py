@@ -76,9 +76,13 @@ class ReadingMaker:
             if planned.step == event.step:
                 self._expect(planned, event)
 
-    def forget_after(self, now_s: float) -> None:
-        """The run is cut short: readings whose windows are not over will not be made."""
-        over = [p for p in self._pending if p.sample_s + p.planned.half_window_s <= now_s]
+    def forget_after(self, run_s: float) -> None:
+        """The run is cut short at its time `run_s`: readings not over by plan will not be made.
+
+        By plan, because the window of a pulse that is over ends a little later than its pulse
+        when its edge was written a little late.
+        """
+        over = [p for p in self._pending if self._planned_end_s(p.planned) <= run_s]
         self._pending = deque(over)
 
     def add_block(self, block: SignalBlock) -> None:
@@ -100,6 +104,10 @@ class ReadingMaker:
     def leftover_frames(self, now_s: float) -> Iterator[FramesArrived]:
         """The run is over: the frames that went with no reading, when all are kept."""
         yield from self._release_frames(float("inf"), now_s)
+
+    def _planned_end_s(self, planned: PlannedReading) -> float:
+        rounding_s = 1e-9
+        return self._run.time_of(planned) + planned.half_window_s - rounding_s
 
     def _expect(self, planned: PlannedReading, event: VoltageSet) -> None:
         sample_s = written_s(event.write) + planned.delay_s

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from drivers.interfaces import Clock, DeviceTimeoutError, VoltageWrite
+from drivers.interfaces import CameraCounts, Clock, DeviceTimeoutError, VoltageWrite
 from protocols.devices import Devices, Rows
 from protocols.events import Event, RunStarted, RunStopped, SignalsArrived, VoltageSet, Warned
 from protocols.output import GuardedOutput
@@ -38,13 +38,15 @@ class Loop:
     timing: Timing
     keep_all_frames: bool
 
-    def guarded(self, what: str, act: Callable[[], object]) -> None:
+    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
         """Do something while cleaning up: what goes wrong is told and does not stop the rest."""
         try:
             act()
         except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up goes on
             with suppress(Exception):
                 self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
+            return error
+        return None
 
     def tell_if_possible(self, event: Event) -> None:
         """Emit an event while cleaning up after a failure, which may be the recording's own."""
@@ -145,9 +147,9 @@ class RunLoop:
 
     def _cut_short(self, maker: ReadingMaker) -> bool:
         """Follow a request to stop after the pulse, which is over now."""
-        now_s = self._loop.clock.now()
+        run_s = self._loop.clock.now() - self._zero_s
         self._return_to_zero("the session is to stop after this pulse")
-        maker.forget_after(now_s)
+        maker.forget_after(run_s)
         return False
 
     def _stop_before(self, index: int) -> bool:
@@ -243,16 +245,20 @@ class RunLoop:
     def _end(self, *, completed: bool) -> None:
         """Stop the acquisition, each device for itself, and tell of it.
 
-        Raises only after a completed run, and only what a subscriber raises.
+        Raises only after a completed run: what a subscriber raises, or a device that cannot be
+        stopped, and so not be started again for the next run.
         """
         loop, devices, maker = self._loop, self._loop.devices, self._maker
         tell = loop.emit if completed else loop.tell_if_possible
         if maker is not None and not completed:
             loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
-        loop.guarded("stopping the signal input", devices.signals.stop)
-        grabbed, dropped = self._stop_camera()
+        failed = loop.guarded("stopping the signal input", devices.signals.stop)
+        if devices.camera is not None:
+            camera_failed = loop.guarded("stopping the camera", devices.camera.stop)
+            failed = failed or camera_failed
         if maker is None:
             return  # RunStarted was never told
+        grabbed, dropped = self._last_frames(maker)
         for event in maker.leftover_frames(loop.clock.now()):
             tell(event)
         tell(
@@ -265,17 +271,15 @@ class RunLoop:
                 frames_dropped=dropped,
             )
         )
+        if completed and failed is not None:
+            raise failed
 
-    def _stop_camera(self) -> tuple[int, int]:
-        """Frames grabbed and dropped, after stopping."""
-        camera = self._loop.devices.camera
+    def _last_frames(self, maker: ReadingMaker) -> tuple[int, int]:
+        """Take what the stopped camera still holds; frames grabbed and dropped in this run."""
+        camera, guarded = self._loop.devices.camera, self._loop.guarded
         if camera is None:
             return 0, 0
-        self._loop.guarded("stopping the camera", camera.stop)
-        if self._maker is not None:
-            maker = self._maker
-            self._loop.guarded("last frames", lambda: maker.add_frames(camera.frames()))
-        try:
-            return camera.counts.grabbed, camera.counts.dropped
-        except Exception:  # noqa: BLE001 - the counts are lost with the camera
-            return 0, 0
+        guarded("last frames", lambda: maker.add_frames(camera.frames()))
+        found: list[CameraCounts] = []
+        guarded("counting the frames", lambda: found.append(camera.counts))
+        return (found[0].grabbed, found[0].dropped) if found else (0, 0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime as dt
 import threading
 from collections.abc import Callable, Collection
-from contextlib import suppress
 from dataclasses import replace
 
 from drivers.interfaces import Clock, DeviceError, FloatArray, OverloadError, Prompt
@@ -241,8 +240,7 @@ class Scheduler:
     def _finish(self, finish: FinishReason, text: str, error: BaseException | None) -> Outcome:
         """Make safe, tell the end, and settle the status; never raises."""
         self._enter(RunState.STOPPING)
-        with suppress(Exception):
-            self._devices.signals.stop()
+        self._loop.guarded("stopping the signal input", self._devices.signals.stop)
         found = self._output.verify(self._read_back, self._safe_below_V)
         self._loop.guarded("telling the state of the output", lambda: self._output.follow_up(found))
         state = self._output.state

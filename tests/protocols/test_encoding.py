@@ -1,0 +1,68 @@
+"""Schedules as plain data."""
+
+import copy
+import json
+
+import pytest
+
+from protocols import (
+    Extras,
+    Place,
+    PulseTrain,
+    ScheduleError,
+    make_schedule,
+    run_from_dict,
+    run_to_dict,
+    schedule_from_dict,
+    schedule_to_dict,
+)
+
+EXTRAS = Extras(3, 1, no_touch_zero=True, free_shapes=True, dead_weights_N=(0.02,))
+SCHEDULE = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=EXTRAS)
+
+
+def test_a_schedule_survives_json():
+    assert schedule_from_dict(json.loads(json.dumps(schedule_to_dict(SCHEDULE)))) == SCHEDULE
+
+
+def test_a_run_survives_json():
+    run = SCHEDULE.runs[-1]
+    assert run_from_dict(json.loads(json.dumps(run_to_dict(run)))) == run
+
+
+def damaged(change):
+    data = copy.deepcopy(schedule_to_dict(SCHEDULE))
+    change(data)
+    return data
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda d: d.pop("protocol"), "schedule: the key 'protocol' is missing"),
+        (lambda d: d.update(more=1), "schedule: the key 'more' is not known"),
+        (lambda d: d["runs"][0].update(index=True), r"schedule.runs\[0\].index: a int is wanted"),
+        (lambda d: d["runs"][0].update(index=1.0), r"index: a int is wanted, not 1.0"),
+        (lambda d: d["runs"][1].update(purpose="x"), r"runs\[1\].purpose: 'x' is none of measure"),
+        (lambda d: d["runs"][0].update(steps={}), r"runs\[0\].steps: a list is wanted"),
+        (lambda d: d["runs"][0].update(readings=[3]), r"readings\[0\]: a table is wanted"),
+        (lambda d: d["runs"][0].update(position_m="0"), "position_m: a float is wanted, not '0'"),
+        (lambda d: d["runs"][0].update(moisten=0), "moisten: a bool is wanted, not 0"),
+        (lambda d: d["runs"][0].update(duration_s=0.5), "not over when its step is"),
+        (lambda d: d.update(frame_rate_hz=float("nan")), "frame_rate_hz"),
+    ],
+)
+def test_data_that_is_not_a_schedule_is_refused_by_the_name_of_its_key(change, says):
+    with pytest.raises(ScheduleError, match=says):
+        schedule_from_dict(damaged(change))
+
+
+@pytest.mark.parametrize("data", [None, [], "x", 3])
+def test_something_else_entirely_is_refused(data):
+    with pytest.raises(ScheduleError, match="a table is wanted"):
+        schedule_from_dict(data)
+
+
+def test_whole_numbers_may_stand_for_numbers():
+    data = damaged(lambda d: d.update(frame_rate_hz=25))
+    assert schedule_from_dict(data).frame_rate_hz == 25.0

@@ -1,0 +1,237 @@
+"""Whatever fails, whenever: 0 V first, and the end is told."""
+
+import itertools
+
+import numpy as np
+import pytest
+from fake_rig import FakeRig, short_schedule
+
+from drivers.interfaces import OverloadError
+from protocols import EventHub, FinishReason, RunState, Timing
+from protocols.events import (
+    Outcome,
+    OutputChanged,
+    OutputState,
+    RunStarted,
+    RunStopped,
+    SessionStopped,
+    VoltageSet,
+    Warned,
+)
+
+# Fewer calls to fail, one after another.
+COARSE = Timing(service_s=0.1, starved_s=1.0)
+
+
+def healthy_calls(device):
+    rig = FakeRig()
+    rig.scheduler(timing=COARSE).run(short_schedule(0.0, 0.005))
+    return rig.faults[device].names
+
+
+def fail(device, fails_at):
+    rig = FakeRig()
+    rig.faults[device].fail_at = fails_at
+    scheduler = rig.scheduler(timing=COARSE)
+    outcome = scheduler.run(short_schedule(0.0, 0.005))
+    return rig, scheduler, outcome
+
+
+def check_end(rig, scheduler, outcome):
+    stopped = rig.of_kind(SessionStopped)
+    assert len(stopped) == 1
+    assert rig.events[-1] is stopped[0]
+    assert stopped[0].outcome is outcome
+    assert rig.output.last_V == 0.0
+    assert (stopped[0].output is OutputState.SAFE) is (scheduler.status.state is RunState.FINISHED)
+    started, ended = rig.of_kind(RunStarted), rig.of_kind(RunStopped)
+    assert [e.run.index for e in started] == [e.run for e in ended]
+    assert not rig.guarded or rig.guarded[-1] is False
+
+
+@pytest.mark.parametrize("device", ["output", "signals", "camera", "stage", "operator"])
+def test_a_device_that_fails_once_at_any_call_leaves_0_V_and_an_end(device):
+    for k, name in enumerate(healthy_calls(device)):
+        rig, scheduler, outcome = fail(device, lambda index, k=k: index == k)
+        check_end(rig, scheduler, outcome)
+        if name == "measure":
+            assert (outcome, rig.events[-1].output) == (Outcome.COMPLETED, OutputState.UNKNOWN)
+        elif outcome is Outcome.FAILED:
+            assert scheduler.status.finish is FinishReason.DEVICE_FAULT
+            assert f"call {k} ({name}) failed" in rig.events[-1].reason
+        elif device == "output":  # 0 V at the session's end, written at the second attempt
+            assert k == len(healthy_calls(device)) - 1
+        else:  # while cleaning up: the data are complete
+            assert name in {"stop", "counts", "frames"}
+            assert name != "stop" or k == len(healthy_calls(device)) - 2  # stopped already
+            assert any(f"call {k} ({name}) failed" in w.text for w in rig.of_kind(Warned))
+
+
+@pytest.mark.parametrize("device", ["signals", "camera", "stage", "operator"])
+def test_a_device_that_fails_for_good_at_any_call_leaves_0_V_and_an_end(device):
+    for k in range(len(healthy_calls(device))):
+        rig, scheduler, outcome = fail(device, lambda index, k=k: index >= k)
+        check_end(rig, scheduler, outcome)
+        if device == "signals":  # nobody can read back any more
+            assert rig.events[-1].output is OutputState.UNKNOWN
+            assert "switch the amplifier off" in rig.events[-1].reason
+
+
+def test_an_output_that_fails_for_good_is_unknown_and_stays_guarded():
+    for k in range(1, len(healthy_calls("output"))):
+        rig, scheduler, _ = fail("output", lambda index, k=k: index >= k)
+        assert rig.events[-1].output is OutputState.UNKNOWN
+        assert scheduler.status.state is RunState.UNKNOWN
+        assert "0 V could not be written; switch the amplifier off" in rig.events[-1].reason
+        if rig.output.last_V != 0.0:
+            assert rig.guarded[-1] is True  # so the guard, hearing no beat, acts
+
+
+def test_0_V_is_written_before_anything_is_told_of_the_failure():
+    rig = FakeRig()
+    rig.faults["signals"].fail_at = lambda index: index == 80
+    seen = []
+
+    def emit(event):
+        rig.events.append(event)
+        seen.append(rig.output.last_V)
+
+    rig.scheduler(emit=emit).run(short_schedule())
+    first_after = next(
+        i for i, e in enumerate(rig.events) if isinstance(e, VoltageSet) and i > 0
+        and e.write.sheet_V == 0.0 and rig.events[i - 1] is not None and i > 10
+        and any(isinstance(b, VoltageSet) and b.write.sheet_V for b in rig.events[:i])
+    )  # fmt: skip
+    assert all(volts == 0.0 for volts in seen[first_after:])
+    failed_read = rig.events[first_after].time_s
+    assert not [e for e in rig.events[:first_after] if e.time_s > failed_read]
+
+
+def test_an_output_that_recovers_is_tried_again():
+    rig = FakeRig()
+    # The first pulse fails, and so do the first two attempts at 0 V.
+    rig.faults["output"].fail_at = lambda index: 2 <= index < 5
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert rig.output.last_V == 0.0
+    assert rig.events[-1].output is OutputState.SAFE
+
+
+def test_a_voltage_that_stays_at_the_sheet_is_found_by_the_read_back():
+    rig = FakeRig()
+    rig.signals.spoil = lambda times_s, volts: volts.__setitem__(2, 1.9)
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.COMPLETED
+    assert scheduler.status.state is RunState.UNKNOWN
+    assert "0 V was written but 1.9 V is read back" in rig.events[-1].reason
+    assert rig.of_kind(OutputChanged)[-1].state is OutputState.UNKNOWN
+
+
+def test_a_read_back_that_is_no_number_is_not_taken_for_0_V():
+    rig = FakeRig()
+    rig.signals.measure = lambda duration_s: np.full((3, 10), np.nan)
+    scheduler = rig.scheduler()
+    scheduler.run(short_schedule())
+    assert scheduler.status.output is OutputState.UNKNOWN
+
+
+def test_an_overloaded_load_cell_trips_the_session():
+    rig = FakeRig()
+
+    def protect(volts):
+        if np.abs(volts).max(initial=0.0) > 0.0015:
+            raise OverloadError("the load cell carries 130 mN: unload it at once")
+
+    object.__setattr__(rig.devices, "protect", protect)
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.OVERLOAD
+    assert "130 mN" in rig.events[-1].reason
+    pulse, zero = rig.of_kind(VoltageSet)[-2:]
+    assert (pulse.write.sheet_V, zero.write.sheet_V) == (2.0, 0.0)
+    assert zero.write.after_s - pulse.write.after_s < 0.05
+
+
+def test_an_input_that_falls_silent_is_a_fault_within_its_time():
+    rig = FakeRig()
+
+    def emit(event):
+        rig.events.append(event)
+        if isinstance(event, VoltageSet) and event.write.sheet_V:
+            rig.signals.silent = True
+
+    scheduler = rig.scheduler(emit=emit, timing=Timing(starved_s=0.4))
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert "no samples for 0.4 s" in rig.events[-1].reason
+    pulses = [w for w in rig.of_kind(VoltageSet) if w.write.sheet_V]
+    assert len(pulses) == 1
+
+
+def test_a_missing_channel_is_found_before_the_first_voltage():
+    rig = FakeRig()
+    rig.signals.channels = ("force", "current", "sense")
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert "no channel 'drive', only force, current, sense" in scheduler.status.text
+    assert not scheduler.status.energised_once
+
+
+def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
+    rig = FakeRig()
+    rig.scheduler(timing=COARSE).run(short_schedule())
+    for k in range(len(rig.events)):
+        broken, count, watched = FakeRig(), itertools.count(), []
+        hub = EventHub(threaded=False)
+
+        def write(event, k=k, count=count):
+            if next(count) >= k:
+                raise OSError("disk full")
+
+        hub.add_critical("the session file", write)
+        hub.add_watcher("progress", watched.append)
+        scheduler = broken.scheduler(emit=hub.emit, timing=COARSE)
+        assert scheduler.run(short_schedule()) is Outcome.FAILED
+        assert scheduler.status.finish is FinishReason.RECORDING_FAULT
+        assert "disk full" in scheduler.status.text
+        assert broken.output.last_V == 0.0
+        assert isinstance(watched[-1], SessionStopped)
+        assert scheduler.status.output is OutputState.SAFE
+
+
+def test_a_watcher_that_fails_at_every_event_changes_nothing():
+    def voltages(break_it):
+        rig, hub = FakeRig(), EventHub(threaded=False)
+        hub.add_critical("file", rig.events.append)
+        if break_it:
+            hub.add_watcher("panel", lambda event: 1 / 0)
+        assert rig.scheduler(emit=hub.emit).run(short_schedule()) is Outcome.COMPLETED
+        return rig.of_kind(VoltageSet), rig.of_kind(Warned)
+
+    healthy, broken = voltages(break_it=False), voltages(break_it=True)
+    assert healthy[0] == broken[0]
+    assert (len(healthy[1]), len(broken[1])) == (0, 1)
+
+
+@pytest.mark.parametrize("hook", ["beat", "on_energised"])
+def test_a_guard_that_has_died_ends_the_session_at_0_V(hook):
+    rig = FakeRig()
+
+    def dead(*_):
+        if rig.output.last_V or hook == "on_energised":
+            raise BrokenPipeError("the guard is gone")
+
+    scheduler = rig.scheduler(**{hook: dead})
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert "the guard is gone" in rig.events[-1].reason
+    assert rig.output.last_V == 0.0
+    assert rig.events[-1].output is OutputState.SAFE
+
+
+def test_a_mistake_in_the_program_is_named_as_such():
+    rig = FakeRig()
+    object.__setattr__(rig.devices, "newtons", lambda volts: volts.no_such_thing)
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.INTERNAL_ERROR
+    assert isinstance(scheduler.status.error, AttributeError)
+    assert "an error in labrig itself: AttributeError" in rig.events[-1].reason
