@@ -87,24 +87,28 @@ def test_an_output_that_fails_for_good_is_unknown_and_stays_guarded():
             assert rig.guarded[-1] is True  # so the guard, hearing no beat, acts
 
 
-def test_0_V_is_written_before_anything_is_told_of_the_failure():
-    rig = FakeRig()
-    rig.faults["signals"].fail_at = lambda index: index == 80
-    seen = []
+@pytest.mark.parametrize("device", ["signals", "camera"])
+def test_0_V_is_written_before_anything_is_told_of_a_failure(device):
+    energised_failures = 0
+    for k in range(len(healthy_calls(device))):
+        rig, log = FakeRig(), []
 
-    def emit(event):
-        rig.events.append(event)
-        seen.append(rig.output.last_V)
+        def fails(index, k=k, log=log, rig=rig):
+            if index == k:
+                log.append(f"failed at {rig.output.last_V:g} V")
+            return index == k
 
-    rig.scheduler(emit=emit).run(short_schedule())
-    first_after = next(
-        i for i, e in enumerate(rig.events) if isinstance(e, VoltageSet) and i > 0
-        and e.write.sheet_V == 0.0 and rig.events[i - 1] is not None and i > 10
-        and any(isinstance(b, VoltageSet) and b.write.sheet_V for b in rig.events[:i])
-    )  # fmt: skip
-    assert all(volts == 0.0 for volts in seen[first_after:])
-    failed_read = rig.events[first_after].time_s
-    assert not [e for e in rig.events[:first_after] if e.time_s > failed_read]
+        def emit(event, rig=rig, log=log):
+            rig.events.append(event)
+            log.append(f"event, output at {rig.output.last_V:g} V")
+
+        rig.faults[device].fail_at = fails
+        rig.scheduler(emit=emit, timing=COARSE).run(short_schedule(0.0, 0.005))
+        failed = next(i for i, entry in enumerate(log) if entry.startswith("failed"))
+        if log[failed] != "failed at 0 V":
+            energised_failures += 1
+            assert log[failed + 1] == "event, output at 0 V"
+    assert energised_failures > 20
 
 
 def test_an_output_that_recovers_is_tried_again():

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from fake_rig import FakeRig, short_schedule
 
+from drivers.interfaces import Prompt
 from protocols import (
     Extras,
     Hold,
     Place,
     PulseTrain,
+    RecordedOperator,
     RunState,
     ScheduleError,
     Timing,
@@ -18,6 +20,7 @@ from protocols import (
 )
 from protocols.events import (
     FramesArrived,
+    OperatorAnswered,
     OperatorAsked,
     Outcome,
     OutputChanged,
@@ -251,6 +254,19 @@ def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
     assert len(rig.of_kind(OperatorAsked)) == len([t for t in told if "mm" not in t])
     loads_N = [p.load_N for p in rig.operator.asked if p.kind == "dead_weight"]
     assert loads_N == [0.0, 0.02, 0.0]
+
+
+def test_a_manual_stages_questions_are_told_once_when_it_shares_the_operator(rig):
+    recorded = RecordedOperator(rig.operator, rig.clock, rig.events.append)
+    object.__setattr__(rig.devices, "operator", recorded)
+    rig.stage.move_to = lambda p: recorded.ask(Prompt("move", "Move it.", position_m=p))
+    rig.stage.position = lambda: None
+    ends_well(rig)
+    assert [e.prompt.kind for e in rig.of_kind(OperatorAsked)] == [
+        "mount", "move", "touch", "moisten",
+    ]  # fmt: skip
+    assert all(e.done for e in rig.of_kind(OperatorAnswered))
+    assert rig.of_kind(RunStarted)[0].stage_position_m is None
 
 
 def test_a_stage_that_stands_elsewhere_is_a_warning(rig):
