@@ -129,7 +129,7 @@ def search(
                     u += c * length / PER_STEP
                     v += s * length / PER_STEP
                     gain += ridge_score(maps, sign, u, v, c, s, layers, half)
-                gain = gain / PER_STEP - 0.01 * change * change
+                gain = gain / PER_STEP - (0.01 if j < straight_from else 0.002) * change * change
                 child[many, 0] = u
                 child[many, 1] = v
                 child[many, 2] = angle
@@ -141,6 +141,8 @@ def search(
                 many += 1
         if many == 0:
             return np.empty((0, 2)), np.empty(0), -1.0
+        # a straight rest differs in little but its angle
+        fine = 0.1 if j < straight_from else 0.006
         order = np.argsort(-child[:many, 3])
         kept = 0
         cells = np.zeros(8192, dtype=np.int64)
@@ -152,7 +154,7 @@ def search(
             key = (
                 int(child[t, 0] // 2.0) * 73856093
                 ^ int(child[t, 1] // 2.0) * 19349663
-                ^ int(child[t, 2] // 0.1) * 83492791
+                ^ int(child[t, 2] // fine) * 83492791
                 ^ int(child_bend[t] // 3) * 49979687
             ) & 8191
             if cells[key] >= 2:

@@ -90,13 +90,16 @@ class _Job:
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if hasty and len(signs) == 2:
             signs = self._likely(ridges, signs)
-        traces = [(trace_from_clamp(ridges, self.optics, self.strip, s, width=width), s) for s in signs]
+        traces = [
+            (trace_from_clamp(ridges, self.optics, self.strip, s, width=width), s) for s in signs
+        ]
         return [self.refine(trace, sign) for trace, sign in traces if trace is not None]
 
     def _likely(self, ridges: RidgeMaps, signs: list[float]) -> list[float]:
         """The polarities worth tracing, from a short search at the clamp."""
         short = [
-            trace_from_clamp(ridges, self.optics, self.strip, s, share=0.35, width=40) for s in signs
+            trace_from_clamp(ridges, self.optics, self.strip, s, share=0.35, width=40)
+            for s in signs
         ]
         scores = [trace.score if trace else -1.0 for trace in short]
         best = max(scores)

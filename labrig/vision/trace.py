@@ -80,9 +80,7 @@ def _derivatives(grey: MapArray, blur: float) -> MapArray:
         (g1[::-1] * unit / blur, g0),
         (g0 * unit / blur, g1[::-1]),
     )
-    return np.asarray(
-        cv2.merge([cv2.sepFilter2D(grey, cv2.CV_32F, ku, kv) for ku, kv in kernels])
-    )
+    return np.asarray(cv2.merge([cv2.sepFilter2D(grey, cv2.CV_32F, ku, kv) for ku, kv in kernels]))
 
 
 def trace_from_clamp(
