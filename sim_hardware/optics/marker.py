@@ -12,6 +12,7 @@ import numpy.typing as npt
 BLOCK_PX = 6
 _NUMBER_BITS, _TIME_BITS, _CHECK_BITS = 32, 48, 8
 _BITS = _NUMBER_BITS + _TIME_BITS + _CHECK_BITS
+MARKER_COLUMNS = _BITS * BLOCK_PX
 _NO_TIME = (1 << _TIME_BITS) - 1
 
 
@@ -20,19 +21,17 @@ def _check_sum(payload: int) -> int:
 
 
 def write_marker(image: npt.NDArray[np.uint8], number: int, time_s: float | None = None) -> None:
-    """Write the marker into the picture; it needs 528 columns and 6 rows."""
-    if image.shape[1] < _BITS * BLOCK_PX:
-        raise ValueError(f"the marker needs {_BITS * BLOCK_PX} columns, not {image.shape[1]}")
+    """Write the marker into a picture of at least `MARKER_COLUMNS` columns."""
     microseconds = _NO_TIME if time_s is None else round(time_s * 1e6)
     payload = (number % (1 << _NUMBER_BITS)) << _TIME_BITS | (microseconds & _NO_TIME)
     word = payload << _CHECK_BITS | _check_sum(payload)
     bits = np.array([word >> k & 1 for k in reversed(range(_BITS))], dtype=np.uint8)
-    image[:BLOCK_PX, : _BITS * BLOCK_PX] = np.repeat(bits * np.uint8(255), BLOCK_PX)[None, :]
+    image[:BLOCK_PX, :MARKER_COLUMNS] = np.repeat(bits * np.uint8(255), BLOCK_PX)[None, :]
 
 
 def read_marker(image: npt.NDArray[np.uint8]) -> tuple[int, float | None] | None:
     """Frame number and time in s of a picture's marker; None where there is no valid one."""
-    blocks = image[BLOCK_PX // 2, BLOCK_PX // 2 : _BITS * BLOCK_PX : BLOCK_PX]
+    blocks = image[BLOCK_PX // 2, BLOCK_PX // 2 : MARKER_COLUMNS : BLOCK_PX]
     if len(blocks) < _BITS:
         return None
     word = int("".join("1" if level > 127 else "0" for level in blocks), 2)

@@ -72,7 +72,7 @@ class Renderer:
             self._layer.add(1 / len(bands))
         self._layer.lay_over(picture)
         if contact is not None and self.settings.rolls.visible:
-            self._draw_rolls(picture, contact)
+            self._draw_rolls(picture, contact, sheet_length_m)
         frame = picture.reshape(self._rows, self._columns)
         if self._jaws is not None:
             self._jaws.draw(frame)
@@ -121,10 +121,15 @@ class Renderer:
             self._layer.add(1 / len(bands))
         self._layer.lay_over(picture)
 
-    def _draw_rolls(self, picture: Picture, contact: Contact) -> None:
+    def _draw_rolls(self, picture: Picture, contact: Contact, sheet_length_m: float) -> None:
         x, y, angle = contact
         rolls = self.settings.rolls
-        away = rolls.radius_m + self.settings.sheet_thickness_m / 2
+        # The straight way to the contact is near enough to the way along the sheet to tell.
+        on_sheet = math.hypot(x, y) <= sheet_length_m
+        held_m = (
+            self.settings.sheet_thickness_m if on_sheet else self.settings.elongation_thickness_m
+        )
+        away = rolls.radius_m + held_m / 2
         for side in (-away, away):
             centre = (x - side * math.sin(angle), y + side * math.cos(angle))
             u, v = self._geometry.to_pixels([centre])[0]

@@ -7,6 +7,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Level = Annotated[float, Field(ge=0, le=255)]
+from sim_hardware.optics.marker import MARKER_COLUMNS
+
 Side = Annotated[int, Field(ge=16, le=8192)]
 Pixel = tuple[float, float]
 
@@ -132,6 +134,8 @@ class OpticsSettings(_Closed):
             raise ValueError("exposure_s is longer than the time between two frames")
         if self.sheet_level == self.background_level:
             raise ValueError("sheet_level equals background_level: the sheet would be invisible")
+        if self.marker and self.image_size[0] < MARKER_COLUMNS:
+            raise ValueError(f"marker needs image_size of {MARKER_COLUMNS} columns or more")
         return self
 
     @property

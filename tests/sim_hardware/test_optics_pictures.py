@@ -81,17 +81,23 @@ def test_dark_sheet_before_a_bright_background() -> None:
     assert frame[330:342, 200].min() < 100 < frame[100, 200]
 
 
-def test_rolls_touch_the_sheet_on_both_sides() -> None:
+@pytest.mark.parametrize(("sheet_length_m", "held_mm"), [(0.05, 0.21), (0.0045, 0.5)])
+def test_rolls_touch_the_sheet_or_its_elongation_on_both_sides(
+    sheet_length_m: float, held_mm: float
+) -> None:
     quiet = OpticsSettings(noise=Noise(electrons_per_level=1e9, read_levels=0))
     straight = np.array([[0, 0], [0.05, 0.0]])
     renderer = Renderer(quiet)
-    with_rolls = renderer.render([straight], (0.04, 0.0, 0.0), 0).astype(float)
-    changed = np.abs(with_rolls - renderer.render([straight], None, 0)) > 10
+    with_rolls, without = (
+        renderer.render([straight], contact, 0, sheet_length_m=sheet_length_m).astype(float)
+        for contact in ((0.04, 0.0, 0.0), None)
+    )
+    changed = np.abs(with_rolls - without) > 10
     rows, columns = np.nonzero(changed)
     u, v = quiet.origin_px[0] + 356, quiet.origin_px[1]
     assert columns.mean() == pytest.approx(u, abs=0.5)
     assert rows.mean() == pytest.approx(v, abs=0.5)
-    assert rows.max() - v == pytest.approx((2.4 + 0.105) * 8.9, abs=1.5)
+    assert rows.max() - v == pytest.approx((2.4 + held_mm / 2) * 8.9, abs=1.0)
 
 
 def test_far_face_lies_towards_the_middle_of_the_picture() -> None:
@@ -132,6 +138,7 @@ def test_a_picture_without_marker_has_none() -> None:
         ({"blur_px": float("nan")}, "blur_px"),
         ({"exposure_s": 0.2}, "exposure_s"),
         ({"sheet_level": 40}, "sheet_level"),
+        ({"marker": True, "image_size": [320, 240]}, "image_size"),
         ({"lens": {"camera_matrix": [[1, 0, 0]], "distortion": [0, 0, 0, 0]}}, "camera_matrix"),
     ],
 )
