@@ -7,7 +7,8 @@ clock by the two moments between which the start request ran.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,7 @@ from drivers.interfaces import (
     SignalBlock,
 )
 from drivers.ni_connection import NiConnection
+from drivers.ni_errors import TaskGoneError
 
 INPUT_TASK = "labrig-input"
 BUFFER_S = 10.0  # samples unread for longer are lost
@@ -95,7 +97,7 @@ class NiSignalInput:
         task = self._taken()
         if self._running:
             raise DeviceError(f"the inputs {self._wiring} are acquiring already")
-        with self._connection.errors(f"starting the inputs {self._wiring}"):
+        with self._errors(f"starting the inputs {self._wiring}"):
             before_s = self._clock.now()
             task.start()
             after_s = self._clock.now()
@@ -110,7 +112,7 @@ class NiSignalInput:
         if not self._running:
             raise DeviceError(f"the inputs {self._wiring} are not acquiring: start them first")
         try:
-            with self._connection.errors(f"reading the inputs {self._wiring}"):
+            with self._errors(f"reading the inputs {self._wiring}"):
                 waiting = int(task.in_stream.avail_samp_per_chan)
             volts = self._read(waiting)
         except LostSamplesError as fault:
@@ -124,7 +126,7 @@ class NiSignalInput:
         if self._task is None or not self._running:
             return
         self._running = False
-        with self._connection.errors(f"stopping the inputs {self._wiring}"):
+        with self._errors(f"stopping the inputs {self._wiring}"):
             self._task.stop()
 
     def measure(self, duration_s: float) -> FloatArray:
@@ -153,6 +155,16 @@ class NiSignalInput:
             raise DeviceError(f"the inputs {self._wiring} are not open")
         return self._task
 
+    @contextmanager
+    def _errors(self, doing: str) -> Iterator[None]:
+        try:
+            with self._connection.errors(doing):
+                yield
+        except TaskGoneError:
+            self._task = None  # somebody has taken the rig over; it can be opened anew
+            self._running = False
+            raise
+
     def _configure(self, task: Any) -> None:
         from nidaqmx.constants import AcquisitionType, TaskMode
         from nidaqmx.stream_readers import AnalogMultiChannelReader
@@ -176,7 +188,7 @@ class NiSignalInput:
         volts = np.empty((len(self._inputs), samples))
         if samples == 0:
             return volts
-        with self._connection.errors(f"reading {samples} samples of {self._wiring}"):
+        with self._errors(f"reading {samples} samples of {self._wiring}"):
             read = self._reader.read_many_sample(
                 volts, samples, timeout=samples / self._rate_hz + MARGIN_S
             )

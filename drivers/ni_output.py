@@ -67,10 +67,14 @@ class NiVoltageOutput:
         task = self._task
         if task is None:
             raise DeviceError(f"the output {self._channel} is not open; nothing was written")
-        with self._connection.errors(self._doing(board_V)):
-            before_s = self._clock.now()
-            task.write(board_V, auto_start=False, timeout=WRITE_TIMEOUT_S)
-            after_s = self._clock.now()
+        try:
+            with self._connection.errors(self._doing(board_V)):
+                before_s = self._clock.now()
+                task.write(board_V, auto_start=False, timeout=WRITE_TIMEOUT_S)
+                after_s = self._clock.now()
+        except TaskGoneError:
+            self._task = None  # somebody has made the output safe; it can be opened anew
+            raise
         self._last_V = board_V
         return BoardWrite(before_s, after_s)
 
@@ -82,11 +86,7 @@ class NiVoltageOutput:
         """
         if self._task is None:
             return
-        try:
-            self.write(0.0)
-        except TaskGoneError:
-            self._task = None  # cleared from outside; there is nothing to try again with
-            raise
+        self.write(0.0)
         task, self._task = self._task, None
         with self._connection.errors(f"closing the output {self._channel} (at 0 V)"):
             task.close()

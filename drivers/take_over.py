@@ -8,12 +8,11 @@ written again: the old process, should it wake, holds a task that no longer exis
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.interfaces import Clock, DeviceError
+from drivers.interfaces import Clock
 from drivers.ni_connection import NiConnection
 from drivers.ni_errors import DeviceReservedError
 from drivers.ni_input import INPUT_TASK, InputChannel, NiSignalInput
@@ -37,10 +36,6 @@ class OutputPlace:
     safe_below_V: float = 0.05
     output_task: str = OUTPUT_TASK
     input_task: str = INPUT_TASK
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return asdict(self)
 
 
 def take_over(
@@ -120,11 +115,3 @@ def _read_back(
     attempt(failures, look)
     attempt(failures, signals.close)
     return seen[0] if seen else None
-
-
-def place_from_dict(data: dict[str, Any]) -> OutputPlace:
-    """The reverse of `OutputPlace.to_dict`."""
-    try:
-        return OutputPlace(**data)
-    except TypeError as fault:
-        raise DeviceError(f"guard settings: {fault}") from fault

@@ -1,0 +1,126 @@
+"""The guard's process: read the settings, connect, watch, act at most once, end."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
+from drivers.guard.watch import Ending, Watch, parent_watch, words_of
+from drivers.interfaces import DeviceError, RealClock
+from drivers.ni_connection import NiConnection
+from drivers.safe import Safety, SafetyReport
+from drivers.take_over import take_over
+
+_TRIES = 5
+_BETWEEN_TRIES_S = 0.2
+_PATIENCE_S = 3.0
+_SAFE_CODE, _FAILED_CODE, _UNKNOWN_CODE = 0, 3, 6
+
+
+def main() -> int:
+    """Run the guard; the exit code says whether the output is safe (0), or not known to be (6)."""
+    _ignore_signals()
+    clock = RealClock()
+    connection: NiConnection | None = None
+    try:
+        settings = GuardSettings.from_json(_first_line())
+        connection = NiConnection(settings.place.address)
+        connection.open()
+        _warm_up()
+    except DeviceError as fault:
+        _say(FAILED, str(fault))
+        return _FAILED_CODE
+    lives = parent_watch(settings.program_pid)
+    _say(READY)
+    ending = Watch(settings, clock, words_of(0), lambda: _say(ALIVE), lives).until_end()
+    if ending is Ending.DISARMED:
+        connection.close()
+        return _SAFE_CODE
+    if settings.must_end_the_program and (ending is not Ending.GONE or _lives_for_sure(lives)):
+        _kill(settings.program_pid)
+    report = _act(settings, connection, clock)
+    _tell_everybody(settings, ending, report)
+    return _SAFE_CODE if report.state is Safety.SAFE else _UNKNOWN_CODE
+
+
+def _act(settings: GuardSettings, connection: NiConnection, clock: RealClock) -> SafetyReport:
+    """Take the output over; again, on a new connection, when that did not end in 0 V."""
+    report = take_over(connection, clock, settings.place, _PATIENCE_S)
+    for _ in range(_TRIES - 1):
+        if report.state is Safety.SAFE:
+            break
+        connection.close()
+        clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
+        with contextlib.suppress(DeviceError):
+            connection.open()
+        report = take_over(connection, clock, settings.place, _PATIENCE_S)
+    connection.close()
+    return report
+
+
+def _tell_everybody(settings: GuardSettings, ending: Ending, report: SafetyReport) -> None:
+    facts = {"why": ending.value, **asdict(report)}
+    _say(REPORT, json.dumps(facts))
+    with contextlib.suppress(OSError):
+        sys.stderr.write(f"labrig's output guard: {ending.value}; {report.text}\n")
+        sys.stderr.flush()
+    if settings.report_path is not None:
+        with contextlib.suppress(OSError):
+            Path(settings.report_path).write_text(json.dumps(facts), encoding="utf-8")
+
+
+def _first_line() -> str:
+    """The settings; byte by byte, since what follows belongs to the watch."""
+    line = bytearray()
+    while not line.endswith(b"\n"):
+        byte = os.read(0, 1)
+        if not byte:
+            break
+        line += byte
+    return line.decode("utf-8", errors="replace")
+
+
+def _say(word: str, rest: str = "") -> None:
+    """A line to the program, which may be gone."""
+    with contextlib.suppress(OSError, ValueError):
+        sys.stdout.write(f"{word} {rest}".strip() + "\n")
+        sys.stdout.flush()
+
+
+def _warm_up() -> None:
+    """Load what acting needs: then is no time for it."""
+    for module in ("nidaqmx.constants", "nidaqmx.stream_readers"):
+        importlib.import_module(module)
+
+
+def _ignore_signals() -> None:
+    """The guard ends when the program does, and by nothing that is meant for the program."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"):
+        number = getattr(signal, name, None)
+        if number is not None:
+            signal.signal(number, signal.SIG_IGN)
+
+
+def _lives_for_sure(lives: Callable[[], bool]) -> bool:
+    """Whether a program that closed its pipe still lives; a number may have a new owner by then."""
+    return sys.platform != "win32" and lives()
+
+
+def _kill(program_pid: int) -> None:
+    """End the program that hangs, so that the driver releases its tasks."""
+    with contextlib.suppress(OSError):
+        os.kill(program_pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+
+
+if __name__ == "__main__":
+    code = main()
+    # A program that hangs may not read our last words: do not wait for it at exit.
+    os._exit(code)

@@ -1,0 +1,213 @@
+"""The program's side of the guard."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import IO
+
+from drivers.guard.settings import (
+    ALIVE,
+    AT_ZERO,
+    BEAT,
+    DISARM,
+    ENERGISED,
+    FAILED,
+    HEARTBEAT_S,
+    READY,
+    REPORT,
+    GuardSettings,
+)
+from drivers.interfaces import DeviceError, DeviceTimeoutError, RealClock
+from drivers.safe import Safety, SafetyReport
+
+START_S = 30.0  # a busy computer imports slowly
+_END_S = 5.0
+_DEAF_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
+_BEAT_EVERY_S = 0.4 * HEARTBEAT_S
+
+
+class Guard:
+    """A running guard. `start` it before the first voltage, `disarm` it after the last."""
+
+    def __init__(self, process: subprocess.Popen[bytes]) -> None:
+        self._process = process
+        self._clock = RealClock()  # processes live in real time
+        self._ready = threading.Event()
+        self._failure: str | None = None
+        self._report: SafetyReport | None = None
+        self._energised = False
+        self._last_beat_s = self._confirmed_s = self._clock.now()
+        self._unconfirmed = 0
+        self._reader = threading.Thread(target=self._listen, name="guard", daemon=True)
+        self._reader.start()
+
+    @classmethod
+    def start(cls, settings: GuardSettings, timeout_s: float = START_S) -> Guard:
+        """Start it and wait until it has its own connection to the boards.
+
+        Raises DeviceError when it cannot guard; then nothing may be energised.
+        """
+        guard = cls(_spawn())
+        try:
+            ours = replace(settings, program_pid=os.getpid())
+            guard._send(ours.to_json().encode("utf-8") + b"\n")
+            if not guard._ready.wait(timeout_s):
+                raise DeviceTimeoutError(
+                    f"the output guard did not start in {timeout_s:g} s; nothing was energised"
+                )
+            if guard._failure is not None:
+                raise DeviceError(f"the output guard cannot start: {guard._failure}")
+        except BaseException:
+            guard._end()
+            raise
+        return guard
+
+    @property
+    def alive(self) -> bool:
+        """Whether it would act if this program failed now."""
+        if self._report is not None or self._failure is not None:
+            return False
+        if self._process.poll() is not None:
+            return False
+        waiting = self._energised and self._unconfirmed > 0
+        return not (waiting and self._clock.now() - self._confirmed_s > _DEAF_S)
+
+    @property
+    def report(self) -> SafetyReport | None:
+        """What it did, when it has acted; then this program's tasks are gone."""
+        return self._report
+
+    @property
+    def pid(self) -> int:
+        """Its process."""
+        return self._process.pid
+
+    def beat(self) -> None:
+        """The working loop lives; called at least every 50 ms while energised. Does not block.
+
+        Raises DeviceError when the guard has gone or has acted: the run must stop.
+        """
+        now = self._clock.now()
+        if not self._energised or now - self._last_beat_s < _BEAT_EVERY_S:
+            return
+        self._check()
+        self._last_beat_s = now
+        self._tell(BEAT)
+
+    def energised(self, on: bool) -> None:
+        """Before the first voltage (True), and after 0 V was written (False).
+
+        Raises DeviceError when the guard is gone and `on`: then nothing may be energised.
+        """
+        if on:
+            self._check()
+        if on and not self._energised:
+            self._confirmed_s = self._last_beat_s = self._clock.now()
+            self._unconfirmed = 0
+        self._energised = on
+        self._tell(ENERGISED if on else AT_ZERO)
+
+    def disarm(self) -> None:
+        """End it; the output must be safe already. May be called twice, and after it has acted."""
+        self._energised = False
+        with suppress(DeviceError):  # it may have ended by itself
+            self._send(DISARM)
+        self._end()
+
+    def _check(self) -> None:
+        if self.alive:
+            return
+        if self._report is not None:
+            raise DeviceError(f"the output guard has acted: {self._report.text}")
+        raise DeviceError(
+            "the output guard has ended or does not answer: the run must stop, since nobody would "
+            "write 0 V if this program failed; start it again"
+        )
+
+    def _tell(self, word: bytes) -> None:
+        """A pipe that nobody empties would block in the end: a deaf guard is told nothing more."""
+        if self._unconfirmed < 1000:
+            self._unconfirmed += 1
+            self._send(word)
+
+    def _send(self, data: bytes) -> None:
+        pipe = self._process.stdin
+        try:
+            if pipe is None or pipe.closed:
+                raise BrokenPipeError("closed")
+            pipe.write(data)
+            pipe.flush()
+        except OSError as fault:
+            if self._energised or data not in (AT_ZERO, BEAT, DISARM):
+                raise DeviceError(f"the output guard has ended ({fault})") from fault
+
+    def _listen(self) -> None:
+        """Its thread: what the guard says."""
+        pipe = self._process.stdout
+        if pipe is None:
+            return
+        for raw in pipe:
+            word, _, rest = raw.decode("utf-8", errors="replace").strip().partition(" ")
+            if word == ALIVE:
+                self._confirmed_s = self._clock.now()
+                self._unconfirmed = 0
+            elif word == REPORT:
+                self._report = report_from_json(rest)
+            elif word == FAILED:
+                self._failure = rest
+            if word in (READY, FAILED):
+                self._ready.set()
+        if not self._ready.is_set():
+            self._failure = self._failure or "it ended at once"
+            self._ready.set()
+
+    def _end(self) -> None:
+        """Close the pipes and wait; our own child, so it can be ended when it does not listen."""
+        _close(self._process.stdin)
+        try:
+            self._process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._reader.join(_END_S)
+        _close(self._process.stdout)
+
+
+def report_from_json(text: str) -> SafetyReport:
+    """What the guard has printed."""
+    data = json.loads(text)
+    return SafetyReport(Safety(data["state"]), data["read_back_V"], tuple(data["failures"]))
+
+
+def _spawn() -> subprocess.Popen[bytes]:
+    """In a session of its own: neither Ctrl-C nor a signal to our group may reach it."""
+    detached = 0
+    if sys.platform == "win32":
+        detached = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
+    root = str(Path(__file__).resolve().parents[2])
+    path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-m", "drivers.guard"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": path},
+            start_new_session=sys.platform != "win32",
+            creationflags=detached,
+        )
+    except OSError as fault:
+        raise DeviceError(f"the output guard cannot be started: {fault}") from fault
+
+
+def _close(pipe: IO[bytes] | None) -> None:
+    if pipe is None:
+        return
+    with suppress(OSError):  # what was in it can no longer be sent
+        pipe.close()

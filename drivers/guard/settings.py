@@ -1,0 +1,48 @@
+"""What the guard must know, and the words that it and the program exchange."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+from drivers.interfaces import DeviceError
+from drivers.take_over import OutputPlace
+
+HEARTBEAT_S = 0.05
+HEARTBEAT_LIMIT_S = 0.4
+
+# From the program, one byte each, after a first line with the settings as JSON.
+BEAT, ENERGISED, AT_ZERO, DISARM = b".", b"E", b"Z", b"D"
+# To the program, a line each.
+READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
+
+
+@dataclass(frozen=True)
+class GuardSettings:
+    """Where the output is, and how long the program may be silent or energise the sheet."""
+
+    place: OutputPlace
+    time_under_voltage_s: float = 30.0  # without a break
+    heartbeat_limit_s: float = HEARTBEAT_LIMIT_S
+    strict_ownership: bool = False  # tasks belong to their process, as with a local driver
+    report_path: str | None = None  # where the guard leaves its report when it has acted
+    program_pid: int = 0  # filled in by `Guard.start`
+
+    @property
+    def must_end_the_program(self) -> bool:
+        """Whether only the program's end makes the driver release its tasks."""
+        return self.strict_ownership or self.place.address == "local"
+
+    def to_json(self) -> str:
+        """One line."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> GuardSettings:
+        """The reverse of `to_json`; DeviceError when it does not fit."""
+        try:
+            data = json.loads(text)
+            place = OutputPlace(**data.pop("place"))
+            return cls(place=place, **data)
+        except (ValueError, TypeError, KeyError, AttributeError) as fault:
+            raise DeviceError(f"the guard's settings cannot be read: {fault}") from fault

@@ -1,0 +1,122 @@
+"""What the guard waits for: words from the program, or their absence."""
+
+from __future__ import annotations
+
+import os
+import queue
+import sys
+import threading
+from collections.abc import Callable
+from enum import StrEnum
+
+from drivers.guard.settings import AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.interfaces import Clock
+
+_TICK_S = 0.02
+_STARVED_S = 0.1  # a tick this late was the computer's fault: the program may be as late
+_BACKSTOP = 1.02  # of the time under voltage: the program itself comes first
+
+
+class Ending(StrEnum):
+    """Why the watch has ended."""
+
+    DISARMED = "the program has finished"
+    GONE = "the program has died"
+    HUNG = "the program hangs"
+    TOO_LONG = "the sheet was energised for too long"
+
+
+class Watch:
+    """Follows the words on a pipe. `confirm` is called for each lot of them."""
+
+    def __init__(
+        self,
+        settings: GuardSettings,
+        clock: Clock,
+        words: queue.Queue[bytes],
+        confirm: Callable[[], None],
+        parent_lives: Callable[[], bool],
+    ) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._words = words
+        self._confirm = confirm
+        self._parent_lives = parent_lives
+        self._energised_s: float | None = None  # since when
+        self._heard_s = clock.now()
+
+    def until_end(self) -> Ending:
+        """Block until the guard must act or may go."""
+        ticked_s = self._clock.now()
+        while True:
+            ending = self._hear()
+            if ending is not None:
+                return ending
+            now = self._clock.now()
+            late_s = now - ticked_s - _TICK_S
+            if late_s > _STARVED_S:
+                self._heard_s += late_s
+            ticked_s = now
+            ending = self._judge(now)
+            if ending is not None:
+                return ending
+
+    def _hear(self) -> Ending | None:
+        """Take in what has come, waiting a tick for it at most."""
+        try:
+            lot = self._words.get(timeout=_TICK_S)
+        except queue.Empty:
+            return None
+        if not lot:
+            return Ending.GONE
+        self._heard_s = self._clock.now()
+        for number in lot:
+            word = bytes([number])
+            if word == DISARM:
+                return Ending.DISARMED
+            if word == ENERGISED and self._energised_s is None:
+                self._energised_s = self._heard_s
+            elif word == AT_ZERO:
+                self._energised_s = None
+        if BEAT in lot or ENERGISED in lot or AT_ZERO in lot:
+            self._confirm()
+        return None
+
+    def _judge(self, now: float) -> Ending | None:
+        if not self._parent_lives():
+            return Ending.GONE
+        if self._energised_s is None:
+            return None
+        if now - self._heard_s > self._settings.heartbeat_limit_s:
+            return Ending.HUNG
+        if now - self._energised_s > _BACKSTOP * self._settings.time_under_voltage_s:
+            return Ending.TOO_LONG
+        return None
+
+
+def words_of(pipe: int) -> queue.Queue[bytes]:
+    """What comes from a pipe, in lots; an empty one is its end. A thread, for Windows' sake."""
+    words: queue.Queue[bytes] = queue.Queue()
+
+    def read() -> None:
+        while True:
+            try:
+                lot = os.read(pipe, 4096)
+            except OSError:
+                lot = b""
+            words.put(lot)
+            if not lot:
+                return
+
+    threading.Thread(target=read, name="pipe", daemon=True).start()
+    return words
+
+
+def parent_watch(program_pid: int) -> Callable[[], bool]:
+    """Whether the program lives, apart from what the pipe tells (all there is on Windows).
+
+    A process that the program has forked may hold the pipe open after the program's death.
+    """
+    if sys.platform == "win32":
+        return lambda: True
+    return lambda: os.getppid() == program_pid
