@@ -29,7 +29,7 @@ class Arc:
     """The world as the stage sees it: an arc, and where the load cell was put."""
 
     settings: SimpleNamespace = field(
-        default_factory=lambda: SimpleNamespace(arc_radius_m=RADIUS_M)
+        default_factory=lambda: SimpleNamespace(arc=SimpleNamespace(radius_mm=RADIUS_M * 1e3))
     )
     placed_m: list[float | None] = field(default_factory=list)
 
