@@ -1,0 +1,8 @@
+"""The simulated sheet with all that surrounds it: amplifier, water, rolls, load cell, camera."""
+
+from sim_hardware.world.load_cell import CellFault
+from sim_hardware.world.loading import WorldError, load_world
+from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.world import World
+
+__all__ = ["CellFault", "World", "WorldError", "WorldSettings", "load_world"]

@@ -1,0 +1,36 @@
+"""The simulated person at the rig: does in the simulated world what the program asks for."""
+
+from __future__ import annotations
+
+from drivers.interfaces import Prompt
+from sim_hardware.world import World
+
+
+class SimulatedPerson:
+    """An `Operator` who never declines."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def ask(self, prompt: Prompt) -> bool:
+        """Do it. A kind of request that this person does not know is an error."""
+        match prompt.kind:
+            case "move":
+                self._world.place(prompt.position_m)
+            case "free":
+                self._world.place(None)
+            case "moisten":
+                self._world.moisten()
+            case "mount":
+                if prompt.configuration is None:
+                    raise ValueError("asked to mount a sheet without being told which")
+                self._world.mount(prompt.configuration)
+            case "remount":
+                self._world.remount()
+            case "dead_weight":
+                self._world.hang(prompt.load_N or 0.0)
+            case "confirm":
+                pass
+            case other:
+                raise ValueError(f"the simulated person does not know how to {other}")
+        return True

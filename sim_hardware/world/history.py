@@ -1,0 +1,206 @@
+"""What has happened to the sheet: its inner state on a fixed time grid, and at any time between.
+
+The grid does not know how reads are cut into pieces, so neither do the values: what is read at a
+time depends on that time and on what was written before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.load_cell import LoadCell
+from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
+from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.track import Track
+
+FloatArray = npt.NDArray[np.float64]
+
+# Columns of the grid: the state (see state_kernels), what moves the elements that lag, and these.
+_VOLTAGE, _MOMENT, _UNEVEN, _DRY_S = range(4)
+_STATE = slice(0, 4)
+_MOVED = slice(4, 6)
+_TURNED = slice(6, 6 + ELEMENTS)
+_COLUMNS = 6 + ELEMENTS
+_KEEP_S = 300.0
+_MOST_STEPS = 60_000
+
+
+@dataclass(frozen=True)
+class Moment:
+    """The sheet's state at some times."""
+
+    stage: Stage
+    times: FloatArray
+    states: FloatArray  # (n, 4)
+    drive: FloatArray
+    true_N: FloatArray  # along the load cell's axis
+    felt_N: FloatArray  # by the load cell, without noise
+
+    @property
+    def sheet_V(self) -> FloatArray:
+        """Voltage across the sheet."""
+        return np.asarray(self.states[:, _VOLTAGE])
+
+
+class History:
+    """Moves the state forward as far as it is asked for, and looks it up."""
+
+    def __init__(
+        self,
+        settings: WorldSettings,
+        amplifier: Amplifier,
+        cell: LoadCell,
+        first: Stage,
+        watcher: Callable[[FloatArray, FloatArray, FloatArray], None],
+    ) -> None:
+        from sim_hardware.world import state_kernels
+
+        self._kernels = state_kernels
+        self._amplifier = amplifier
+        self._cell = cell
+        self.start_s = first.start_s
+        self._step_s = settings.chain.step_ms * 1e-3
+        e, w = settings.eibm, settings.water
+        self._rules = state_kernels.StateRules(
+            settings.electrical.rise_time_s,
+            e.build_up_s,
+            e.saturation_V,
+            e.negative_ratio,
+            w.spread_s,
+            w.return_s,
+        )
+        row = np.zeros(_COLUMNS)
+        row[_UNEVEN] = 1.0
+        self._track = Track(row, round(_KEEP_S / self._step_s))
+        self._stages = [first]
+        self._grid_stage = first
+        self._due: list[tuple[int, Stage | None]] = []  # at this step: a stage, or a wetting
+        self._watcher = watcher
+
+    @property
+    def reached_s(self) -> float:
+        """Up to here the grid is made: what is written now cannot act earlier."""
+        return self.start_s + self._track.last * self._step_s
+
+    @property
+    def stage(self) -> Stage:
+        """The newest."""
+        return self._stages[-1]
+
+    def begin(self, stage: Stage) -> None:
+        """From its start on, this is the set-up. The grid must have been made up to then."""
+        self._stages.append(stage)
+        self._due.append((self._track.last + 1, stage))
+        self._stages = [
+            a
+            for a, b in zip(self._stages, self._stages[1:], strict=False)
+            if b.start_s > self.start_s + self._track.oldest * self._step_s
+        ] + [self._stages[-1]]
+
+    def moisten(self) -> None:
+        """The sheet is wet again."""
+        self._due.append((self._track.last + 1, None))
+
+    def advance(self, when: float) -> None:
+        """Make the grid up to the last step not after `when`."""
+        target = self._step_of(np.array([when]))[0]
+        while self._track.last < target:
+            until = min(int(target), self._track.last + _MOST_STEPS)
+            until = min([until, *(step for step, _ in self._due)])
+            self._make(until)
+            self._take_what_is_due(until)
+        self._amplifier.forget(self.start_s + self._track.oldest * self._step_s)
+
+    def at(self, times: FloatArray) -> list[Moment]:
+        """The state at times in order, in one piece for each set-up that they fall into."""
+        times = np.maximum(times, self.start_s)
+        self.advance(float(times[-1]))
+        starts = [stage.start_s for stage in self._stages]
+        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        return [self._moment(self._stages[k], times[which == k]) for k in np.unique(which)]
+
+    def states(self, times: FloatArray) -> FloatArray:
+        """Only the inner state (n, 4), at times in order."""
+        times = np.maximum(times, self.start_s)
+        self.advance(float(times[-1]))
+        return self._states(times)[1]
+
+    def _make(self, until: int) -> None:
+        """Rows up to a step, all in one set-up."""
+        last, stage = self._track.newest.copy(), self._grid_stage
+        times = self._time_of(np.arange(self._track.last, until + 1))
+        if times.size < 2:
+            return
+        rows = np.empty((times.size - 1, _COLUMNS))
+        states = np.empty((times.size, 4))
+        states[0] = last[_STATE]
+        drive_V = self._amplifier.mean_V(times)
+        self._kernels.advance(states, drive_V, self._step_s, self._rules)
+        rows[:, _STATE] = states[1:]
+        dry = states[1:, _DRY_S]
+        drive = stage.drive(states[1:, _MOMENT], states[1:, _UNEVEN], dry)
+        stage.watch(times[1:], drive)
+        rows[:, _MOVED] = stage.moved(times[1:], drive, dry)
+        rows[:, _TURNED] = self._kernels.turn_stops(
+            _hung(rows[:, _MOVED]), _hung(last[None, _MOVED])[0], last[_TURNED], self._reach(stage)
+        )
+        self._track.append(rows)
+        self._watcher(times[1:], states[1:, _VOLTAGE], rows[:, _MOVED.start])
+
+    def _take_what_is_due(self, step: int) -> None:
+        for due, stage in [entry for entry in self._due if entry[0] <= step]:
+            self._due.remove((due, stage))
+            if stage is None:
+                self._track.newest[_UNEVEN] = 1.0
+                self._track.newest[_DRY_S] = 0.0
+            else:
+                if stage.setup is not self._grid_stage.setup:
+                    self._track.newest[_TURNED] = stage.first_turned
+                    self._track.newest[_MOVED] = self._moved_now(stage)
+                self._grid_stage = stage
+
+    def _moved_now(self, stage: Stage) -> FloatArray:
+        row = self._track.newest
+        state = row[:4, None]
+        drive = stage.drive(state[_MOMENT], state[_UNEVEN], state[_DRY_S])
+        moved: FloatArray = stage.moved(np.array([self.reached_s]), drive, state[_DRY_S])[0]
+        return moved
+
+    def _moment(self, stage: Stage, times: FloatArray) -> Moment:
+        rows, states = self._states(times)
+        dry = states[:, _DRY_S]
+        drive = stage.drive(states[:, _MOMENT], states[:, _UNEVEN], dry)
+        moved = stage.moved(times, drive, dry)
+        reach = self._reach(stage)
+        turned = rows[:, _TURNED] + _hung(moved) - _hung(rows[:, _MOVED])
+        turned = np.clip(turned, -reach, reach)
+        true_N = moved[:, 0] + stage.friction_N(times, drive, dry, turned[:, 2])
+        return Moment(stage, times, states, drive, true_N, self._cell.felt_N(true_N, turned))
+
+    def _states(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Rows of the grid before some times, and the states (n, 4) at the times."""
+        steps = self._step_of(times)
+        rows = self._track.at(steps)
+        from_s = np.minimum(self._time_of(steps), times)
+        drive_V = self._amplifier.mean_between(from_s, times)
+        states = np.ascontiguousarray(rows[:, _STATE])
+        return rows, self._kernels.part_steps(states, drive_V, times - from_s, self._rules)
+
+    def _reach(self, stage: Stage) -> FloatArray:
+        return np.array([*self._cell.reaches_N(stage.sticking_N), SLIDE_M])
+
+    def _step_of(self, times: FloatArray) -> npt.NDArray[np.int64]:
+        return np.floor((times - self.start_s) / self._step_s).astype(np.int64)
+
+    def _time_of(self, steps: npt.ArrayLike) -> FloatArray:
+        return np.asarray(self.start_s + np.asarray(steps) * self._step_s)
+
+
+def _hung(moved: FloatArray) -> FloatArray:
+    """What each element hangs on: the force, the force, the place along the sheet."""
+    return moved[:, [0, 0, 1]]

@@ -1,0 +1,70 @@
+"""The load cell: from the force along its axis to volts at the board's input."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.world.noise import SlowWander, WhiteNoise
+from sim_hardware.world.settings import LoadCellSettings
+
+FloatArray = npt.NDArray[np.float64]
+
+_WHITE_STREAM, _DRIFT_STREAM = 0xCE110, 0xCE111
+_MAINS_HZ = 50.0
+# An input that is connected to nothing drifts to the end of what the board's amplifier can do.
+_OPEN_V = 11.0
+_OPEN_S = 0.5
+
+
+class CellFault(StrEnum):
+    """What can be wrong with the load cell's wiring."""
+
+    NONE = "none"
+    OPEN = "open"  # a broken signal wire: the input drifts to a rail
+    NO_EXCITATION = "no_excitation"  # the bridge gives nothing but noise
+
+
+class LoadCell:
+    """Volts of a force; noise is a function of the time since the world's beginning."""
+
+    def __init__(self, settings: LoadCellSettings, seed: int) -> None:
+        s = self._settings = settings
+        self._white = WhiteNoise(seed, _WHITE_STREAM)
+        shortest, longest = sorted((s.drift_shortest_s, s.drift_longest_s))
+        self._wander = SlowWander(seed, _DRIFT_STREAM, shortest, longest)
+        self._fault, self._fault_s = CellFault.NONE, -math.inf
+
+    def reaches_N(self, sticking_N: float) -> FloatArray:
+        """How far the two elements that lag behind the force turn: the cell's own, the rolls'."""
+        return np.array([self._settings.hysteresis_reach_mN * 1e-3, sticking_N])
+
+    def felt_N(self, force_N: FloatArray, turned_N: FloatArray) -> FloatArray:
+        """What the cell makes of the force, without noise; `turned_N` (n, 2): what lags behind."""
+        s = self._settings
+        bend = s.nonlinearity * force_N * np.abs(force_N) / (s.capacity_mN * 1e-3)
+        loop = s.hysteresis_mN / s.hysteresis_reach_mN * turned_N[:, 0]
+        return np.asarray(force_N + bend - loop - turned_N[:, 1])
+
+    def volts(self, felt_N: FloatArray, since_s: FloatArray) -> FloatArray:
+        """Volts at the input."""
+        s = self._settings
+        noise_mN = s.noise_mN * self._white.at(since_s) + s.drift_mN * self._wander.at(since_s)
+        noise_mN += s.hum_mN * np.sin(2 * math.pi * _MAINS_HZ * since_s)
+        signal = np.where(self._excited(since_s), felt_N, 0.0) + noise_mN * 1e-3
+        volts = s.offset_uV * 1e-6 + s.sensitivity_V_per_N * signal
+        if self._fault is CellFault.OPEN:
+            gone = np.exp(-np.maximum(0.0, since_s - self._fault_s) / _OPEN_S)
+            volts = _OPEN_V + (volts - _OPEN_V) * gone
+        return np.asarray(volts)
+
+    def fail(self, fault: CellFault, since_s: float) -> None:
+        """From now on this is wrong with it, or nothing any more."""
+        self._fault, self._fault_s = fault, since_s
+
+    def _excited(self, since_s: FloatArray) -> npt.NDArray[np.bool_]:
+        broken = self._fault is CellFault.NO_EXCITATION
+        return (since_s < self._fault_s) if broken else np.ones(since_s.shape, dtype=bool)

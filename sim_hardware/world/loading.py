@@ -1,0 +1,90 @@
+"""Reading a world.toml: laid over the shipped one, every fault named with file, key and value."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from sim_hardware.world.settings import WorldSettings
+
+SHIPPED = ("world.toml", "paper_scatter.toml")
+_LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+
+
+class WorldError(ValueError):
+    """A world that cannot be made; the text is one sentence: file, key, value, allowed range."""
+
+
+def load_world(path: Path | None = None, seed: int | None = None) -> WorldSettings:
+    """The world of a file; None: the shipped one. `seed` replaces the file's.
+
+    A file needs to say only what differs from the shipped world.toml. The name of a shipped world
+    (`paper_scatter.toml`) stands for it where no such file exists. Raises WorldError.
+    """
+    content = _parsed(_shipped("world.toml"), "world.toml")
+    name = "world.toml"
+    if path is not None:
+        name = str(path)
+        content = _laid_over(content, _parsed(_text(Path(path)), name))
+    if seed is not None:
+        content["seed"] = seed
+    try:
+        return WorldSettings.model_validate(content)
+    except ValidationError as fault:
+        raise WorldError("; ".join(_sentence(name, error) for error in fault.errors())) from None
+
+
+def _shipped(name: str) -> str:
+    return files("sim_hardware.world").joinpath(name).read_text(encoding="utf-8")
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        if str(path) in SHIPPED:
+            return _shipped(str(path))
+        raise WorldError(
+            f"{path}: no such file; name a world.toml, or one of the shipped worlds "
+            f"({', '.join(SHIPPED)})"
+        ) from None
+    except (OSError, UnicodeDecodeError) as fault:
+        raise WorldError(f"{path}: cannot be read ({fault})") from None
+
+
+def _parsed(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as fault:
+        raise WorldError(f"{name}: not valid TOML: {fault}") from None
+
+
+def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """`above` with what it does not say taken from `below`, table by table."""
+    result = dict(below)
+    for key, value in above.items():
+        old = below.get(key)
+        both_tables = isinstance(old, dict) and isinstance(value, dict)
+        result[key] = _laid_over(old, value) if both_tables else value  # type: ignore[arg-type]
+    return result
+
+
+def _sentence(name: str, error: Any) -> str:
+    key = ".".join(str(part) for part in error["loc"])
+    value = error["input"]
+    context = error.get("ctx", {})
+    if error["type"] == "extra_forbidden":
+        return f"{name}: {key} = {value!r} is not a key of a world; remove it or correct its name"
+    if error["type"] == "missing":
+        return f"{name}: {key} is missing"
+    limits = [f"{word} {context[k]:g}" for k, word in _LIMITS.items() if k in context]
+    if limits:
+        return f"{name}: {key} = {value!r} must be {' and '.join(limits)}"
+    reason = str(error["msg"]).removeprefix("Value error, ")
+    reason = reason[:1].lower() + reason[1:]
+    where = f"{key} = {value!r}" if key and not isinstance(value, dict) else key or "the file"
+    return f"{name}: {where}: {reason}"

@@ -1,0 +1,107 @@
+"""From the sheet's inner state to the force on the load cell, one set-up after the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.world.setup import Setup
+
+FloatArray = npt.NDArray[np.float64]
+
+# Drying stiffens the sheet by no more than this factor, and takes no more than this of its moment.
+_MOST_STIFFENING = 2.2
+_MOST_WEAKENING = 0.8
+# The rolls slide this far along the sheet before friction has turned round.
+SLIDE_M = 20e-6
+
+# The elements that lag behind: the load cell's hysteresis, sticking rolls, friction.
+ELEMENTS = 3
+
+
+@dataclass(frozen=True)
+class Slip:
+    """When the sheet slipped out of the rolls; it does not come back by itself."""
+
+    since_s: list[float] = field(default_factory=list)
+
+    def happened(self, times: FloatArray) -> npt.NDArray[np.bool_]:
+        """Whether it was out at these times."""
+        return times >= (self.since_s[0] if self.since_s else math.inf)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A set-up from a moment on, with what hangs on the load cell."""
+
+    start_s: float
+    setup: Setup
+    load_N: float = 0.0
+    moved_up: bool = True
+    slip: Slip = field(default_factory=Slip)
+
+    def drive(self, moment: FloatArray, uneven: FloatArray, dry_s: FloatArray) -> FloatArray:
+        """The drive of the set-up's chain."""
+        water = self.setup.settings.water
+        share = 1 - water.first_pulse_deficit * uneven
+        rate = water.weakening_per_min / 60 / _MOST_WEAKENING
+        share *= 1 - _MOST_WEAKENING * -np.expm1(-rate * dry_s)
+        return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
+
+    def stiffening(self, dry_s: FloatArray) -> FloatArray:
+        """B over that of a wet sheet."""
+        gain = _MOST_STIFFENING - 1
+        rate = self.setup.settings.water.stiffening_per_min / 60 / gain
+        return np.asarray(1 + gain * -np.expm1(-rate * dry_s))
+
+    def moved(self, times: FloatArray, drive: FloatArray, dry_s: FloatArray) -> FloatArray:
+        """Force along the load cell's axis in N, and place along the sheet in m: (n, 2).
+
+        Without what lags behind. Once out of the rolls: only what hangs on the cell.
+        """
+        out = self.slip.happened(times) | self.setup.slipped(drive)
+        result = np.zeros((times.size, 2))
+        held, B = drive[~out], self.setup.stiffness_Nm2 * self.stiffening(dry_s[~out])
+        result[~out, 0] = B * self.setup.cell_force_per_m2(held)
+        if self.setup.rubs:
+            result[~out, 1] = self.setup.sliding_m(held)
+        result[:, 0] += self.load_N
+        return result
+
+    def watch(self, times: FloatArray, drive: FloatArray) -> None:
+        """Remember when, along these times, the sheet slipped out."""
+        if self.slip.since_s or self.setup.position_m is None:
+            return
+        out = self.setup.slipped(drive)
+        if out.any():
+            self.slip.since_s.append(float(times[np.argmax(out)]))
+
+    def friction_N(
+        self, times: FloatArray, drive: FloatArray, dry_s: FloatArray, turned_m: FloatArray
+    ) -> FloatArray:
+        """What friction in the rolls adds, with its element `turned_m` so far."""
+        result = np.zeros(times.size)
+        if not self.setup.rubs:
+            return result
+        held = ~(self.slip.happened(times) | self.setup.slipped(drive))
+        B = self.setup.stiffness_Nm2 * self.stiffening(dry_s[held])
+        result[held] = B * self.setup.friction_per_m2(drive[held]) * turned_m[held] / SLIDE_M
+        return result
+
+    @property
+    def first_turned(self) -> FloatArray:
+        """The elements when the set-up is new (ELEMENTS,)."""
+        first = np.zeros(ELEMENTS)
+        if self.setup.rubs:
+            first[2] = SLIDE_M * self.setup.first_slide(moved_up=self.moved_up)
+        return first
+
+    @property
+    def sticking_N(self) -> float:
+        """Force below which a change does not come through the rolls."""
+        rolls, at_m = self.setup.settings.rolls, self.setup.position_m
+        sticks = at_m is not None and at_m >= rolls.stick_from_mm * 1e-3 - 1e-9
+        return rolls.stick_mN * 1e-3 if sticks else 0.0

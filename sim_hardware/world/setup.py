@@ -1,0 +1,177 @@
+"""A set-up: one sheet in the clamp, the rolls somewhere on the arc or away, with its scatter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.world.chain import Chain, Sheet
+from sim_hardware.world.contact import Arc, Contact
+from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.table import DriveTable
+
+FloatArray = npt.NDArray[np.float64]
+
+_SCATTER_STREAM = 0x5E70
+# A set-up is never so odd that stiffness or moment vanish.
+_LEAST_SHARE = 0.1
+MILLI = 1e-3
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """By how much one set-up differs from the nominal one."""
+
+    eibm: float = 1.0
+    stiffness: float = 1.0
+    position_m: float = 0.0
+    tilt_rad: float = 0.0
+    registration_m: tuple[float, float] = (0.0, 0.0)
+
+    @staticmethod
+    def draw(settings: WorldSettings, number: int) -> Scatter:
+        """That of the set-up with this number; the same for the same seed."""
+        s = settings.scatter
+        z = np.random.default_rng((settings.seed, _SCATTER_STREAM, number)).standard_normal(6)
+        return Scatter(
+            max(_LEAST_SHARE, 1 + s.eibm * float(z[0])),
+            max(_LEAST_SHARE, 1 + s.stiffness * float(z[1])),
+            s.position_mm * MILLI * float(z[2]),
+            s.clamp_tilt_rad * float(z[3]),
+            (s.registration_mm * MILLI * float(z[4]), s.registration_mm * MILLI * float(z[5])),
+        )
+
+
+@dataclass(frozen=True)
+class Setup:
+    """One set-up; what it does as a function of the drive is worked out when first asked for.
+
+    The drive is the moment relative to the nominal one at +2 V, scatter and drying included, over
+    the stiffness likewise.
+    """
+
+    settings: WorldSettings
+    configuration: str
+    position_m: float | None  # as asked for; None: nothing touches the sheet
+    scatter: Scatter
+
+    @property
+    def stiffness_Nm2(self) -> float:
+        """B of a wet sheet in this set-up."""
+        return (
+            self.settings.configurations[self.configuration].stiffness_Nm2 * self.scatter.stiffness
+        )
+
+    @property
+    def drive_share(self) -> float:
+        """Drive of this set-up over the nominal one."""
+        return self.scatter.eibm / self.scatter.stiffness
+
+    @property
+    def arc_rad(self) -> float:
+        """Polar angle at which the rolls really are."""
+        if self.position_m is None:
+            raise ValueError("nothing touches the sheet")
+        at_m = self.position_m + self.scatter.position_m
+        return self.arc.angle_rad(at_m)
+
+    def registered(self, polar_rad: float) -> tuple[float, float]:
+        """A point of the arc as the camera sees it: the picture's zero is not quite the clamp."""
+        radius_m, (dx, dy) = self.arc.radius_m, self.scatter.registration_m
+        return radius_m * math.cos(polar_rad) + dx, radius_m * math.sin(polar_rad) + dy
+
+    @cached_property
+    def arc(self) -> Arc:
+        """The arc, and how the rolls touch."""
+        s = self.settings
+        return Arc(
+            s.arc.radius_mm * MILLI,
+            math.radians(s.arc.origin_deg),
+            s.rolls.offset_mm * MILLI,
+        )
+
+    @cached_property
+    def chain(self) -> Chain:
+        """The sheet's chain of links."""
+        s = self.settings
+        sheet = s.configurations[self.configuration]
+        B = self.stiffness_Nm2
+        return Chain(
+            Sheet(
+                sheet.free_length_m,
+                sheet.elongation_m,
+                rest_curvature_per_m=sheet.rest_curvature,
+                drive_curvature_per_m=s.eibm.along_sheet,
+                clamp_rad=s.clamp.tilt_rad + self.scatter.tilt_rad,
+                # rad/(mN mm) = 1e6 rad/(N m)
+                clamp_compliance_m=s.clamp.compliance_rad_per_mNmm * 1e6 * B,
+                load_per_m3=(0.0, -s.gravity_N_per_m / B),
+            ),
+            s.chain.link_mm * MILLI,
+        )
+
+    @cached_property
+    def free(self) -> DriveTable:
+        """The sheet with nothing touching it."""
+        return DriveTable(Contact(self.chain, self.arc), None)
+
+    @cached_property
+    def held(self) -> DriveTable:
+        """The sheet between the rolls."""
+        give = self.settings.load_cell.compliance_mm_per_mN * self.stiffness_Nm2
+        contact = Contact(self.chain, self.arc)
+        return DriveTable(contact, self.arc_rad, give / self.arc.radius_m)
+
+    @cached_property
+    def _rubbed(self) -> tuple[DriveTable, DriveTable]:
+        """The sheet between rolls that rub with all their friction, either way."""
+        mu = self.settings.rolls.friction
+        arcs = [replace(self.arc, friction=sign * mu) for sign in (1.0, -1.0)]
+        up, down = (DriveTable(Contact(self.chain, arc), self.arc_rad) for arc in arcs)
+        return up, down
+
+    def slipped(self, drive: FloatArray) -> npt.NDArray[np.bool_]:
+        """Where along these drives the sheet is out of the rolls."""
+        if self.position_m is None:
+            return np.zeros(drive.shape, dtype=bool)
+        return self.held.slipped(drive)
+
+    def cell_force_per_m2(self, drive: FloatArray) -> FloatArray:
+        """Force along the load cell's axis over B, without friction; the sheet must be held."""
+        if self.position_m is None:
+            return np.zeros_like(drive)
+        return self._along_axis(self.held.forces_per_m2(drive))
+
+    def _along_axis(self, forces: FloatArray) -> FloatArray:
+        off = math.radians(self.settings.load_cell.misalignment_deg)
+        return np.asarray(forces[0] * math.cos(off) - forces[1] * math.sin(off))
+
+    @cached_property
+    def rubs(self) -> bool:
+        """Whether friction plays a part."""
+        return self.settings.rolls.friction > 0 and self.position_m is not None
+
+    def friction_per_m2(self, drive: FloatArray) -> FloatArray:
+        """What is added to the force over B when the rolls have slid outward along the sheet."""
+        up, down = self._rubbed
+        lost = up.slipped(drive) | down.slipped(drive)
+        result = np.zeros_like(drive)
+        held = drive[~lost]
+        change = self._along_axis(up.forces_per_m2(held) - down.forces_per_m2(held)) / 2
+        result[~lost] = change * np.sign(self.held.contact(held)[0])
+        return result
+
+    def sliding_m(self, drive: FloatArray) -> FloatArray:
+        """Where along the sheet the rolls are."""
+        return np.asarray(self.held.contact(drive)[1])
+
+    def first_slide(self, *, moved_up: bool) -> float:
+        """Which way along the sheet the rolls slid while they were being placed: 1 outward."""
+        if self.position_m is None or not self.held.reachable:
+            return 0.0
+        outward = math.sin(self.held.state(0.0).angle_rad - self.arc_rad)
+        return math.copysign(1.0, outward if moved_up else -outward)

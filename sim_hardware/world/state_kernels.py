@@ -1,0 +1,88 @@
+"""How the sheet's inner state moves in time, compiled. Import this where it is used.
+
+The state: voltage across the sheet (V); moment relative to the settled one at +2 V, as the water
+would allow; how unevenly the water lies (1: as after a rest, 0: as under voltage); time spent
+under voltage since the last wetting, in s at 2 V.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sim_hardware.world.chain_kernels import Floats, compiled
+
+VOLTAGE, MOMENT, UNEVEN, DRY_S = range(4)
+COLUMNS = 4
+
+# Voltage at which half of what drives the water is there.
+_HALF_V = 0.5
+
+
+class StateRules(NamedTuple):
+    """What the state's movement depends on."""
+
+    rise_s: float
+    build_up_s: float
+    saturation_V: float
+    negative_ratio: float
+    spread_s: float
+    return_s: float
+
+
+@compiled
+def _step(
+    voltage: float, moment: float, uneven: float, dry: float, drive: float, dt: float, r: StateRules
+) -> tuple[float, float, float, float]:
+    """The state after `dt`, the amplifier at `drive` on average: an exponential step for each."""
+    voltage = drive + (voltage - drive) * math.exp(-dt / r.rise_s)
+    aim = math.tanh(voltage / r.saturation_V) / math.tanh(2.0 / r.saturation_V)
+    if aim < 0.0:
+        aim *= r.negative_ratio
+    moment = aim + (moment - aim) * math.exp(-dt / r.build_up_s)
+    active = voltage * voltage / (voltage * voltage + _HALF_V * _HALF_V)
+    back = (1.0 - active) / r.return_s
+    rate = back + active / r.spread_s
+    uneven = back / rate + (uneven - back / rate) * math.exp(-rate * dt)
+    return voltage, moment, uneven, dry + abs(voltage) / 2.0 * dt
+
+
+@compiled
+def advance(states: Floats, drive: Floats, dt: float, rules: StateRules) -> None:
+    """Fill `states` (n + 1, 4) from its first row on, through n steps with mean `drive` (n,)."""
+    for k in range(drive.shape[0]):
+        now = states[k]
+        new = _step(now[0], now[1], now[2], now[3], drive[k], dt, rules)
+        for c in range(4):
+            states[k + 1, c] = new[c]
+
+
+@compiled
+def part_steps(states: Floats, drive: Floats, dt: Floats, rules: StateRules) -> Floats:
+    """States (n, 4) after a step of its own from each of `states` (n, 4)."""
+    result = np.empty_like(states)
+    for k in range(drive.shape[0]):
+        now = states[k]
+        new = _step(now[0], now[1], now[2], now[3], drive[k], dt[k], rules)
+        for c in range(4):
+            result[k, c] = new[c]
+    return result
+
+
+@compiled
+def turn_stops(moved: Floats, before: Floats, start: Floats, reach: Floats) -> Floats:
+    """Elements that follow what they hang on until they are turned by their reach, then slip.
+
+    `moved` (n, m): where the m things that they hang on are; `before` (m,), `start` (m,): these
+    and the elements before that; `reach` (m,). Returns how far each is turned (n, m).
+    """
+    turned = np.empty_like(moved)
+    for m in range(reach.shape[0]):
+        at, last = start[m], before[m]
+        for k in range(moved.shape[0]):
+            at = min(reach[m], max(-reach[m], at + moved[k, m] - last))
+            last = moved[k, m]
+            turned[k, m] = at
+    return turned

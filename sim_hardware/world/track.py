@@ -1,0 +1,53 @@
+"""The sheet's state and the force on the load cell on the world's own time grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Track:
+    """Rows of numbers, one a step of the grid; the oldest are forgotten after `keep` rows."""
+
+    def __init__(self, first: FloatArray, keep: int) -> None:
+        self._rows = np.empty((4096, first.size))
+        self._rows[0] = first
+        self._used = 1
+        self._base = 0  # step of row 0
+        self._keep = keep
+
+    @property
+    def last(self) -> int:
+        """The newest step."""
+        return self._base + self._used - 1
+
+    @property
+    def oldest(self) -> int:
+        """The oldest step that is still known."""
+        return self._base
+
+    @property
+    def newest(self) -> FloatArray:
+        """The newest row, to be read or changed."""
+        row: FloatArray = self._rows[self._used - 1]
+        return row
+
+    def append(self, rows: FloatArray) -> None:
+        """Add rows (n, columns)."""
+        if self._used + len(rows) > len(self._rows):
+            self._make_room(len(rows))
+        self._rows[self._used : self._used + len(rows)] = rows
+        self._used += len(rows)
+
+    def at(self, steps: npt.NDArray[np.int64]) -> FloatArray:
+        """Rows of steps; a forgotten one is answered with the oldest known."""
+        return self._rows[np.clip(steps - self._base, 0, self._used - 1)]
+
+    def _make_room(self, wanted: int) -> None:
+        drop = self._used - self._keep if self._used >= 2 * self._keep else 0
+        size = max(2 * (self._used - drop), self._used - drop + wanted)
+        rows = np.empty((size, self._rows.shape[1]))
+        rows[: self._used - drop] = self._rows[drop : self._used]
+        self._rows, self._base, self._used = rows, self._base + drop, self._used - drop

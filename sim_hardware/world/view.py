@@ -1,0 +1,44 @@
+"""What the camera gets to see of the sheet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.world.chain import Equilibrium
+from sim_hardware.world.history import Moment
+
+FloatArray = npt.NDArray[np.float64]
+
+_SPACING_M = 0.5e-3
+
+
+def state_of(moment: Moment, k: int = -1) -> Equilibrium:
+    """The chain at one of the times."""
+    setup, drive = moment.stage.setup, float(moment.drive[k])
+    held = setup.position_m is not None and not (
+        moment.stage.slip.happened(moment.times[k : k + 1] if k >= 0 else moment.times[-1:])[0]
+        or setup.slipped(np.array([drive]))[0]
+    )
+    return setup.held.state(drive) if held else setup.free.state(drive)
+
+
+def shape_of(moment: Moment, k: int) -> FloatArray:
+    """The curve (n, 2) in m as it lies in the picture, from the clamp to the visible end."""
+    setup = moment.stage.setup
+    length_m = setup.chain.sheet.visible_m
+    s_m = np.linspace(0.0, length_m, 1 + math.ceil(length_m / _SPACING_M))
+    curve = setup.chain.curve(state_of(moment, k).phi_rad, s_m)
+    return np.asarray(curve + np.array(setup.scatter.registration_m))
+
+
+def contact_of(moment: Moment) -> tuple[float, float, float] | None:
+    """Where the rolls are, x and y in m, and which way they look; None: away."""
+    setup = moment.stage.setup
+    if setup.position_m is None:
+        return None
+    state = state_of(moment)
+    x, y = setup.registered(setup.arc_rad)
+    return x, y, state.angle_rad if state.touched else setup.arc_rad

@@ -1,0 +1,246 @@
+"""The simulated world: what the boards, the camera and the serial devices are wired to."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from drivers.interfaces import Clock
+from sim_hardware.optics import Renderer
+from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.history import History, Moment
+from sim_hardware.world.load_cell import CellFault, LoadCell
+from sim_hardware.world.loading import WorldError
+from sim_hardware.world.mechanics import Stage
+from sim_hardware.world.noise import WhiteNoise
+from sim_hardware.world.record import Record
+from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.view import contact_of, shape_of
+
+FloatArray = npt.NDArray[np.float64]
+
+DRIVE, FORCE, CURRENT, READBACK = "ao0", "ai0", "ai1", "ai2"
+_CURRENT_STREAM, _READBACK_STREAM = 0xCE112, 0xCE113
+_DRIVEN_V = 0.05
+_ROWS_PER_S = 100
+_INSTANTS = 3  # of an exposure
+_MOTIONLESS = 1e-6  # change of drive during an exposure that nobody could see
+
+
+class World:
+    """One sheet in its clamp, with amplifier, load cell and camera. `Bench` and `Scene`.
+
+    It begins with the first configuration mounted, the load cell away, and 0 V. May be used by
+    several threads. The same calls at the same clock times give the same values, bit by bit.
+    """
+
+    def __init__(self, settings: WorldSettings, clock: Clock) -> None:
+        self.settings = settings
+        self._clock = clock
+        self._lock = threading.RLock()
+        self._render_lock = threading.Lock()
+        self._renderer: Renderer | None = None
+        self._record: Record | None = None
+        self._recorded_s = -np.inf
+        self._drawn = 0
+        self._amplifier = Amplifier(settings.amplifier, clock.now())
+        self._cell = LoadCell(settings.load_cell, settings.seed)
+        self._current_noise = WhiteNoise(settings.seed, _CURRENT_STREAM)
+        self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
+        first = Stage(clock.now(), self._new_setup(next(iter(settings.configurations)), None))
+        self._history = History(settings, self._amplifier, self._cell, first, self._watch)
+
+    # ---------------------------------------------------------------------------------- hands
+
+    @property
+    def configuration(self) -> str:
+        """What is mounted."""
+        with self._lock:
+            return self._history.stage.setup.configuration
+
+    @property
+    def position_m(self) -> float | None:
+        """Where the load cell was put; None: away from the sheet."""
+        with self._lock:
+            return self._history.stage.setup.position_m
+
+    def mount(self, configuration: str) -> None:
+        """Put another configuration into the clamp; the load cell is away afterwards."""
+        if configuration not in self.settings.configurations:
+            names = ", ".join(self.settings.configurations)
+            raise WorldError(f"the simulated world has no configuration {configuration}: {names}")
+        self._set_up(configuration, None)
+
+    def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
+        """Put the load cell to a position along the arc, from below or above; None: away."""
+        self._set_up(self.configuration, position_m, moved_up=approach == "up")
+
+    def remount(self) -> None:
+        """Take the sheet out and put it back, the load cell to where it was."""
+        self._set_up(self.configuration, self.position_m)
+
+    def moisten(self) -> None:
+        """Moisten the sheet."""
+        with self._lock:
+            self._now()
+            self._history.moisten()
+
+    def hang(self, load_N: float) -> None:
+        """Hang a dead weight on the load cell (0: take it off); `place` and `mount` take it off."""
+        with self._lock:
+            now = self._now()
+            self._history.begin(replace(self._history.stage, start_s=now, load_N=load_N))
+            self._write_row(now)
+
+    def break_load_cell(self, fault: CellFault) -> None:
+        """From now on the load cell has this fault."""
+        with self._lock:
+            self._cell.fail(fault, self._now() - self._history.start_s)
+
+    # --------------------------------------------------------------------------------- boards
+
+    def write(self, device: str, channel: str, volts: float, when: float) -> None:
+        """See `Bench.write`. Only the drive's channel has an effect, whatever the device."""
+        del device
+        if channel != DRIVE:
+            return
+        with self._lock:
+            self._history.advance(when)
+            when = max(when, self._history.reached_s)
+            before = self._amplifier.asked_V
+            self._amplifier.write(volts, when)
+            if self._amplifier.asked_V != before:
+                self._write_row(when)
+
+    def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:
+        """See `Bench.read`. Inputs that nothing is wired to read 0 V."""
+        del device
+        times = np.asarray(times, dtype=np.float64)
+        if times.size == 0 or channel not in (FORCE, CURRENT, READBACK):
+            return np.zeros(times.shape)
+        with self._lock:
+            since = times - self._history.start_s
+            if channel == FORCE:
+                moments = self._history.at(times)
+                return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
+            if channel == CURRENT:
+                return self._current_volts(times) + self._noise(
+                    self._current_noise, self.settings.electrical.current_noise_mV, since
+                )
+            self._history.advance(float(times[-1]))
+            return self._amplifier.output_V(times) + self._noise(
+                self._readback_noise, self.settings.electrical.readback_noise_mV, since
+            )
+
+    def true_force_N(self, when: float) -> float:
+        """Force along the load cell's axis, without noise or faults of the cell."""
+        with self._lock:
+            return float(self._moment(when).true_N[0])
+
+    # --------------------------------------------------------------------------------- camera
+
+    @property
+    def frame_shape(self) -> tuple[int, int]:
+        """See `Scene.frame_shape`."""
+        columns, rows = self.settings.camera.image_size
+        return rows, columns
+
+    @property
+    def frame_rate_hz(self) -> float:
+        """See `Scene.frame_rate_hz`."""
+        return self.settings.camera.frame_rate_hz
+
+    def picture(self, when: float, number: int) -> npt.NDArray[np.uint8]:
+        """See `Scene.picture`."""
+        camera = self.settings.camera
+        with self._lock:
+            instants = when - camera.exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
+            moments = self._history.at(instants)
+            drives = np.concatenate([m.drive for m in moments])
+            if len(moments) == 1 and np.ptp(drives) < _MOTIONLESS:
+                moments = [self._moment(when)]
+            shapes = [shape_of(m, k) for m in moments for k in range(m.times.size)]
+            contact = contact_of(moments[-1])
+            length_m = moments[-1].stage.setup.chain.sheet.free_length_m
+        with self._render_lock:
+            if self._renderer is None:
+                self._renderer = Renderer(camera, self.settings.seed)
+            return self._renderer.render(
+                shapes, contact, number, sheet_length_m=length_m, time_s=when
+            )
+
+    # --------------------------------------------------------------------------------- record
+
+    def record_to(self, path: Path) -> None:
+        """Write what really happens to a CSV file, from now on."""
+        with self._lock:
+            if self._record is not None:
+                self._record.close()
+            self._record = Record(path)
+            self._write_row(self._now())
+
+    def close(self) -> None:
+        """End the record. May be called twice."""
+        with self._lock:
+            if self._record is not None:
+                self._write_row(self._now())
+                self._record.close()
+                self._record = None
+
+    # ------------------------------------------------------------------------------ internals
+
+    def _now(self) -> float:
+        """The clock's time, the state made up to it; what is done now cannot act earlier."""
+        now = self._clock.now()
+        self._history.advance(now)
+        return max(now, self._history.reached_s, self._history.stage.start_s)
+
+    def _new_setup(self, configuration: str, position_m: float | None) -> Setup:
+        scatter = Scatter.draw(self.settings, self._drawn)
+        self._drawn += 1
+        return Setup(self.settings, configuration, position_m, scatter)
+
+    def _set_up(
+        self, configuration: str, position_m: float | None, *, moved_up: bool = True
+    ) -> None:
+        with self._lock:
+            now = self._now()
+            setup = self._new_setup(configuration, position_m)
+            self._history.begin(Stage(now, setup, moved_up=moved_up))
+            self._write_row(now)
+
+    def _moment(self, when: float) -> Moment:
+        return self._history.at(np.array([when]))[-1]
+
+    def _current_volts(self, times: FloatArray) -> FloatArray:
+        """What flows into the sheet's capacity, and what leaks, across the shunt."""
+        e = self.settings.electrical
+        sheet_V = self._history.states(times)[:, 0]
+        charging = (self._amplifier.output_V(times) - sheet_V) / e.rise_time_s
+        current = e.capacitance_mF * 1e-3 * charging + sheet_V / e.leak_ohm
+        return np.asarray(e.shunt_ohm * current)
+
+    @staticmethod
+    def _noise(noise: WhiteNoise, sigma_mV: float, since: FloatArray) -> FloatArray:
+        return sigma_mV * 1e-3 * noise.at(since)
+
+    def _watch(self, times: FloatArray, sheet_V: FloatArray, force_N: FloatArray) -> None:
+        """The grid was made for these times: record the force while the sheet is driven."""
+        if self._record is None:
+            return
+        drive_V, position_m = self._amplifier.asked_V, self._history.stage.setup.position_m
+        for k in np.flatnonzero(np.abs(sheet_V) > _DRIVEN_V):
+            if times[k] >= self._recorded_s + 1 / _ROWS_PER_S - 1e-9:
+                self._record.row(float(times[k]), drive_V, float(force_N[k]), position_m)
+                self._recorded_s = float(times[k])
+
+    def _write_row(self, when: float) -> None:
+        if self._record is not None:
+            force_N = float(self._moment(when).true_N[0])
+            self._record.row(when, self._amplifier.asked_V, force_N, self.position_m)
