@@ -139,7 +139,7 @@ class CameraServer:
     def _serve(self, client: _Client) -> None:
         # A client may leave at any moment; that ends its connection and nothing else.
         with client.connection, contextlib.suppress(OSError):
-            if client.receive_request() in {"GET", "HEAD"}:
+            if client.receive_request() == "GET":
                 client.connection.sendall(
                     b"HTTP/1.0 200 OK\r\nContent-Type: video/x-yuv4mpeg\r\n"
                     b"Cache-Control: no-store\r\nConnection: close\r\n\r\n"

@@ -52,6 +52,10 @@ def draw_band(
     rows = layer.shape[0] // columns
     last = points.shape[0] - 1
     margin = 4.0 * softness
+    total = 0.0
+    for k in range(last):
+        total += math.hypot(points[k + 1, 0] - points[k, 0], points[k + 1, 1] - points[k, 1])
+    passed = 0.0
     for k in range(last):
         x0 = points[k, 0]
         y0 = points[k, 1]
@@ -85,10 +89,8 @@ def draw_band(
                 layer[pixel, 1] = across
                 layer[pixel, 2] = half_width[k] + part * (half_width[k + 1] - half_width[k])
                 layer[pixel, 3] = level[k] + part * (level[k + 1] - level[k])
-                # Seen from elsewhere than the first and the last piece the ends are far away.
-                from_start = along if k == 0 else margin
-                from_end = length - along if k == last - 1 else margin
-                layer[pixel, 4] = min(from_start, from_end)
+                layer[pixel, 4] = min(passed + along, total - passed - along)
+        passed += length
     return count
 
 

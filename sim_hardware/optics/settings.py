@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Level = Annotated[float, Field(ge=0, le=255)]
 from sim_hardware.optics.marker import MARKER_COLUMNS
 
+Level = Annotated[float, Field(ge=0, le=255)]
 Side = Annotated[int, Field(ge=16, le=8192)]
 Pixel = tuple[float, float]
 

@@ -27,8 +27,6 @@ class Motion:
 
     def __init__(self, start_s: float, position: float, speed: float = 0.0) -> None:
         self._phases: list[_Phase] = []
-        self._start_s = start_s
-        self._start = position
         self.end_s = start_s
         self._end = position
         self._end_speed = speed

@@ -8,45 +8,15 @@ power-up (warning WR) until it is homed, and rejects movements until then.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from typing import Literal, Protocol
 
 from drivers.interfaces import Clock
-from sim_hardware.serial_devices.motion import Motion
+from sim_hardware.serial_devices.axis import MICROSTEP_RAD, ArcWorld, Axis
 from sim_hardware.serial_devices.zaber_settings import SPEED_UNIT, Settings
 from sim_hardware.serial_devices.zaber_text import Command, message, number
 
-MICROSTEP_RAD = math.radians(0.000234375)
 # The gravest first; a reply shows the first that is up.
 _WARNINGS = ("FS", "WR", "NI")
-
-
-class Arc(Protocol):
-    """The arc that the stage turns about."""
-
-    @property
-    def radius_mm(self) -> float:
-        """Its radius."""
-
-
-class ArcSettings(Protocol):
-    """What the stage needs of the world's settings."""
-
-    @property
-    def arc(self) -> Arc:
-        """The arc on which the load cell stands."""
-
-
-class ArcWorld(Protocol):
-    """What the stage needs of the world."""
-
-    @property
-    def settings(self) -> ArcSettings:
-        """The world's settings."""
-
-    def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
-        """The load cell now stands at this position on the arc, reached from below or above."""
 
 
 class RejectedError(Exception):
@@ -56,9 +26,8 @@ class RejectedError(Exception):
 class ZaberStage:
     """The stage as a line-protocol state machine.
 
-    The angle 0, where it homes to, is `origin_m` on the arc. The world hears
-    of a new place when a movement has ended, as soon as somebody speaks to the stage or polls it.
-    `obstacle_rad`: an angle that cannot be passed; the stage stalls there.
+    The angle 0, where it homes to, is `origin_m` on the arc. The world hears of a new place when a
+    movement has ended, as soon as somebody speaks to the stage or polls it.
     """
 
     baudrate = 115200
@@ -72,21 +41,12 @@ class ZaberStage:
         power_up_angle_rad: float = 0.3,
         homed: bool = False,
     ) -> None:
-        self._world = world
-        self._clock = clock
-        self._radius_m = world.settings.arc.radius_mm * 1e-3
-        self._origin_m = origin_m
-        self.obstacle_rad: float | None = None
+        offset = 0.0 if homed else power_up_angle_rad / MICROSTEP_RAD
+        self.axis = Axis(world, clock, origin_m, offset)
+        if not homed:
+            self.axis.warnings.add("WR")
         self.settings = Settings()
         self._received = ""
-        # What the stage counts may differ from where it is until it has been homed.
-        self._offset = 0.0 if homed else power_up_angle_rad / MICROSTEP_RAD
-        self._motion = Motion(clock.now(), 0.0)
-        self._moving = False
-        self._homing = False
-        self._stalls = False
-        self._came_from_m = self.position_m
-        self._warnings = set() if homed else {"WR"}
         self._commands: dict[str, Callable[[Command], str]] = {
             "get": self._get,
             "set": self._set,
@@ -100,22 +60,16 @@ class ZaberStage:
             "system": self._system,
         }
 
-    @property
-    def position_m(self) -> float:
-        """Where on the arc it truly is now."""
-        counted = self._motion.position_at(self._clock.now())
-        return self._origin_m + (counted + self._offset) * MICROSTEP_RAD * self._radius_m
-
     def respond(self, data: bytes) -> bytes:
         """See `SerialDevice.respond`."""
         text = self._received + data.decode("ascii", "replace").replace("\r", "\n")
         *lines, self._received = text.split("\n")
-        self._settle()
-        return b"".join(self._answer(line) for line in lines)
+        alert = self.poll()
+        return alert + b"".join(self._answer(line) for line in lines)
 
     def poll(self) -> bytes:
         """The alert that a movement has ended, if alerts are on."""
-        if not self._settle() or not self.settings["comm.alert"]:
+        if not self.axis.settle() or not self.settings["comm.alert"]:
             return b""
         return self._say("!", f"1 IDLE {self._gravest()}")
 
@@ -132,7 +86,7 @@ class ZaberStage:
         if command.identifier == "--":
             return b""
         identifier = f"{command.identifier} " if command.identifier is not None else ""
-        state = "BUSY" if self._moving else "IDLE"
+        state = "BUSY" if self.axis.moving else "IDLE"
         return self._say("@", f"{command.axis} {identifier}{flag} {state} {self._gravest()} {data}")
 
     def _say(self, kind: str, rest: str) -> bytes:
@@ -150,22 +104,22 @@ class ZaberStage:
         return handler(command)
 
     def _gravest(self) -> str:
-        return next((flag for flag in _WARNINGS if flag in self._warnings), "--")
+        return next((flag for flag in _WARNINGS if flag in self.axis.warnings), "--")
 
     # ----------------------------------------------------------------------------------- settings
 
     def _get(self, command: Command) -> str:
         name = self._setting_name(command, 2)
         if name == "pos":
-            return str(round(self._motion.position_at(self._clock.now())))
+            return str(round(self.axis.counted))
         return f"{self.settings[name]:.10g}"
 
     def _set(self, command: Command) -> str:
         name = self._setting_name(command, 3)
         value = _whole(command, 2)
         if name == "pos":
-            self._count_from(value)
-            self._warnings.discard("WR")
+            self.axis.count_from(value)
+            self.axis.warnings.discard("WR")
             return "0"
         try:
             self.settings.write(name, value)
@@ -194,9 +148,9 @@ class ZaberStage:
         return "0"
 
     def _list_warnings(self, command: Command) -> str:
-        up = [flag for flag in _WARNINGS if flag in self._warnings]
+        up = [flag for flag in _WARNINGS if flag in self.axis.warnings]
         if command.words[1:] == ("clear",):
-            self._warnings &= {"WR"}  # only homing helps against that
+            self.axis.warnings &= {"WR"}  # only homing helps against that
         elif command.words[1:]:
             raise RejectedError("BADCOMMAND")
         return " ".join([f"{len(up):02d}", *up])
@@ -211,9 +165,8 @@ class ZaberStage:
         _device_only(command)
         if command.words[1:] != ("reset",):
             raise RejectedError("BADCOMMAND")
-        self._halt()
-        self._count_from(0)
-        self._warnings = {"WR"}
+        self.axis.count_from(0)
+        self.axis.warnings = {"WR"}
         self.settings = Settings()
         return "0"
 
@@ -222,7 +175,7 @@ class ZaberStage:
     def _home(self, command: Command) -> str:
         if command.words[1:]:
             raise RejectedError("BADCOMMAND")
-        self._start(-self._offset, self.settings.homing_speed, homing=True)
+        self.axis.home(self.settings.homing_speed, self.settings.acceleration)
         return "0"
 
     def _move(self, command: Command) -> str:
@@ -233,85 +186,31 @@ class ZaberStage:
             value = _whole(command, 2)
         else:
             raise RejectedError("BADCOMMAND")
-        if "WR" in self._warnings:
+        if "WR" in self.axis.warnings:
             raise RejectedError("BADDATA")
         low, high = self.settings["limit.min"], self.settings["limit.max"]
         if way == "vel":
             if value == 0:
                 return self._stop(command)
-            self._start(high if value > 0 else low, abs(value) / SPEED_UNIT)
+            self._go(high if value > 0 else low, abs(value) / SPEED_UNIT)
             return "0"
-        here = round(self._motion.position_at(self._clock.now()))
+        here = round(self.axis.counted)
         target = {"min": low, "max": high, "abs": value, "rel": here + value}[way]
         if not low <= target <= high:
             raise RejectedError("BADDATA")
-        self._start(target, self.settings.speed)
+        self._go(target, self.settings.speed)
         return "0"
 
+    def _go(self, target: float, speed: float) -> None:
+        self.axis.go(target, speed, self.settings.acceleration)
+
     def _stop(self, _command: Command) -> str:
-        if self._moving:
-            self._warnings.add("NI")
-            self._homing = False
-            self._motion = self._motion_from_now().brake(self.settings.acceleration)
+        self.axis.brake(self.settings.acceleration)
         return "0"
 
     def _estop(self, _command: Command) -> str:
-        if self._moving:
-            self._warnings.add("NI")
-            self._halt()
+        self.axis.halt()
         return "0"
-
-    def _start(self, target: float, speed: float, *, homing: bool = False) -> None:
-        if self._moving:
-            self._warnings.add("NI")
-        else:
-            self._warnings.discard("NI")
-            self._came_from_m = self.position_m
-        start = self._motion.position_at(self._clock.now())
-        self._motion = self._motion_from_now().go(target, speed, self.settings.acceleration)
-        self._moving, self._homing = True, homing
-        self._stalls = self._meets_obstacle(start, target)
-
-    def _meets_obstacle(self, start: float, target: float) -> bool:
-        """Cut the movement short in front of the obstacle, if there is one on the way."""
-        if self.obstacle_rad is None:
-            return False
-        obstacle = self.obstacle_rad / MICROSTEP_RAD - self._offset
-        if not min(start, target) <= obstacle <= max(start, target):
-            return False
-        gap = min(1.0, abs(obstacle - start))
-        return self._motion.cut_at(obstacle - math.copysign(gap, target - start))
-
-    def _motion_from_now(self) -> Motion:
-        now = self._clock.now()
-        return Motion(now, self._motion.position_at(now), self._motion.speed_at(now))
-
-    def _halt(self) -> None:
-        now = self._clock.now()
-        self._motion = Motion(now, self._motion.position_at(now))
-        self._homing = False
-
-    def _count_from(self, value: float) -> None:
-        """Call the present place by another number."""
-        here = self._motion.position_at(self._clock.now())
-        self._halt()
-        self._offset += here - value
-        self._motion = Motion(self._clock.now(), value)
-
-    def _settle(self) -> bool:
-        """See whether a movement has ended; if so, put the load cell there."""
-        if not self._moving or self._clock.now() < self._motion.end_s:
-            return False
-        self._moving = False
-        if self._stalls:
-            self._warnings.add("FS")
-        elif self._homing:
-            self._count_from(0)
-            self._warnings.discard("WR")
-        self._homing = self._stalls = False
-        place = self.position_m
-        self._world.place(place, approach="down" if place < self._came_from_m else "up")
-        return True
 
 
 def _whole(command: Command, index: int) -> int:

@@ -210,7 +210,7 @@ def test_the_makers_library_drives_the_stage() -> None:
             assert not axis.is_busy()
             axis.settings.set("maxspeed", 100_000)
             assert axis.settings.get("maxspeed") == 100_000
-            stage.obstacle_rad = 0.2
+            stage.axis.obstacle_rad = 0.2
             with pytest.raises(MovementFailedException) as caught:
                 axis.move_absolute(90_000)
             assert caught.value.details.warnings == ["FS"]

@@ -121,7 +121,7 @@ def test_after_power_up_it_must_be_homed() -> None:
     bench = Bench(power_up_angle_rad=0.25, origin_m=0.001)
     assert bench.ask("/1 1") == "@01 1 OK IDLE WR 0\r\n"
     assert bench.ask("/1 1 move abs 1000") == "@01 1 RJ IDLE WR BADDATA\r\n"
-    assert bench.stage.position_m == pytest.approx(0.001 + 0.25 * 0.04)
+    assert bench.stage.axis.position_m == pytest.approx(0.001 + 0.25 * 0.04)
     assert bench.ask("/1 1 home") == "@01 1 OK BUSY WR 0\r\n"
     bench.wait(10)
     assert bench.ask("/1 1 get pos") == "@01 1 OK IDLE -- 0\r\n"
@@ -154,12 +154,12 @@ def test_estop_halts_at_once(bench: Bench) -> None:
 def test_a_new_target_on_the_way_is_reached_without_a_jump(bench: Bench) -> None:
     bench.ask("/1 1 move abs 200000")
     bench.wait(1)
-    before = bench.stage.position_m
+    before = bench.stage.axis.position_m
     assert " NI " in bench.ask("/1 1 move abs 20000")
     track = []
     for _ in range(300):
         bench.wait(0.01)
-        track.append(bench.stage.position_m)
+        track.append(bench.stage.axis.position_m)
     assert np.abs(np.diff([before, *track])).max() <= SPEED * STEP_M * 0.01 * (1 + 1e-9)
     assert max(track) > before
     assert track[-1] == pytest.approx(20_000 * STEP_M)
@@ -175,7 +175,7 @@ def test_moving_with_a_velocity_ends_at_the_limit(bench: Bench) -> None:
 
 
 def test_an_obstacle_stalls_it_until_the_warning_is_cleared(bench: Bench) -> None:
-    bench.stage.obstacle_rad = 0.2
+    bench.stage.axis.obstacle_rad = 0.2
     bench.ask("/1 1 move abs 100000")
     bench.wait(5)
     step = round(0.2 / math.radians(0.000234375))
@@ -197,6 +197,9 @@ def test_alerts_and_check_sums_when_they_are_switched_on(bench: Bench) -> None:
     bench.wait(1)
     assert bench.stage.poll() == b"!01 1 IDLE --\r\n"
     assert bench.stage.poll() == b""
+    bench.ask("/1 1 move abs 200")
+    bench.wait(1)
+    assert bench.ask("/1 1") == "!01 1 IDLE --\r\n@01 1 OK IDLE -- 0\r\n"
     reply = bench.ask("/1 set comm.checksum 1")
     body, check = reply[1:].rstrip().split(":")
     assert (sum(body.encode()) + int(check, 16)) % 256 == 0
@@ -213,7 +216,7 @@ def test_a_reset_forgets_the_reference_but_moves_nothing(bench: Bench) -> None:
     bench.wait(5)
     bench.ask("/1 system reset")
     assert bench.ask("/1 1 get pos") == "@01 1 OK IDLE WR 0\r\n"
-    assert bench.stage.position_m == pytest.approx(40_000 * STEP_M)
+    assert bench.stage.axis.position_m == pytest.approx(40_000 * STEP_M)
     bench.ask("/1 1 home")
     bench.wait(5)
     bench.stage.poll()
