@@ -1,0 +1,200 @@
+"""A quantity along the sheet, k0(s), Me(s) or 1/B(s), as polynomials in panels.
+
+Panels end where the quantity has a kink or a jump, so that it is smooth within each. Numbers are
+kept as coefficients of powers of t, t = -1 .. 1 over the panel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from model.measurements import FloatArray, ModelError
+
+HIGHEST_DEGREE = 15
+SMALLEST_SHARE = 1e-9  # panels narrower than this share of the length are merged
+
+
+@dataclass(frozen=True)
+class Field:
+    """Piecewise polynomial over [breaks_m[0], breaks_m[-1]]."""
+
+    breaks_m: FloatArray  # (P + 1,) ascending
+    coefficients: FloatArray  # (P, D) of t**0 .. t**(D - 1)
+
+    @staticmethod
+    def constant(value: float, length_m: float) -> Field:
+        """The same value from the clamp to the end."""
+        return Field(np.array([0.0, length_m]), np.array([[float(value)]]))
+
+    @staticmethod
+    def linear(s_m: FloatArray, values: FloatArray, length_m: float) -> Field:
+        """Straight lines between nodes, as sheet.toml means them; constant beyond the outer nodes."""
+        s, v = np.asarray(s_m, dtype=float), np.asarray(values, dtype=float)
+        if len(s) != len(v) or len(s) < 1 or not (np.all(np.isfinite(s)) and np.all(np.isfinite(v))):
+            raise ModelError(
+                "a quantity along the sheet needs as many finite values as places along the sheet"
+            )
+        if np.any(np.diff(s) <= 0.0):
+            raise ModelError("the places s of a quantity along the sheet must ascend")
+        inner = s[(s > SMALLEST_SHARE * length_m) & (s < (1.0 - SMALLEST_SHARE) * length_m)]
+        breaks = np.concatenate([[0.0], inner, [length_m]])
+        ends = np.interp(breaks, s, v)
+        if np.ptp(ends) == 0.0:
+            return Field.constant(ends[0], length_m)
+        mean, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * (ends[1:] - ends[:-1])
+        return Field(breaks, np.stack([mean, half], axis=1))
+
+    @staticmethod
+    def smooth(
+        function: Callable[[FloatArray], FloatArray],
+        length_m: float,
+        kinks_m: Iterable[float] = (),
+        tolerance: float = 1e-13,
+    ) -> Field:
+        """A function of s; panels are halved until polynomials follow it to `tolerance`."""
+        inner = sorted(k for k in kinks_m if 0.0 < k < length_m)
+        edges = [0.0, *inner, float(length_m)]
+        todo, done = list(zip(edges[:-1], edges[1:], strict=True))[::-1], []
+        while todo:
+            low, high = todo.pop()
+            coefficients, good = _interpolate(function, low, high, tolerance)
+            if good or high - low < length_m / 256:
+                done.append((low, high, coefficients))
+            else:
+                middle = 0.5 * (low + high)
+                todo += [(middle, high), (low, middle)]
+        breaks = np.array([done[0][0], *(high for _, high, _ in done)])
+        return Field(breaks, np.array([c for _, _, c in done]))
+
+    @property
+    def length_m(self) -> float:
+        """The end of the last panel."""
+        return float(self.breaks_m[-1])
+
+    def __call__(self, s_m: FloatArray | float) -> FloatArray:
+        """Values at `s_m`; the outer panels go on beyond the ends."""
+        s = np.asarray(s_m, dtype=float)
+        panel, t, _ = self._local(s)
+        return _horner(self.coefficients[panel], t)
+
+    def integral(self, s_m: FloatArray | float) -> FloatArray:
+        """Integral from the clamp to `s_m`."""
+        s = np.asarray(s_m, dtype=float)
+        panel, t, half = self._local(s)
+        powers = np.arange(1, self.coefficients.shape[1] + 1)
+        anti = np.concatenate(
+            [np.zeros((len(self.coefficients), 1)), self.coefficients / powers], axis=1
+        )
+        widths = 0.5 * np.diff(self.breaks_m)
+        ends = np.ones(len(anti))
+        whole = widths * (_horner(anti, ends) - _horner(anti, -ends))
+        before = np.concatenate([[0.0], np.cumsum(whole)])[panel]
+        return before + half * (_horner(anti[panel], t) - _horner(anti[panel], np.full_like(t, -1.0)))
+
+    def mean(self, end_m: float) -> float:
+        """Mean over [0, end_m]."""
+        return float(self.integral(end_m)) / end_m
+
+    def on(self, breaks_m: FloatArray) -> Field:
+        """The same quantity on other panels; exact where the panels only get finer."""
+        if len(breaks_m) == len(self.breaks_m) and np.array_equal(breaks_m, self.breaks_m):
+            return self
+        degree = self.coefficients.shape[1]
+        x = _chebyshev(degree)[0]
+        low, high = breaks_m[:-1, None], breaks_m[1:, None]
+        middle = (0.5 * (low + high))[:, 0]
+        panel = np.clip(np.searchsorted(self.breaks_m, middle) - 1, 0, len(self.coefficients) - 1)
+        s = 0.5 * (low + high) + 0.5 * (high - low) * x[None, :]
+        left, right = self.breaks_m[panel][:, None], self.breaks_m[panel + 1][:, None]
+        t = (2.0 * s - left - right) / (right - left)
+        values = _horner(self.coefficients[panel][:, None, :], t)
+        return Field(np.asarray(breaks_m, dtype=float), _powers(values))
+
+    def __add__(self, other: Field) -> Field:
+        breaks = merged_breaks([self.breaks_m, other.breaks_m])
+        one, two = self.on(breaks).coefficients, other.on(breaks).coefficients
+        degree = max(one.shape[1], two.shape[1])
+        return Field(breaks, padded(one, degree) + padded(two, degree))
+
+    def __mul__(self, factor: float) -> Field:
+        return Field(self.breaks_m, self.coefficients * float(factor))
+
+    __rmul__ = __mul__
+
+    def largest(self) -> float:
+        """An upper bound of the magnitude."""
+        return float(np.max(np.sum(np.abs(self.coefficients), axis=1)))
+
+    def _local(self, s: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray]:
+        panel = np.clip(np.searchsorted(self.breaks_m, s, side="right") - 1, 0, len(self.coefficients) - 1)
+        low, high = self.breaks_m[panel], self.breaks_m[panel + 1]
+        half = 0.5 * (high - low)
+        return panel, (s - 0.5 * (low + high)) / half, half
+
+
+def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:
+    """The ends of all panels, those that coincide but for rounding counted once."""
+    every = np.unique(np.concatenate([np.asarray(b, dtype=float) for b in all_breaks]))
+    keep = np.concatenate([[True], np.diff(every) > SMALLEST_SHARE * (every[-1] - every[0])])
+    kept = every[keep]
+    kept[-1] = every[-1]
+    return kept
+
+
+def padded(coefficients: FloatArray, degree: int) -> FloatArray:
+    """Coefficients with zeros added up to `degree` columns."""
+    missing = degree - coefficients.shape[-1]
+    if missing <= 0:
+        return coefficients
+    zeros = np.zeros((*coefficients.shape[:-1], missing))
+    return np.concatenate([coefficients, zeros], axis=-1)
+
+
+def _horner(coefficients: FloatArray, t: FloatArray) -> FloatArray:
+    """Polynomials whose coefficients stand along the last axis, at t."""
+    value = coefficients[..., -1] * np.ones_like(t)
+    for k in range(coefficients.shape[-1] - 2, -1, -1):
+        value = value * t + coefficients[..., k]
+    return value
+
+
+@cache
+def _chebyshev(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Chebyshev points on [-1, 1]; values there -> Chebyshev coefficients -> powers of t."""
+    x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    to_chebyshev = np.linalg.inv(chebyshev.chebvander(x, count - 1))
+    to_powers = np.zeros((count, count))
+    for k in range(count):
+        powers = chebyshev.cheb2poly(np.eye(count)[k])
+        to_powers[: len(powers), k] = powers
+    return x, to_chebyshev, to_powers
+
+
+def _powers(values: FloatArray) -> FloatArray:
+    """Values at Chebyshev points (..., count) -> coefficients of powers of t."""
+    _, to_chebyshev, to_powers = _chebyshev(values.shape[-1])
+    coefficients = values @ to_chebyshev.T
+    # rounding noise of high degree would grow by orders of magnitude in powers of t
+    noise = 4e-16 * np.max(np.abs(values), axis=-1, keepdims=True)
+    return np.where(np.abs(coefficients) > noise, coefficients, 0.0) @ to_powers.T
+
+
+def _interpolate(
+    function: Callable[[FloatArray], FloatArray], low: float, high: float, tolerance: float
+) -> tuple[FloatArray, bool]:
+    """Powers of t for one panel, and whether they follow the function between the points too."""
+    x = _chebyshev(HIGHEST_DEGREE + 1)[0]
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    values = np.broadcast_to(np.asarray(function(middle + half * x), dtype=float), x.shape)
+    if not np.all(np.isfinite(values)):
+        raise ModelError(f"a quantity along the sheet is not finite near s = {middle * 1e3:.3g} mm")
+    coefficients = _powers(values)
+    between = np.linspace(-1.0, 1.0, 2 * len(x) + 1)
+    wanted = np.broadcast_to(np.asarray(function(middle + half * between), dtype=float), (len(between),))
+    error = np.max(np.abs(_horner(coefficients, between) - wanted))
+    return coefficients, bool(error <= tolerance * max(np.max(np.abs(wanted)), 1e-300))
