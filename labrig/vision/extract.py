@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from labrig.vision.check import Verdict, judge
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.ends import find_tip
+from labrig.vision.ends import Tip, find_tip
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
@@ -21,6 +21,9 @@ from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, tra
 
 FloatArray = npt.NDArray[np.float64]
 
+WELL_COVERED = 0.95
+LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -28,6 +31,7 @@ class Candidate:
 
     fit: Fit
     setting: Setting
+    tip: Tip
     verdict: Verdict
 
 
@@ -113,8 +117,31 @@ class _Job:
         shape = fit_points(shape, setting, half_width=half)
         beyond = 0.5 * (self.basis.s[1:] + self.basis.s[:-1]) > self.basis.free_px
         band = Band(np.where(beyond, half, self.thickness_px / 2), 1.0, beyond)
-        fit = fit_intensities(shape, setting, band)
-        return Candidate(fit, setting, judge(fit, setting, find_tip(fit, setting)))
+        best = self._judged(fit_intensities(shape, setting, band), setting)
+        if best.verdict.covered < WELL_COVERED:
+            # parts were lost: look for them further from the curve, now that most of it is known
+            again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
+            other = self._judged(fit_intensities(again, setting, best.fit.band), setting)
+            best = max(best, other, key=lambda c: c.verdict.worth)
+        return self._anchored(best)
+
+    def _judged(self, fit: Fit, setting: Setting) -> Candidate:
+        tip = find_tip(fit, setting)
+        return Candidate(fit, setting, tip, judge(fit, setting, tip))
+
+    def _anchored(self, found: Candidate) -> Candidate:
+        """Move the start along the clamped sheet to where its end says that it is.
+
+        The clamp's place is known to a pixel only, the length much better.
+        """
+        beyond, clamp = found.tip.beyond_px, self.optics.clamp_sigma_px
+        if beyond is None or abs(beyond) > 4 * clamp or found.verdict.why:
+            return found
+        known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
+        shape = found.fit.shape
+        moved = shape.slid(known * beyond)
+        fit = fit_intensities(moved, found.setting, found.fit.band, rounds=4)
+        return Candidate(fit, found.setting, found.tip, judge(fit, found.setting, found.tip))
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""

@@ -12,6 +12,8 @@ from labrig.vision.setting import Setting
 
 FloatArray = npt.NDArray[np.float64]
 
+LOOK_SIGMA_PX = 0.004
+
 
 def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
     """The curve as others see it; empty, with the reason, when the self-check failed."""
@@ -60,14 +62,18 @@ def _spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
 
 
 def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
-    """(nodes,) the calibration's part of sigma: scale, rotation and origin, along the normal."""
+    """(nodes,) the part of sigma that no averaging removes, along the normal.
+
+    Scale, rotation and origin of the calibration, and how well the band's template can be right.
+    """
     shape, optics = fit.shape, setting.optics
     x, y = shape.x / optics.px_per_m, shape.y / optics.px_per_m
     sine, cosine = np.sin(shape.phi), np.cos(shape.phi)
     stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
     turn = (x * cosine + y * sine) * optics.roll_sigma_rad
     shift = optics.origin_sigma_px / optics.px_per_m
-    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2))
+    look = LOOK_SIGMA_PX / optics.px_per_m
+    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 
 def _resolution_px(fit: Fit, covariance: FloatArray) -> float:

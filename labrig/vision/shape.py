@@ -55,9 +55,16 @@ class Shape:
         """The curve with other parameters."""
         return make_shape(self.basis, self.start, self.heading, parameters)
 
-    def started_at(self, start: FloatArray) -> Shape:
-        """The same curve with another nominal start."""
-        return make_shape(self.basis, start, self.heading, self.parameters)
+    def slid(self, by: float) -> Shape:
+        """The same line in the plane with its start `by` further along it."""
+        basis, heading = self.basis, self.heading
+        turn = float(self.parameters[1])
+        wanted = np.interp(basis.s + by, basis.s, self.phi) - heading - turn
+        weight = np.full(len(basis.s), 1e8)
+        c = fit_angles(basis, wanted, weight, 1.0)
+        along = np.array([math.cos(heading), math.sin(heading)])
+        parameters = np.concatenate([self.parameters[:2], c])
+        return make_shape(basis, self.start + by * along, heading, parameters)
 
     def normal_modes(self) -> FloatArray:
         """(nodes, parameters): displacement along the normal for each parameter."""
