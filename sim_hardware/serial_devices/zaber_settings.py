@@ -18,6 +18,8 @@ class _Setting:
     device_only: bool = False
 
 
+# Names, ranges and units are the protocol manual's; the identity, speeds and acceleration are only
+# plausible for this stage, so a driver must ask for them instead of knowing them.
 _TABLE = {
     "deviceid": _Setting(50081, device_only=True),
     "version": _Setting(6.28, device_only=True),
