@@ -174,9 +174,9 @@ class Scheduler:
 
     def _prepare(self, run: PlannedRun) -> float | None:
         """Ask and move; the position that the stage reports."""
+        self._obey_stop()
         actions, after = preparation(self._situation, run)
         for action in actions:
-            self._obey_stop()
             if isinstance(action, Move):
                 done = self._devices.stage.move_to(action.position_m)
                 asked = f"to move the load cell to {action.position_m * 1e3:g} mm"
@@ -187,7 +187,6 @@ class Scheduler:
             if not done:
                 raise _Declined(f"the operator was asked {asked} and stopped the session")
         self._situation = after
-        self._obey_stop()
         return self._reported_position(run)
 
     def _ask(self, prompt: Prompt) -> bool:

@@ -182,6 +182,7 @@ class FakeCamera:
         self.running = False
         self.start_s = 0.0
         self.sent = 0
+        self.delivery_s = 0.0  # from a frame's time to its arrival
         self.lost: Callable[[float], bool] = lambda _: False
 
     def open(self) -> None:
@@ -202,7 +203,7 @@ class FakeCamera:
 
     def frames(self) -> list[Frame]:
         self.faults.call("frames")
-        count = int((self.clock.time_s - self.start_s) / self.period_s)
+        count = int((self.clock.time_s - self.delivery_s - self.start_s) / self.period_s)
         numbers, self.sent = range(self.sent, count), count
         frames = [self._frame(number) for number in numbers]
         return [f for f in frames if self._is_wanted(f.time_s) and not self.lost(f.time_s)]

@@ -87,9 +87,11 @@ def test_it_beats_at_least_every_50_ms_while_a_run_is_under_way(rig):
     assert max(later - earlier for earlier, later in pairwise(during)) <= 0.05
 
 
-def test_slow_services_do_not_make_edges_late(rig):
-    rig.signals.cost_s = 0.012  # a look at the signals takes half of the time between two
-    ends_well(rig)
+@pytest.mark.parametrize("cost_s", [0.003, 0.007, 0.012, 0.016, 0.019])
+def test_slow_services_do_not_make_edges_late(rig, cost_s):
+    rig.signals.cost_s = cost_s  # of a look at the signals; one is due every 25 ms
+    train = PulseTrain(pulse_s=0.6137)  # so that looks do not fall on edges
+    ends_well(rig, make_schedule(train, [Place("long", (0.0,))]))
     late_s = [e.write.before_s - e.due_s for e in rig.of_kind(VoltageSet)]
     assert max(late_s) <= 1e-9
     assert all(reading.valid for reading in rig.of_kind(ReadingTaken))
@@ -173,6 +175,13 @@ def test_a_lost_frame_is_a_reason_and_the_neighbour_takes_its_place_when_near_en
     assert 0.02 < abs(readings[1].frame_offset_s) <= 0.06
     assert readings[2].frame is None
     assert readings[2].why == "no frame within 60 ms of the sampling point"
+
+
+def test_a_frame_that_is_delivered_late_is_waited_for(rig):
+    rig.camera.delivery_s = 0.25
+    ends_well(rig)
+    assert all(r.valid for r in rig.of_kind(ReadingTaken))
+    assert all(abs(r.frame_offset_s) <= 0.02 + 1e-9 for r in rig.of_kind(ReadingTaken))
 
 
 def test_without_a_camera_readings_have_no_frame_and_are_valid():

@@ -97,6 +97,13 @@ def test_a_request_in_the_last_readings_of_a_run_lets_it_complete_and_no_other_b
     rig = stopped(StopLevel.AFTER_PULSE, 19.25)
     assert [e.completed for e in rig.of_kind(RunStopped)] == [True]
     assert len(rig.of_kind(ReadingTaken)) == 32
+    assert [p.kind for p in rig.operator.asked] == ["mount", "touch", "moisten"]
+    assert rig.stage.moves == [0.0]
+
+
+def test_a_session_stopped_in_its_last_run_is_not_completed():
+    rig = stopped(StopLevel.AFTER_PULSE, 18.3, make_schedule(PulseTrain(), [Place("x", (0.0,))]))
+    assert len(rig.of_kind(ReadingTaken)) == 31
 
 
 @pytest.mark.parametrize("level", [StopLevel.AFTER_PULSE, StopLevel.NOW])
