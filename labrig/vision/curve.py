@@ -70,6 +70,7 @@ class NeutralCurve:
     covered: float = 0.0  # share of the length on which the sheet was really seen
     seen: npt.NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
     residual_px: float = 0.0  # RMS distance of the locally measured sheet from the curve
+    contrast: float = 0.0  # of the sheet over the background, grey levels without a sign
     snr: float = 0.0  # contrast over the noise of one pixel
     # [offset along the normal at the clamp (m), angle there (rad), curvature coefficients (1/m)]
     parameters: FloatArray = field(default_factory=_nothing)
@@ -79,7 +80,8 @@ class NeutralCurve:
     normal_modes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     polarity: str = ""  # bright or dark, as found
     blur_px: float = 0.0  # standard deviation of the edge's blur, as found
-    width_px: float = 0.0  # visible thickness of the sheet, as found
+    elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
+    smoothness_per_m3: float = 0.0  # q of the prior int (dk/ds)^2 ds / q, as the picture chose it
 
     def as_curve(self) -> Curve:
         """The same as the model takes it."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
 from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
-from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis
+from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
 
 FloatArray = npt.NDArray[np.float64]
@@ -42,16 +43,23 @@ def neutral_curve(
     *,
     start: NeutralCurve | None = None,
 ) -> NeutralCurve:
-    """The neutral curve of the sheet in `image`."""
+    """The neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
+
+    `start`: the curve of a picture shortly before; it is followed, which is several times faster,
+    and left for a search from the clamp where that does not lead to a curve that passes the
+    self-check. What cannot be measured comes back with `ok` False and the reason, never raised.
+    """
     try:
         picture = read_picture(image, optics)
     except PictureError as error:
         return NeutralCurve(ok=False, why=str(error))
     job = _Job(picture, optics, strip)
-    best = job.cold()
+    best = job.followed(start) if start is not None and start.ok else None
+    if best is None:
+        best = job.cold()
     if best is None:
         return NeutralCurve(
-            ok=False, why="no path a sheet could take leaves the clamp; check clamp_px."
+            ok=False, why="no path that a sheet could take leaves the clamp; check clamp_px."
         )
     return report(best.fit, best.setting, best.verdict)
 
@@ -78,6 +86,42 @@ class _Job:
             spectral=SPECTRAL_PER_M3 / optics.px_per_m**3,
             mask=self.mask,
         )
+
+    def followed(self, start: NeutralCurve) -> Candidate | None:
+        """The curve near an earlier one; None when the sheet is not (quite) there any more."""
+        if len(start.parameters) != self.basis.size:
+            return None
+        setting = self.setting(1.0 if start.polarity == "bright" else -1.0)
+        setting = replace(setting, spectral=start.smoothness_per_m3 / self.optics.px_per_m**3)
+        shape = self._shape_of(start)
+        beyond = self._beyond()
+        half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
+        band = Band(half, start.blur_px, beyond)
+        found = None
+        for reaches in ((), (6, 4)):  # a fast move must be caught by ridge points first
+            near = fit_points(shape, setting, half_width=half[-1], reaches=reaches)
+            fit = fit_intensities(
+                near, setting, band, rounds=3, choose=False, contrast=start.contrast
+            )
+            found = Candidate(fit, setting, Tip(None), judge(fit, setting, Tip(None)))
+            good = found.verdict.covered > start.covered - 0.04
+            if good and not found.verdict.why and fit.step_px < 0.1:
+                return found
+        return None
+
+    def _shape_of(self, curve: NeutralCurve) -> Shape:
+        """A reported curve as a shape to start from."""
+        ppm, heading = self.optics.px_per_m, self.optics.clamp_angle_rad
+        parameters = curve.parameters.copy()
+        parameters[0] *= ppm
+        parameters[2:] /= ppm
+        sideways = np.array([-math.sin(heading), math.cos(heading)])
+        first = np.array([curve.x_m[0], curve.y_m[0]]) * ppm
+        return make_shape(self.basis, first - parameters[0] * sideways, heading, parameters)
+
+    def _beyond(self) -> npt.NDArray[np.bool_]:
+        middle = 0.5 * (self.basis.s[1:] + self.basis.s[:-1])
+        return np.asarray(middle > self.basis.free_px)
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
@@ -115,7 +159,7 @@ class _Job:
         shape = shape_through(trace, self.optics, self.basis, setting.spectral)
         half = self._elongation_half_width(shape, setting)
         shape = fit_points(shape, setting, half_width=half)
-        beyond = 0.5 * (self.basis.s[1:] + self.basis.s[:-1]) > self.basis.free_px
+        beyond = self._beyond()
         band = Band(np.where(beyond, half, self.thickness_px / 2), 1.0, beyond)
         best = self._judged(fit_intensities(shape, setting, band), setting)
         if best.verdict.covered < WELL_COVERED:

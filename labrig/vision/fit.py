@@ -21,7 +21,7 @@ BoolArray = npt.NDArray[np.bool_]
 # q in 1/m^3: curvature that wanders by 100 per m over 20 mm
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
-SETTLED_PX = 0.004
+SETTLED_PX = 0.008
 LIKENESS = 0.01  # of the contrast: how well any band is like the template
 SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
@@ -82,6 +82,8 @@ def fit_points(
     """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
     import cv2
 
+    if not reaches:
+        return shape
     smooth = cv2.GaussianBlur(setting.picture.grey, (0, 0), 1.0)
     beyond = shape.basis.s > shape.basis.free_px
     for reach in reaches:
@@ -131,24 +133,36 @@ def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
 
 
 def fit_intensities(
-    shape: Shape, setting: Setting, band: Band, *, rounds: int = 8, noise: float | None = None
+    shape: Shape,
+    setting: Setting,
+    band: Band,
+    *,
+    rounds: int = 8,
+    choose: bool = True,
+    contrast: float | None = None,
 ) -> Fit:
-    """Fit the picture's own intensities beside the curve, and the band's look with it."""
+    """Fit the picture's own intensities beside the curve, and the band's look with it.
+
+    `choose`: let the picture choose how smooth its curvature is. `contrast`: of the sheet, where it
+    is known from before.
+    """
     used = np.ones(len(band.half_width), dtype=bool)
-    noise = noise or _first_noise(shape, setting, band)
+    # before the first step the curve misses by more than the noise: allow a tenth of the sheet
+    contrast = contrast or _contrast(shape, setting, band)
+    noise = max(setting.picture.noise, 0.1 * contrast)
     fit = _iteration(shape, setting, band, noise, used)
     for _ in range(rounds - 1):
-        setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
+        if choose:
+            setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
         if fit.step_px < SETTLED_PX:
             break
     return fit
 
 
-def _first_noise(shape: Shape, setting: Setting, band: Band) -> float:
-    """Before the first step the curve misses by more than the noise: allow a tenth of the sheet."""
+def _contrast(shape: Shape, setting: Setting, band: Band) -> float:
     cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
-    return max(setting.picture.noise, 0.1 * float(np.median(np.abs(cells[:, 0]))))
+    return float(np.median(np.abs(cells[:, 0])))
 
 
 def likeliest_spectral(fit: Fit, px_per_m: float) -> float:

@@ -32,6 +32,7 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
     rows = shape.basis.curvature
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
+    contrast = float(np.median(np.abs(fit.contrast[fit.used])))
     noise_m = _spread(modes, covariance) / ppm
     return NeutralCurve(
         ok=True,
@@ -47,18 +48,22 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
         covered=verdict.covered,
         seen=np.append(fit.used, fit.used[-1]),
         residual_px=verdict.residual_px,
-        snr=float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise,
+        contrast=contrast,
+        snr=contrast / fit.noise,
         parameters=shape.parameters * unit,
         covariance=covariance * np.outer(unit, unit),
         normal_modes=modes / ppm / unit,
         polarity="bright" if setting.sign > 0 else "dark",
         blur_px=fit.band.blur,
-        width_px=2 * float(fit.band.half_width[0]),
+        elongation_width_px=2 * float(fit.band.half_width[-1])
+        if fit.band.elongation.any()
+        else 0.0,
+        smoothness_per_m3=fit.spectral * ppm**3,
     )
 
 
 def _spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", rows, covariance, rows)))
+    return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
 
 
 def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
