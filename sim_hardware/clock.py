@@ -1,0 +1,140 @@
+"""Time that passes only when everybody waits: a simulated session takes as long as its arithmetic.
+
+The thread that makes a `VirtualClock` and the threads it starts take turns: exactly one of them
+runs. Who waits hands its turn to whoever wakes earliest (of two at the same time, to the one that
+asked first) and time jumps there. So a session is the same to the last bit every time.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+import threading
+from collections.abc import Callable
+
+
+class _Seat:
+    """A thread that takes turns."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.turn = threading.Lock()  # released by whoever hands us the turn
+        self.turn.acquire()
+        self.waits = 0  # counts turns; an alarm set for an earlier wait is void
+        self.ended = False
+        self.joiners: list[tuple[_Seat, int]] = []
+
+
+class VirtualThread:
+    """A thread that lives in virtual time."""
+
+    def __init__(self, clock: VirtualClock, seat: _Seat) -> None:
+        self._clock = clock
+        self._seat = seat
+
+    def join(self, timeout: float | None = None) -> bool:
+        """Wait, in virtual time, for the thread's end; tell whether it has ended."""
+        return self._clock._join(self._seat, timeout)
+
+
+class VirtualClock:
+    """A `drivers.interfaces.Clock` of virtual time.
+
+    Threads that it does not know (a gRPC server's, a library's) may ask the time; whoever of them
+    waits gets a RuntimeError. A thread of the clock that waits by anything else (a queue, an event)
+    holds up all others, and for ever if it waits for one of them.
+    """
+
+    def __init__(self, start_s: float = 0.0) -> None:
+        self._now = start_s
+        self._alarms: list[tuple[float, int, _Seat, int]] = []  # a heap: when, order, who, wait
+        self._order = itertools.count()
+        self._guard = threading.Lock()  # of the heap, for a wait that Ctrl-C cuts short
+        self._here = threading.local()
+        self._here.seat = _Seat("first")
+
+    def now(self) -> float:
+        """See `Clock.now`."""
+        return self._now
+
+    def sleep_until(self, when: float) -> None:
+        """See `Clock.sleep_until`."""
+        me = self._me()
+        if not math.isfinite(when):
+            raise ValueError(f"a virtual clock cannot wait until {when} s")
+        if when <= self._now:
+            return
+        self._set_alarm(when, me, me.waits)
+        self._wait(me)
+
+    def start_thread(self, target: Callable[[], None], name: str) -> VirtualThread:
+        """See `Clock.start_thread`. The thread gets its first turn when the caller waits."""
+        self._me()
+        seat = _Seat(name)
+        self._set_alarm(self._now, seat, seat.waits)
+        thread = threading.Thread(target=self._run, args=(seat, target), name=name, daemon=True)
+        thread.start()
+        return VirtualThread(self, seat)
+
+    def _run(self, seat: _Seat, target: Callable[[], None]) -> None:
+        self._here.seat = seat
+        seat.turn.acquire()
+        try:
+            target()
+        finally:  # an exception goes on to threading.excepthook, but holds nobody up
+            seat.ended = True
+            for joiner, wait in seat.joiners:
+                self._set_alarm(self._now, joiner, wait)
+            successor = self._next()
+            if successor is not None:
+                successor.turn.release()
+
+    def _join(self, other: _Seat, timeout: float | None) -> bool:
+        me = self._me()
+        if not other.ended and (timeout is None or timeout > 0):
+            other.joiners.append((me, me.waits))
+            if timeout is not None:
+                self._set_alarm(self._now + timeout, me, me.waits)
+            self._wait(me)
+        return other.ended
+
+    def _me(self) -> _Seat:
+        seat: _Seat | None = getattr(self._here, "seat", None)
+        if seat is None:
+            raise RuntimeError(
+                f"the thread {threading.current_thread().name} waits by a virtual clock that has "
+                "not started it; start it with the clock's start_thread, or use the real clock"
+            )
+        return seat
+
+    def _set_alarm(self, when: float, seat: _Seat, wait: int) -> None:
+        with self._guard:
+            heapq.heappush(self._alarms, (when, next(self._order), seat, wait))
+
+    def _next(self) -> _Seat | None:
+        """Move time on to the next alarm and tell whose it is."""
+        with self._guard:
+            while self._alarms:
+                when, _, seat, wait = heapq.heappop(self._alarms)
+                if wait == seat.waits:
+                    seat.waits += 1
+                    self._now = max(self._now, when)
+                    return seat
+        return None
+
+    def _wait(self, me: _Seat) -> None:
+        """Hand the turn on; return when it is ours again."""
+        successor = self._next()
+        if successor is me:
+            return
+        if successor is None:
+            raise RuntimeError(f"the thread {me.name} waits for a thread that waits for it")
+        wait = me.waits
+        successor.turn.release()
+        try:
+            me.turn.acquire()
+        except BaseException:  # Ctrl-C: it is not our turn, so ask for it, and then raise
+            self._set_alarm(self._now, me, wait)
+            me.turn.acquire()
+            raise

@@ -1,0 +1,75 @@
+"""Threads of the clock that tell a running task's listeners what has happened."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from nidaqmx._stubs import nidaqmx_pb2 as pb
+
+from sim_hardware.ni.events import EveryNSamples, Stream
+from sim_hardware.ni.rpc import Message
+
+if TYPE_CHECKING:
+    from sim_hardware.ni.acquisition import Acquisition
+    from sim_hardware.ni.engine import Engine
+    from sim_hardware.ni.tasks import Task
+
+ACQUIRED_INTO_BUFFER = 1  # nidaqmx.constants.EveryNSamplesEventType
+_OVERWRITTEN = -200279
+
+
+def announce(engine: Engine, task: Task, acquisition: Acquisition) -> None:
+    """Start a thread for each registration of a task that has just started."""
+    every_n, done = task.events.every_n, task.events.done
+    start_thread = engine.clock.start_thread
+    if every_n is not None:
+        start_thread(
+            lambda: _every_n_samples(engine, task, acquisition, every_n), f"events of {task.name}"
+        )
+    if done is not None:
+        start_thread(lambda: _done(engine, task, acquisition, done), f"end of {task.name}")
+
+
+def _every_n_samples(
+    engine: Engine, task: Task, acquisition: Acquisition, wish: EveryNSamples
+) -> None:
+    event = pb.RegisterEveryNSamplesEventResponse(
+        every_n_samples_event_type_raw=ACQUIRED_INTO_BUFFER, n_samples=wish.samples
+    )
+    count = wish.samples
+    total = acquisition.plan.total
+    while total is None or count <= total:
+        engine.clock.sleep_until(acquisition.time_of(count))
+        if not _tell(engine, task, acquisition, wish.stream, event):
+            return
+        count += wish.samples
+
+
+def _done(engine: Engine, task: Task, acquisition: Acquisition, stream: Stream) -> None:
+    """A finite acquisition ends with its last sample, any other only by an overflow."""
+    total = acquisition.plan.total
+    while total is None:
+        overflow_s = acquisition.overflow_s()
+        engine.clock.sleep_until(overflow_s)
+        if task.acquisition is not acquisition or stream.closed:
+            return
+        if acquisition.overflow_s() <= overflow_s:
+            _tell(
+                engine, task, acquisition, stream, pb.RegisterDoneEventResponse(status=_OVERWRITTEN)
+            )
+            return
+    engine.clock.sleep_until(acquisition.time_of(total))
+    _tell(engine, task, acquisition, stream, pb.RegisterDoneEventResponse(status=0))
+
+
+def _tell(
+    engine: Engine, task: Task, acquisition: Acquisition, stream: Stream, event: Message
+) -> bool:
+    """Send an event of an acquisition that is still the task's; False when it is not."""
+    if task.acquisition is not acquisition or stream.closed:
+        return False
+    if engine.is_virtual:
+        stream.send_and_wait(event)  # virtual time stands still while a listener works
+    else:
+        stream.send(event)
+    return True
