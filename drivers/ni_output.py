@@ -70,7 +70,7 @@ class NiVoltageOutput:
         try:
             with self._connection.errors(self._doing(board_V)):
                 before_s = self._clock.now()
-                task.write(board_V, auto_start=False, timeout=WRITE_TIMEOUT_S)
+                write_now(task, board_V)
                 after_s = self._clock.now()
         except TaskGoneError:
             self._task = None  # somebody has made the output safe; it can be opened anew
@@ -96,6 +96,14 @@ class NiVoltageOutput:
         if self._last_V is not None:
             known = f"the last one confirmed is {self._last_V:g} V"
         return f"writing {board_V:g} V to {self._channel} (which holds its voltage; {known})"
+
+
+def write_now(task: Any, board_V: float) -> None:
+    """One sample in one round trip (nidaqmx' `Task.write` makes several to look at the task)."""
+    from nidaqmx.stream_writers import AnalogSingleChannelWriter
+
+    writer = AnalogSingleChannelWriter(task.out_stream, auto_start=False)
+    writer.write_one_sample(board_V, timeout=WRITE_TIMEOUT_S)
 
 
 def add_channel(task: Any, channel: str, limit_V: float) -> None:

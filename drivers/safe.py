@@ -59,7 +59,7 @@ def make_safe(
     acquisition is stopped, whatever was running.
     """
     failures: list[str] = []
-    written = output is not None and attempt(failures, lambda: _zero(output))
+    written = output is not None and _zero(output, failures)
     if output is None:
         failures.append("there is no output to write 0 V to")
     seen_V = None if signals is None else _read_back(signals, drive_channel, safe_below_V, failures)
@@ -102,15 +102,11 @@ def mean_when_low(measure: Callable[[], float], safe_below_V: float) -> float:
     return value
 
 
-def _zero(output: VoltageOutput) -> None:
-    try:
-        output.write(0.0)
-    except DeviceError as fault:
-        try:
-            output.open()  # where it was not open; it writes 0 V itself
-            output.write(0.0)
-        except DeviceError as again:
-            raise again from fault
+def _zero(output: VoltageOutput, failures: list[str]) -> bool:
+    """Write 0 V; where that fails, open the output (again) first."""
+    if attempt(failures, lambda: output.write(0.0)):
+        return True
+    return attempt(failures, output.open) and attempt(failures, lambda: output.write(0.0))
 
 
 def _read_back(

@@ -16,7 +16,7 @@ from drivers.interfaces import Clock
 from drivers.ni_connection import NiConnection
 from drivers.ni_errors import DeviceReservedError
 from drivers.ni_input import INPUT_TASK, InputChannel, NiSignalInput
-from drivers.ni_output import OUTPUT_TASK, NiVoltageOutput
+from drivers.ni_output import OUTPUT_TASK, NiVoltageOutput, write_now
 from drivers.safe import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
 
 _RETRY_S = 0.01
@@ -64,7 +64,7 @@ def _free_output(connection: NiConnection, name: str) -> None:
         return
     try:
         with connection.errors(f"writing 0 V through the task '{name}'"):
-            task.write(0.0, timeout=1.0)
+            write_now(task, 0.0)
     finally:
         with connection.errors(f"freeing the task '{name}'"):
             task.close()

@@ -88,7 +88,8 @@ def test_the_achieved_rate_is_used_not_the_one_asked_for(simulated_ni):
     signals.open()
     sample_clock = signals.start()
     assert sample_clock.rate_hz == signals.rate_hz != 30_000.0
-    assert signals.rate_hz == pytest.approx(30_000.0, rel=1e-3)
+    assert 20e6 / signals.rate_hz == pytest.approx(round(20e6 / 30_000.0), abs=1.0)
+    assert 20e6 / signals.rate_hz == pytest.approx(round(20e6 / signals.rate_hz), abs=1e-6)
 
 
 def test_a_run_after_another_counts_from_zero_again(ni_rig):

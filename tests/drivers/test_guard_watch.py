@@ -1,0 +1,149 @@
+"""When the guard acts, on a clock and a pipe made of plain data."""
+
+import queue
+
+import pytest
+
+from drivers.guard.settings import AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.guard.watch import Ending, Watch
+from drivers.interfaces import DeviceError
+from drivers.take_over import OutputPlace
+
+SETTINGS = GuardSettings(
+    place=OutputPlace("127.0.0.1:1", "PCI6703/ao0", "PCI6034E/ai2"), time_under_voltage_s=30.0
+)
+DEATH = b""
+
+
+class Pipe:
+    """Words that arrive at given times; waiting makes time pass. It is the clock too."""
+
+    def __init__(self, *words: tuple[float, bytes], stalls: tuple[float, float] | None = None):
+        self.coming = sorted(words, key=lambda word: word[0])
+        self.time_s = 0.0
+        self.stalls = stalls  # the guard itself gets no processor between these times
+        self.confirmed = 0
+
+    def now(self) -> float:
+        return self.time_s
+
+    def get(self, timeout: float) -> bytes:
+        until = self.time_s + timeout
+        if self.coming and self.coming[0][0] <= until:
+            when, word = self.coming.pop(0)
+            self.time_s = max(self.time_s, when)
+            return word
+        self.time_s = until
+        if self.stalls and self.stalls[0] <= self.time_s < self.stalls[1]:
+            self.time_s = self.stalls[1]
+        raise queue.Empty
+
+    def confirm(self) -> None:
+        self.confirmed += 1
+
+
+def beats(from_s: float, to_s: float, every_s: float = 0.05) -> list[tuple[float, bytes]]:
+    count = round((to_s - from_s) / every_s)
+    return [(from_s + i * every_s, BEAT) for i in range(count)]
+
+
+def watch(pipe: Pipe, lives=lambda: True) -> tuple[Ending, float]:
+    ending = Watch(SETTINGS, pipe, pipe, pipe.confirm, lives).until_end()
+    return ending, pipe.time_s
+
+
+def test_a_program_that_finishes_is_let_go():
+    words = [(0.1, ENERGISED), *beats(0.15, 5.0), (5.0, AT_ZERO), (60.0, DISARM)]
+    assert watch(Pipe(*words)) == (Ending.DISARMED, 60.0)
+
+
+def test_a_pipe_that_closes_is_noticed_at_once():
+    assert watch(Pipe((0.1, ENERGISED), *beats(0.15, 1.0), (1.01, DEATH))) == (Ending.GONE, 1.01)
+
+
+def test_death_counts_at_zero_volts_too():
+    assert watch(Pipe((2.0, DEATH))) == (Ending.GONE, 2.0)
+
+
+def test_a_program_that_dies_while_another_holds_its_pipe_is_noticed():
+    pipe = Pipe((0.1, ENERGISED), *beats(0.15, 100.0))
+    ending, when = watch(pipe, lives=lambda: pipe.time_s < 3.0)
+    assert ending is Ending.GONE
+    assert when == pytest.approx(3.0, abs=0.05)
+
+
+def test_silence_while_energised_is_a_hang_after_400_ms():
+    ending, when = watch(Pipe((0.1, ENERGISED), *beats(0.15, 2.0)))
+    assert ending is Ending.HUNG
+    assert when == pytest.approx(1.95 + 0.4, abs=0.03)
+
+
+def test_silence_at_zero_volts_is_no_hang():
+    words = [(0.1, ENERGISED), *beats(0.15, 1.0), (1.0, AT_ZERO), (500.0, DISARM)]
+    assert watch(Pipe(*words)) == (Ending.DISARMED, 500.0)
+
+
+def test_a_beat_just_in_time_is_enough():
+    words = [(0.1, ENERGISED), *beats(0.4, 20.0, every_s=0.38), (20.1, DISARM)]
+    assert watch(Pipe(*words))[0] is Ending.DISARMED
+
+
+def test_a_program_that_beats_for_ever_is_stopped_after_its_time_under_voltage():
+    ending, when = watch(Pipe((1.0, ENERGISED), *beats(1.05, 100.0)))
+    assert ending is Ending.TOO_LONG
+    assert when == pytest.approx(31.6, abs=0.1)
+
+
+def test_each_return_to_zero_begins_the_time_under_voltage_anew():
+    words = []
+    for run in range(5):
+        began = 50.0 * run
+        words += [(began, ENERGISED), *beats(began + 0.05, began + 29.0), (began + 29.0, AT_ZERO)]
+    words.append((300.0, DISARM))
+    assert watch(Pipe(*words)) == (Ending.DISARMED, 300.0)
+
+
+def test_saying_energised_again_does_not_begin_the_time_anew():
+    words = [(float(second), ENERGISED) for second in range(100)]
+    ending, when = watch(Pipe(*words, *beats(0.05, 100.0)))
+    assert ending is Ending.TOO_LONG
+    assert when == pytest.approx(30.6, abs=0.1)
+
+
+def test_a_guard_that_got_no_processor_does_not_blame_the_program():
+    """Its beats of that time are still in the pipe when the guard wakes."""
+    words = [(0.1, ENERGISED), *beats(0.15, 5.0), (5.0, AT_ZERO), (6.0, DISARM)]
+    gap = [word for word in words if not 2.0 < word[0] < 3.0]
+    assert watch(Pipe(*gap, stalls=(2.0, 3.0)))[0] is Ending.DISARMED
+
+
+def test_a_hang_that_begins_during_such_a_gap_is_still_found():
+    words = [(0.1, ENERGISED), *beats(0.15, 2.0)]
+    ending, when = watch(Pipe(*words, stalls=(2.0, 3.0)))
+    assert ending is Ending.HUNG
+    assert when < 3.0 + 0.5
+
+
+def test_every_word_is_confirmed():
+    pipe = Pipe((0.1, ENERGISED), (0.12, BEAT), (0.13, BEAT + BEAT + AT_ZERO), (0.2, DISARM))
+    watch(pipe)
+    assert pipe.confirmed == 3
+
+
+def test_settings_survive_the_pipe():
+    assert GuardSettings.from_json(SETTINGS.to_json()) == SETTINGS
+    assert "\n" not in SETTINGS.to_json()
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "3", '{"place": {}}', '{"place": 1}',
+                                  SETTINGS.to_json().replace("heartbeat", "hartbeat")])  # fmt: skip
+def test_settings_that_do_not_fit_are_refused(text):
+    with pytest.raises(DeviceError, match="settings cannot be read"):
+        GuardSettings.from_json(text)
+
+
+def test_a_local_driver_or_strict_ownership_needs_the_program_to_end():
+    local = OutputPlace("local", "PCI6703/ao0", "PCI6034E/ai2")
+    assert GuardSettings(place=local).must_end_the_program
+    assert GuardSettings(place=SETTINGS.place, strict_ownership=True).must_end_the_program
+    assert not SETTINGS.must_end_the_program
