@@ -25,7 +25,7 @@ from protocols.events import (
 from protocols.hub import SubscriberError
 from protocols.limits import SafetyLimits, check_schedule
 from protocols.output import GuardedOutput
-from protocols.preparing import Move, Situation, preparation
+from protocols.preparing import Action, Move, Situation, preparation
 from protocols.rules import Rules, Timing
 from protocols.run_loop import Loop, RunLoop, Stopped
 from protocols.schedule import PlannedRun, Schedule
@@ -35,6 +35,10 @@ from protocols.stop import StopLevel, StopRequest
 
 class _Declined(Exception):  # noqa: N818 - not an error: an answer
     """The operator has said no."""
+
+
+class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while asking
+    """The operator could not be asked."""
 
 
 def utc_now() -> str:
@@ -177,17 +181,24 @@ class Scheduler:
         self._obey_stop()
         actions, after = preparation(self._situation, run)
         for action in actions:
-            if isinstance(action, Move):
-                done = self._devices.stage.move_to(action.position_m)
-                asked = f"to move the load cell to {action.position_m * 1e3:g} mm"
-            else:
-                done = self._ask(action)
-                asked = f"({action.text})"
+            done, asked = self._have_done(action)
             self._obey_stop()
             if not done:
                 raise _Declined(f"the operator was asked {asked} and stopped the session")
         self._situation = after
         return self._reported_position(run)
+
+    def _have_done(self, action: Action) -> tuple[bool, str]:
+        """Whether something has been done, and what was asked for, in words."""
+        try:
+            if isinstance(action, Move):
+                asked = f"to move the load cell to {action.position_m * 1e3:g} mm"
+                return self._devices.stage.move_to(action.position_m), asked
+            return self._ask(action), f"({action.text})"
+        except (DeviceError, SubscriberError):
+            raise
+        except Exception as error:
+            raise _NoAnswer(str(error) or type(error).__name__) from error
 
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
@@ -281,6 +292,8 @@ def _reason(error: BaseException) -> tuple[FinishReason, str]:
         return FinishReason.STOP_REQUESTED, "interrupted from the keyboard"
     if isinstance(error, _Declined):
         return FinishReason.DECLINED, text
+    if isinstance(error, _NoAnswer):
+        return FinishReason.NO_ANSWER, text
     if isinstance(error, OverloadError):
         return FinishReason.OVERLOAD, text
     if isinstance(error, DeviceError):

@@ -27,6 +27,7 @@ class FinishReason(StrEnum):
     COMPLETED = "completed"
     STOP_REQUESTED = "stop_requested"
     DECLINED = "declined"  # by the operator, when asked for something
+    NO_ANSWER = "no_answer"  # the operator could not be asked
     OVERLOAD = "overload"
     DEVICE_FAULT = "device_fault"
     RECORDING_FAULT = "recording_fault"  # a subscriber that the session depends on failed

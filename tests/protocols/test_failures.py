@@ -231,6 +231,20 @@ def test_a_guard_that_has_died_ends_the_session_at_0_V(hook):
     assert rig.events[-1].output is OutputState.SAFE
 
 
+def test_an_operator_who_cannot_be_asked_is_named_as_the_reason():
+    rig = FakeRig()
+
+    def ask(prompt):
+        raise EOFError("standard input has ended")
+
+    rig.operator.ask = ask
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.NO_ANSWER
+    assert rig.events[-1].reason == "standard input has ended"
+    assert isinstance(scheduler.status.error.__cause__, EOFError)
+
+
 def test_a_mistake_in_the_program_is_named_as_such():
     rig = FakeRig()
     object.__setattr__(rig.devices, "newtons", lambda volts: volts.no_such_thing)
