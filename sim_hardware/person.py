@@ -15,8 +15,8 @@ class SimulatedPerson:
     def ask(self, prompt: Prompt) -> bool:
         """Do it. A kind of request that this person does not know is an error."""
         match prompt.kind:
-            case "move":
-                self._world.place(prompt.position_m)
+            case "move" | "touch":
+                self._place(prompt.position_m)
             case "free":
                 self._world.place(None)
             case "moisten":
@@ -34,3 +34,9 @@ class SimulatedPerson:
             case other:
                 raise ValueError(f"the simulated person does not know how to {other}")
         return True
+
+    def _place(self, position_m: float | None) -> None:
+        """From below, unless the load cell was further along the arc before."""
+        before_m = self._world.position_m
+        down = None not in (before_m, position_m) and before_m > position_m  # type: ignore[operator]
+        self._world.place(position_m, "down" if down else "up")

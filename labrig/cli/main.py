@@ -11,7 +11,7 @@ from pathlib import Path
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli import prepare, record
+from labrig.cli import exchange, prepare, record
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
 
@@ -23,7 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
 )
-for room in (prepare, record):
+for room in (prepare, record, exchange):
     room.add_to(app)
 
 
@@ -38,7 +38,7 @@ def run(arguments: list[str]) -> int:
     try:
         result = command.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
-        error.show()
+        error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
         return ExitCode.BAD_INPUT
     except (KeyboardInterrupt, typer.Abort):
         warn("labrig: stopped.")

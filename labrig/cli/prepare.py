@@ -44,6 +44,7 @@ def plan(
 ) -> None:
     """Show the schedule: times, voltages, readings, total duration, time under voltage."""
     from labrig.config import load_protocol
+    from labrig.report.schedule_text import overview_rows, run_rows
     from protocols import describe, schedule_to_dict
 
     schedule = load_protocol(protocol).schedule(str(protocol))
@@ -54,8 +55,25 @@ def plan(
     if as_json:
         print_json(schedule_to_dict(schedule))
         return
-    for table in describe(schedule):
-        print_table(table.title, table.columns, table.rows)
+    found = describe(schedule)
+    print_table(
+        f"One {schedule.protocol} run", ["", "time s", "volts", "reading at s"], run_rows(schedule)
+    )
+    columns = [
+        "run",
+        "starts",
+        "configuration",
+        "at mm",
+        "first",
+        "readings",
+        "lasts s",
+        "under V s",
+    ]
+    print_table("All runs", columns, overview_rows(found))
+    say(
+        f"{len(schedule.runs)} runs: {found.running_s:.1f} s, {found.under_voltage_s:.1f} s of it "
+        f"under voltage; about {found.estimate_s / 60:.0f} min with what is done between them."
+    )
     if picture is not None:
         say(f"wrote {picture}")
 
@@ -63,23 +81,25 @@ def plan(
 def check(
     rig: Annotated[Path, typer.Argument(help="rig.toml")],
     protocol: Annotated[
-        Path | None, typer.Option(help="protocol.toml: estimate the size of its session too")
+        Path | None, typer.Option(help="protocol.toml; by default the one beside rig.toml")
     ] = None,
-    sheet: Annotated[Path | None, typer.Option(help="sheet.toml: check it too")] = None,
+    sheet: Annotated[
+        Path | None, typer.Option(help="sheet.toml; by default the one beside rig.toml")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
 ) -> None:
     """Preflight: everything that rig.toml names is there, quiet, calibrated and at 0 V.
 
     Nothing but 0 V is written. Ends with code 3 when a check fails.
     """
-    from labrig.experiment import preflight
+    from labrig.experiment.preflight import check_rig
 
-    checks = preflight(rig, protocol, sheet)
+    checks = check_rig(rig, protocol, sheet)
     good = all(item.ok for item in checks)
     if as_json:
         print_json({"ok": good, "checks": [item.as_dict() for item in checks]})
     else:
-        rows = [["ok" if c.ok else "FAILED", c.name, c.found, c.wanted] for c in checks]
+        rows = [[c.word, c.name, c.found, c.wanted] for c in checks]
         print_table(f"Preflight of {rig}", ["", "check", "found", "wanted"], rows)
     if not good:
         failed = ", ".join(c.name for c in checks if not c.ok)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 from typing import Annotated, Literal
@@ -102,12 +103,19 @@ class StageConfig(Closed):
     address: int = Field(1, ge=1, le=99, description="device number on the Zaber chain")
     origin_deg: float = Field(0.0, description="stage angle at position 0 of the arc")
 
+    @property
+    def origin_rad(self) -> float:
+        """The same in rad."""
+        return math.radians(self.origin_deg)
+
 
 class Simulated(Closed):
-    """The world to simulate, where an address says simulated."""
+    """The world to simulate, where an address says simulated.
+
+    Only its place: what the world holds must never reach the session, which it would give away.
+    """
 
     world: Path | None = Field(None, description="world.toml; the built-in one when absent")
-    seed: int | None = Field(None, ge=0, description="instead of the one in world.toml")
 
 
 class RigConfig(Closed):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
 
 from labrig.errors import BadInputError
@@ -36,4 +35,9 @@ def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
 
 def template_text(name: str) -> str:
     """The text of one of the shipped files."""
-    return (files("labrig.config") / "template_files" / name).read_text(encoding="utf-8")
+    return template_path(name).read_text(encoding="utf-8")
+
+
+def template_path(name: str) -> Path:
+    """Where one of the shipped files is."""
+    return Path(__file__).parent / "template_files" / name

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.report.style import colour_of, figure, save
-from protocols import PlannedRun, ReadingKind, Schedule
+from protocols import PlannedRun, ReadingKind, Schedule, timeline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,9 +31,8 @@ def draw_schedule(schedule: Schedule, path: Path) -> None:
 
 def draw_run(axes: Axes, run: PlannedRun) -> None:
     """Draw one run's voltage and its sampling points on `axes`."""
-    times = [step.time_s for step in run.steps] + [run.duration_s]
-    volts = [step.voltage_V for step in run.steps] + [run.steps[-1].voltage_V]
-    axes.step(times, volts, where="post", color="#888888", linewidth=1.2)
+    line = timeline(run)
+    axes.plot(line.time_s, line.voltage_V, color="#888888", linewidth=1.2)
     labelled: set[str] = set()
     for reading in run.readings:
         marker, label = _MARKS[reading.kind]
@@ -49,4 +48,4 @@ def draw_run(axes: Axes, run: PlannedRun) -> None:
     axes.set_title(f"{run.purpose.value.replace('_', ' ')}, {run.configuration}", loc="left")
     axes.set_xlabel("time (s)")
     axes.set_ylabel("sheet voltage (V)")
-    axes.legend(loc="upper right", ncols=3)
+    axes.legend(loc="upper left", ncols=3)

@@ -1,0 +1,130 @@
+"""Runs a session and shows how it goes."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from labrig.cli.screen import Advance, progress, warn
+from labrig.experiment.people import ConsoleOperator, NobodyAsked
+from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.replay import replay_plan, replay_rig
+from labrig.experiment.run import Result, run_session
+from labrig.experiment.safety import guard_of
+from labrig.experiment.signals import stop_signals
+from labrig.experiment.wiring import wire
+from labrig.session import open_session
+from protocols import PlannedRun, Schedule
+from protocols.events import (
+    Event,
+    OperatorAsked,
+    OutputChanged,
+    OutputState,
+    ReadingTaken,
+    RunStarted,
+    RunStopped,
+    Warned,
+)
+from protocols.hub import EventHub
+from protocols.stop import StopLevel, StopRequest
+
+_MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
+
+
+def run_and_follow(
+    rig_path: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool
+) -> Result:
+    """`labrig run`: read the files, run the schedule, show the progress."""
+    plan = load_plan(rig_path, protocol, sheet)
+    operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
+    stop = StopRequest()
+    hub = EventHub(threaded=not plan.rig.is_simulated)
+    with _stopping(stop, operator), _display(plan.schedule, pace=not plan.rig.is_simulated) as show:
+        hub.add_watcher("the progress display", show)
+        rig = wire(plan, operator, hub.emit)
+        return run_session(rig, plan, output, stop, hub, watch=guard_of)
+
+
+def replay_and_follow(session_path: Path, output: Path | None) -> Result:
+    """`labrig replay`: play a session; where it goes is thrown away unless `output` is given."""
+    with open_session(session_path) as session, tempfile.TemporaryDirectory() as folder:
+        path = output or Path(folder) / "replay.h5"
+        plan: Plan = replay_plan(session)
+        rig, director = replay_rig(session, plan)
+        stop = StopRequest()
+        hub = EventHub(threaded=False)
+        # Before the session file: it must know the run before the first sample is asked for.
+        hub.add_critical("the recording", director.follow)
+        with _stopping(stop, None), _display(plan.schedule, pace=False) as show:
+            hub.add_watcher("the progress display", show)
+            return run_session(rig, plan, path, stop, hub)
+
+
+@contextmanager
+def _stopping(stop: StopRequest, operator: ConsoleOperator | NobodyAsked | None) -> Iterator[None]:
+    def on_stop(name: str, count: int) -> None:
+        level = StopLevel.AFTER_PULSE if count == 1 and name == "SIGINT" else StopLevel.NOW
+        stop.request(level, f"stopped by {'Ctrl-C' if name == 'SIGINT' else name}")
+        if operator is not None and operator.waiting:
+            raise KeyboardInterrupt
+
+    with stop_signals(on_stop):
+        yield
+
+
+@contextmanager
+def _display(schedule: Schedule, *, pace: bool) -> Iterator[RunDisplay]:
+    with progress("session") as advance:
+        yield RunDisplay(schedule, advance, move_s=_MOVE_S if pace else 0.0)
+
+
+class RunDisplay:
+    """Follows a session: a bar with what is being done, and a line for whatever matters."""
+
+    def __init__(self, schedule: Schedule, advance: Advance, move_s: float = 0.0) -> None:
+        self._advance = advance
+        self._runs = schedule.runs
+        self._whole_s = sum(run.duration_s + move_s for run in schedule.runs)
+        self._move_s = move_s
+        self._done_s = 0.0
+        self._output = OutputState.UNKNOWN
+        self._run: PlannedRun | None = None
+
+    def __call__(self, event: Event) -> None:
+        """See `protocols.hub`: called for each event."""
+        if isinstance(event, RunStarted):
+            self._run = event.run
+            self._tell(0.0, "")
+        elif isinstance(event, ReadingTaken) and self._run is not None:
+            fraction_s = self._run.time_of(event.planned)
+            self._tell(fraction_s, f"F = {1e3 * event.force_N:+.2f} mN")
+        elif isinstance(event, RunStopped) and self._run is not None:
+            self._done_s += self._run.duration_s + self._move_s
+            if event.lost_samples or event.frames_dropped:
+                warn(
+                    f"run {event.run + 1}: {event.lost_samples} samples and "
+                    f"{event.frames_dropped} frames were lost"
+                )
+        elif isinstance(event, OutputChanged):
+            self._output = event.state
+        elif isinstance(event, Warned):
+            warn(f"warning: {event.text}")
+        elif isinstance(event, OperatorAsked) and not sys.stderr.isatty():
+            warn(event.prompt.text)
+
+    def _tell(self, run_s: float, force: str) -> None:
+        run = self._run
+        if run is None:
+            return
+        where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        parts = [
+            f"run {run.index + 1} of {len(self._runs)}",
+            f"{run.configuration}, {where}",
+            f"output {self._output.value}",
+        ]
+        if force:
+            parts.append(force)
+        self._advance((self._done_s + run_s) / max(self._whole_s, 1e-9), " · ".join(parts))

@@ -1,0 +1,1 @@
+"""Protocol + rig + session file = one recorded experiment."""

@@ -1,0 +1,124 @@
+"""What is going to be done: the files as written, as understood, and the schedule they make."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime as dt
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drivers.load_cell import LoadCellCalibration
+from labrig.config import (
+    ProtocolConfig,
+    ReplayConfig,
+    RigConfig,
+    load_rig,
+    parse_load_cell,
+    parse_protocol,
+    parse_sheet,
+    read_text,
+)
+from labrig.errors import BadInputError
+from labrig.vision import Optics
+from model.measurements import SheetGeometry
+from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that is known before a rig is touched."""
+
+    rig: RigConfig
+    protocol: ProtocolConfig
+    sheets: dict[str, SheetGeometry]
+    calibration: LoadCellCalibration
+    optics: Optics | None
+    schedule: Schedule
+    texts: Mapping[str, str]  # the files as written, by the names they have in a session
+
+    @property
+    def arc_radius_m(self) -> float:
+        """Of the arc on which the stage moves; it is one for all configurations."""
+        return next(iter(self.sheets.values())).arc_radius_m
+
+    def resolved(self) -> dict[str, Any]:
+        """The files as understood, as plain JSON."""
+        return {
+            "rig": self.rig.model_dump(mode="json"),
+            "protocol": self.protocol.model_dump(mode="json"),
+            "sheet": {name: _plain(sheet) for name, sheet in self.sheets.items()},
+            "load_cell": _plain(self.calibration),
+            "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
+        }
+
+
+def load_plan(rig: Path, protocol: Path, sheet: Path) -> Plan:
+    """Read the three files and the calibrations they name; BadInputError for any fault in them."""
+    config = load_rig(rig)
+    if isinstance(config, ReplayConfig):
+        raise BadInputError(
+            f"{rig}: this rig is a recorded session; run it with `labrig replay {config.replay}`."
+        )
+    paths = {"rig.toml": rig, "sheet.toml": sheet, "protocol.toml": protocol}
+    paths["load_cell.toml"] = config.load_cell.calibration
+    if config.camera is not None:
+        paths["optics.json"] = config.camera.optics
+    texts = {name: read_text(path) for name, path in paths.items()}
+    names = {name: str(path) for name, path in paths.items()}
+    return make_plan(config, texts, names)
+
+
+def make_plan(
+    rig: RigConfig, texts: Mapping[str, str], names: Mapping[str, str] | None = None
+) -> Plan:
+    """A plan from the files' texts; `names` are what errors call them."""
+    called = {name: name for name in texts} | dict(names or {})
+    protocol = parse_protocol(texts["protocol.toml"], called["protocol.toml"])
+    sheets = parse_sheet(texts["sheet.toml"], called["sheet.toml"])
+    optics = None
+    if "optics.json" in texts:
+        optics = Optics.from_json(texts["optics.json"], called["optics.json"])
+    plan = Plan(
+        rig=rig,
+        protocol=protocol,
+        sheets=sheets,
+        calibration=parse_load_cell(texts["load_cell.toml"], called["load_cell.toml"]),
+        optics=optics,
+        schedule=protocol.schedule(called["protocol.toml"]),
+        texts=dict(texts),
+    )
+    _check_against_rig(plan, called)
+    return plan
+
+
+def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
+    for run in plan.schedule.runs:
+        if run.configuration not in plan.sheets:
+            raise BadInputError(
+                f"{called['protocol.toml']}: [[places]] configuration = {run.configuration!r} is "
+                f"no table of {called['sheet.toml']}, which has {', '.join(plan.sheets)}."
+            )
+    limits = plan.rig.limits
+    try:
+        check_schedule(
+            plan.schedule, SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s)
+        )
+    except ScheduleError as error:
+        raise BadInputError(
+            f"{called['protocol.toml']}: against the [limits] of the rig: {error}."
+        ) from None
+
+
+def _plain(value: Any) -> dict[str, Any]:
+    """A dataclass as plain JSON."""
+
+    def item(value: Any) -> Any:
+        if isinstance(value, dt.date):
+            return value.isoformat()
+        if isinstance(value, tuple | list):
+            return [item(part) for part in value]
+        return value.tolist() if hasattr(value, "tolist") else value
+
+    return {key: item(part) for key, part in dataclasses.asdict(value).items()}

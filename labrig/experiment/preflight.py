@@ -1,0 +1,213 @@
+"""Is the rig ready? Nothing but 0 V is written to find out."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivers.interfaces import Camera, DeviceError
+from drivers.load_cell import LoadState
+from labrig.config.templates import template_path
+from labrig.errors import NotReadyError
+from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.rig import DRIVE, Rig, opened
+
+_QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
+_LISTEN_S = 0.5
+_WATCH_S = 1.0
+_RATE_TOLERANCE = 0.1
+_FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at. A warning is worth a word but stops nothing."""
+
+    name: str
+    ok: bool
+    found: str
+    wanted: str
+    warning: bool = False
+
+    @property
+    def word(self) -> str:
+        """For a table."""
+        if not self.ok:
+            return "FAILED"
+        return "warning" if self.warning else "ok"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"name": self.name, "ok": self.ok, "found": self.found, "wanted": self.wanted}
+
+
+def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
+    """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
+    from labrig.experiment.people import NobodyAsked
+    from labrig.experiment.wiring import wire
+
+    plan = load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
+    wired = wire(plan, NobodyAsked(lambda _text: None))
+    return preflight(wired, plan, rig.parent)
+
+
+def _beside(rig: Path, name: str) -> Path:
+    """NAME.toml beside the rig's file, or the one that `labrig init` writes."""
+    beside = rig.parent / f"{name}.toml"
+    return beside if beside.exists() else template_path(f"{name}.toml")
+
+
+def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
+    """Open the rig, look at everything, close it. `folder` is where the session would go."""
+    checks = [*_calibrations(plan), _disk(plan, folder)]
+    try:
+        with opened(rig):
+            checks += look(rig, plan)
+    except NotReadyError as fault:
+        checks.append(Check("devices", ok=False, found=str(fault), wanted="every device there"))
+    return checks
+
+
+def look(rig: Rig, plan: Plan) -> list[Check]:
+    """The checks that need the open devices."""
+    checks = [*_boards(rig), *_inputs(rig, plan)]
+    if rig.camera is not None:
+        checks += _camera(rig, rig.camera, plan)
+    return checks
+
+
+def _calibrations(plan: Plan) -> Iterator[Check]:
+    today = dt.datetime.now(dt.UTC).date()
+    cell = plan.rig.load_cell
+    yield _age("load cell calibration", plan.calibration.age_days(today), cell.warn_after_days)
+    if plan.rig.camera is not None and plan.optics is not None and plan.optics.date:
+        age = (today - dt.date.fromisoformat(plan.optics.date[:10])).days
+        yield _age("camera calibration", age, plan.rig.camera.warn_after_days)
+
+
+def _age(name: str, days: int, limit: int) -> Check:
+    if days < 0:
+        return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
+    return Check(
+        name,
+        ok=True,
+        found=f"{days} days old",
+        wanted=f"at most {limit} days",
+        warning=days > limit,
+    )
+
+
+def estimated_size(plan: Plan, frame_bytes: int) -> int:
+    """Bytes of the session: raw samples of three channels, and the frames that are kept."""
+    seconds = sum(run.duration_s for run in plan.schedule.runs)
+    samples = 3 * 8 * seconds * plan.rig.ni.sample_rate_hz
+    readings = sum(len(run.readings) for run in plan.schedule.runs)
+    every = plan.protocol.camera.keep_all_frames
+    frames = seconds * plan.schedule.frame_rate_hz if every else readings
+    return math.ceil(samples + frames * frame_bytes) + 1_000_000
+
+
+def _disk(plan: Plan, folder: Path) -> Check:
+    columns, rows = (plan.optics.image_size if plan.optics else None) or (640, 480)
+    wanted = _FREE_MARGIN * estimated_size(plan, columns * rows if plan.rig.camera else 0)
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    free = shutil.disk_usage(there).free
+    return Check(
+        "disk space",
+        ok=free >= wanted,
+        found=f"{free / 1e9:.1f} GB free",
+        wanted=f"at least {wanted / 1e9:.2f} GB for this session",
+    )
+
+
+def _boards(rig: Rig) -> Iterator[Check]:
+    types = {device.name: device.product_type for device in rig.connection.devices()}
+    ni = rig.config.ni
+    for name, channel in (("drive board", ni.drive), ("input board", ni.force)):
+        device = channel.split("/")[0]
+        yield Check(
+            name,
+            ok=device in types,
+            found=f"{device} is a {types[device]}" if device in types else "not there",
+            wanted=f"{device} with {channel.split('/')[1]}",
+        )
+
+
+def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
+    volts = rig.signals.measure(_LISTEN_S)
+    names = list(rig.signals.channels)
+    drive_V = float(np.mean(volts[names.index(DRIVE)]))
+    limit_V = plan.rig.limits.safe_below_V
+    yield Check(
+        "output at 0 V",
+        ok=abs(drive_V) < limit_V,
+        found=f"{1e3 * drive_V:+.1f} mV read back",
+        wanted=f"within {1e3 * limit_V:g} mV of 0 V",
+    )
+    force_V = volts[names.index("force")]
+    state = rig.load_cell.check(force_V)
+    yield Check(
+        "load cell in its range",
+        ok=state.state in {LoadState.FINE, LoadState.ABOVE_CAPACITY},
+        found=state.text or f"{1e3 * float(np.mean(rig.load_cell.newtons(force_V))):+.2f} mN",
+        wanted=f"within {1e3 * plan.calibration.capacity_N:.1f} mN",
+        warning=state.state is LoadState.ABOVE_CAPACITY,
+    )
+    scatter_N = float(np.std(_means(rig.load_cell.newtons(force_V), 10)))
+    yield Check(
+        "load cell quiet",
+        ok=scatter_N < _QUIET_N,
+        found=f"{1e3 * scatter_N:.3f} mN from one 50 ms to the next",
+        wanted=f"below {1e3 * _QUIET_N:g} mN",
+    )
+
+
+def _means(values: np.ndarray, parts: int) -> list[float]:
+    return [float(np.mean(part)) for part in np.array_split(values, parts)]
+
+
+def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+    rows, columns = camera.frame_shape
+    wanted_size = plan.optics.image_size if plan.optics else None
+    yield Check(
+        "camera picture size",
+        ok=wanted_size is None or tuple(wanted_size) == (columns, rows),
+        found=f"{columns} x {rows}",
+        wanted="any"
+        if wanted_size is None
+        else f"{wanted_size[0]} x {wanted_size[1]} (optics.json)",
+    )
+    camera.start()
+    began_s = rig.clock.now()
+    camera.want(began_s, began_s + _WATCH_S)
+    rig.clock.sleep_until(began_s + _WATCH_S)
+    try:
+        frames = camera.frames()
+        delivered = ""
+    except DeviceError as fault:
+        frames, delivered = [], str(fault)
+    camera.stop()
+    rate_hz = camera.counts.grabbed / _WATCH_S
+    target_hz = plan.schedule.frame_rate_hz
+    yield Check(
+        "camera rate",
+        ok=abs(rate_hz - target_hz) <= _RATE_TOLERANCE * target_hz + 1 / _WATCH_S,
+        found=delivered or f"{rate_hz:g} frames/s",
+        wanted=f"{target_hz:g} frames/s (protocol.toml)",
+    )
+    if frames:
+        image = frames[-1].image
+        spread = float(np.ptp(image))
+        yield Check(
+            "camera sees something",
+            ok=spread > 0.05 * np.iinfo(image.dtype).max,
+            found=f"grey levels {int(image.min())} to {int(image.max())}",
+            wanted="neither black nor blank",
+        )

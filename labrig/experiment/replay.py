@@ -1,0 +1,202 @@
+"""A recorded session stands where the rig stands: its samples and frames, through the drivers.
+
+Boards and camera are simulated as ever; what they measure is what was recorded. The director is
+told of each run as it begins, and from then on answers every request for a sample with the one of
+the same index, and every frame at its recorded distance from the run's first sample.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from drivers.camera_opencv import OpenCvCamera
+from drivers.interfaces import Clock, Prompt
+from drivers.ni_connection import NiConnection
+from labrig.config import RigConfig, parse_rig
+from labrig.errors import BadInputError
+from labrig.experiment.plan import Plan, make_plan
+from labrig.experiment.rig import DRIVE, Rig, boards, load_cell_of
+from labrig.session import RunRecord, Session
+from protocols.events import Event, RunStarted, RunStopped
+
+FloatArray = npt.NDArray[np.float64]
+_BETWEEN_S = 0.3  # the camera shows sign of life when no recorded frame is near
+_NEAR_S = 0.4
+
+
+def replay_plan(session: Session) -> Plan:
+    """What was done, from the configuration that the session holds."""
+    rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
+    if not isinstance(rig, RigConfig):
+        raise BadInputError(f"{session.path}: was itself recorded from a replay.")
+    if not any(run.started for run in session.runs):
+        raise BadInputError(
+            f"{session.path}: no run of it was ever begun; nothing can be replayed."
+        )
+    simulated = rig.model_copy(update={"ni": rig.ni.model_copy(update={"address": "simulated"})})
+    return make_plan(simulated, session.texts)
+
+
+def replay_rig(session: Session, plan: Plan) -> tuple[Rig, Director]:
+    """The rig that plays `session`. The director must be told of every event, before all others."""
+    from sim_hardware.clock import VirtualClock
+    from sim_hardware.ni import NiDeviceServer
+
+    clock = VirtualClock()
+    director = Director(session, plan.rig)
+    server = NiDeviceServer(director, clock, devices=_models(plan.rig), adc_noise=False)
+    connection = NiConnection("replay", channel=server.in_process_channel())
+    output, signals = boards(plan.rig, connection, clock)
+    camera = None
+    if session.frame_shape is not None:
+        camera = OpenCvCamera(
+            "replay", clock, capture_factory=lambda _source: RecordedCapture(director, clock)
+        )
+    rig = Rig(
+        config=plan.rig,
+        clock=clock,
+        connection=connection,
+        output=output,
+        signals=signals,
+        camera=camera,
+        stage=_RecordedStage(),
+        operator=_Done(),
+        load_cell=load_cell_of(plan.calibration, plan.rig),
+        threaded=False,
+    )
+    return rig, director
+
+
+def _models(rig: RigConfig) -> dict[str, str]:
+    """Boards that stand in: a session names its devices, and its ranges, but not their models."""
+    drive, inputs = (channel.split("/")[0] for channel in (rig.ni.drive, rig.ni.force))
+    if drive == inputs:
+        return {drive: "PCIe-6363"}
+    return {drive: "PCI-6703", inputs: "PCI-6034E"}
+
+
+class Director:
+    """Knows which recorded run is on, and since when; a `Bench` of recorded samples."""
+
+    def __init__(self, session: Session, rig: RigConfig) -> None:
+        self.session = session
+        self.run: RunRecord | None = None
+        self.start_s = 0.0  # clock time of the run's first sample
+        self._rate_hz = 1.0
+        self._names = {
+            channel.split("/")[1]: name
+            for name, channel in (
+                ("force", rig.ni.force),
+                ("current", rig.ni.current),
+                (DRIVE, rig.ni.drive_readback),
+            )
+        }
+        self._samples: dict[str, FloatArray] = {}
+        self.frame_due_s = np.empty(0)  # clock times of the recorded frames, rising
+
+    def follow(self, event: Event) -> None:
+        """Told of each event before the first sample after it is read."""
+        if isinstance(event, RunStarted):
+            self.run = self.session.runs[event.run.index]
+            self.start_s = event.sample_clock.start_s
+            self._rate_hz = event.sample_clock.rate_hz
+            self._samples = {name: self.run.signal_V(name) for name in self._names.values()}
+            recorded_at = self.run.frame_column("sample_index") / self._rate_hz
+            self.frame_due_s = self.start_s + recorded_at
+        elif isinstance(event, RunStopped):
+            self.run, self._samples, self.frame_due_s = None, {}, np.empty(0)
+
+    def write(self, device: str, channel: str, volts: float, when: float) -> None:
+        """See `sim_hardware.bench.Bench`: what is done to a recording leaves it as it is."""
+
+    def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:  # noqa: ARG002
+        """See `sim_hardware.bench.Bench`. Between runs every input is at 0 V."""
+        samples = self._samples.get(self._names.get(channel, ""))
+        if samples is None or samples.size == 0:
+            return np.zeros(len(times))
+        index = np.rint((times - self.start_s) * self._rate_hz).astype(np.int64)
+        return samples[np.clip(index, 0, samples.size - 1)]
+
+
+class RecordedCapture:
+    """The part of `cv2.VideoCapture`'s interface that the driver uses, showing recorded frames.
+
+    Frames that were not recorded do not come; when none is near, a black one shows that the camera
+    is alive.
+    """
+
+    def __init__(self, director: Director, clock: Clock) -> None:
+        self._director = director
+        self._clock = clock
+        self._row: int | None = None  # of the run's recorded frames, the one taken last
+        self._last_s = -np.inf
+
+    def isOpened(self) -> bool:
+        """Always: the recording is there."""
+        return True
+
+    def get(self, _property: int) -> float:
+        """Nothing is known of the camera that took them."""
+        return 0.0
+
+    def set(self, _property: int, _value: float) -> bool:
+        """Nothing can be changed."""
+        return False
+
+    def release(self) -> None:
+        """Nothing is held."""
+
+    def grab(self) -> bool:
+        """Wait for the next recorded frame."""
+        now_s = self._clock.now()
+        due_s = self._director.frame_due_s
+        row = int(np.searchsorted(due_s, max(now_s, self._last_s), side="right"))
+        if row == len(due_s) or due_s[row] > now_s + _NEAR_S:
+            self._row = None
+            self._clock.sleep_until(now_s + _BETWEEN_S)
+        else:
+            self._row, self._last_s = row, float(due_s[row])
+            self._clock.sleep_until(self._last_s)
+        return True
+
+    def retrieve(self) -> tuple[bool, npt.NDArray[Any]]:
+        """The frame that `grab` waited for."""
+        run = self._director.run
+        if self._row is not None and run is not None:
+            return True, run.image(self._row)
+        session = self._director.session
+        return True, np.zeros(session.frame_shape or (1, 1), dtype=session.frame_dtype)
+
+    def read(self) -> tuple[bool, npt.NDArray[Any]]:
+        """`grab` and `retrieve`."""
+        self.grab()
+        return self.retrieve()
+
+
+class _RecordedStage:
+    """Where the load cell was is in the recording."""
+
+    def open(self) -> None:
+        """Nothing is to be taken."""
+
+    def move_to(self, position_m: float) -> bool:  # noqa: ARG002
+        """It was there."""
+        return True
+
+    def position(self) -> float | None:
+        """Not asked again."""
+        return None
+
+    def close(self) -> None:
+        """Nothing is to be let go of."""
+
+
+class _Done:
+    """Whatever is asked was done when the session was recorded."""
+
+    def ask(self, prompt: Prompt) -> bool:  # noqa: ARG002
+        """See `drivers.interfaces.Operator`."""
+        return True

@@ -1,0 +1,99 @@
+"""An opened rig: every device that rig.toml names, ready to run a schedule."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+from drivers.amplifier import Amplifier, SheetDrive
+from drivers.interfaces import Camera, Clock, DeviceError, Operator, Positioner
+from drivers.load_cell import LoadCell, LoadCellCalibration
+from drivers.ni_connection import NiConnection
+from drivers.ni_input import InputChannel, NiSignalInput
+from drivers.ni_output import NiVoltageOutput
+from labrig.config import RigConfig
+from labrig.errors import NotReadyError
+from protocols.devices import Devices
+
+DRIVE = "drive"  # the channel on which the sheet voltage is read back
+
+
+@dataclass(frozen=True)
+class Rig:
+    """The devices of a rig and what stands around them. Made by `wiring`, opened by `opened`."""
+
+    config: RigConfig
+    clock: Clock
+    connection: NiConnection
+    output: SheetDrive
+    signals: NiSignalInput
+    camera: Camera | None
+    stage: Positioner
+    operator: Operator
+    load_cell: LoadCell
+    threaded: bool  # False on a virtual clock: whatever follows the run is called at once
+
+    def devices(self) -> Devices:
+        """As the scheduler takes them."""
+        shunt_ohm = self.config.current_sense.shunt_ohm
+        return Devices(
+            output=self.output,
+            signals=self.signals,
+            camera=self.camera,
+            stage=self.stage,
+            operator=self.operator,
+            newtons=self.load_cell.newtons,
+            amperes=lambda volts: volts / shunt_ohm,
+            protect=self.load_cell.protect,
+        )
+
+
+def boards(
+    config: RigConfig, connection: NiConnection, clock: Clock
+) -> tuple[SheetDrive, NiSignalInput]:
+    """The drivers of the output and of the inputs, not opened."""
+    ni = config.ni
+    amplifier = Amplifier(config.amplifier.gain, config.limits.sheet_voltage_V)
+    output = NiVoltageOutput(
+        connection, clock, ni.drive, amplifier.limit_board_V, ni.task_names.output
+    )
+    wired = (
+        ("force", ni.force, ni.ranges_V.force),
+        ("current", ni.current, ni.ranges_V.current),
+        (DRIVE, ni.drive_readback, ni.ranges_V.drive),
+    )
+    channels = [InputChannel(name, where, volts, "differential") for name, where, volts in wired]
+    signals = NiSignalInput(connection, clock, channels, ni.sample_rate_hz, ni.task_names.input)
+    return SheetDrive(output, amplifier), signals
+
+
+def load_cell_of(calibration: LoadCellCalibration, config: RigConfig) -> LoadCell:
+    """The load cell as wired."""
+    return LoadCell(calibration, config.ni.ranges_V.force)
+
+
+@contextmanager
+def opened(rig: Rig) -> Iterator[Rig]:
+    """The same rig with every device open; they are closed in reverse order, whatever happens.
+
+    A device that cannot be taken raises NotReadyError with the driver's sentence: nothing has been
+    energised. The output is opened first and closed last, and both write 0 V.
+    """
+    with ExitStack() as stack:
+        for take, release in _openings(rig):
+            try:
+                take()
+            except DeviceError as fault:
+                raise NotReadyError(str(fault)) from fault
+            stack.callback(release)
+        yield rig
+
+
+def _openings(rig: Rig) -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
+    yield rig.connection.open, rig.connection.close
+    yield rig.output.open, rig.output.close
+    yield rig.signals.open, rig.signals.close
+    if rig.camera is not None:
+        yield rig.camera.open, rig.camera.close
+    yield rig.stage.open, rig.stage.close

@@ -1,0 +1,131 @@
+"""From rig.toml to devices: the one place that knows whether hardware is real or simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from drivers.camera import camera_for
+from drivers.camera_opencv import OpenCvCamera
+from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock
+from drivers.ni_connection import NiConnection
+from drivers.stage_manual import ManualStage
+from drivers.stage_zaber import ZaberStage
+from labrig.config import RigConfig
+from labrig.errors import BadInputError
+from labrig.experiment.plan import Plan
+from labrig.experiment.rig import Rig, boards, load_cell_of
+from protocols import RecordedOperator
+from protocols.events import Event
+
+
+def _nobody(_event: Event) -> None:
+    """Nobody wants to know."""
+
+
+SIMULATED = "simulated"
+
+
+def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody) -> Rig:
+    """The rig that a plan's rig.toml describes, not opened; nothing is touched.
+
+    What the operator is asked, and answers, is told by `emit`.
+    """
+    config = plan.rig
+    if config.is_simulated:
+        return _simulated(plan, emit)
+    for key, value in _addresses(config):
+        if value == SIMULATED:
+            raise BadInputError(
+                f'rig.toml: {key} = "simulated" needs [ni] address = "simulated"; a simulated '
+                "device and real boards cannot share a clock."
+            )
+    clock = RealClock()
+    connection = NiConnection(config.ni.address)
+    output, signals = boards(config, connection, clock)
+    asked = RecordedOperator(operator, clock, emit)
+    return Rig(
+        config=config,
+        clock=clock,
+        connection=connection,
+        output=output,
+        signals=signals,
+        camera=_camera(config, clock, plan.schedule.frame_rate_hz),
+        stage=_stage(plan, clock, asked),
+        operator=asked,
+        load_cell=load_cell_of(plan.calibration, config),
+        threaded=True,
+    )
+
+
+def _addresses(config: RigConfig) -> list[tuple[str, object]]:
+    camera = config.camera.source if config.camera else None
+    return [("[camera] source", camera), ("[stage] port", config.stage.port)]
+
+
+def _camera(config: RigConfig, clock: Clock, rate_hz: float) -> Camera | None:
+    return None if config.camera is None else camera_for(config.camera.source, clock, rate_hz)
+
+
+def _stage(
+    plan: Plan,
+    clock: Clock,
+    operator: Operator,
+    serial_factory: Callable[..., Any] | None = None,
+) -> Positioner:
+    stage = plan.rig.stage
+    if stage.kind == "manual":
+        return ManualStage(operator)
+    if stage.port is None:
+        raise BadInputError('rig.toml: [stage] port is missing; kind = "zaber" needs it.')
+    return ZaberStage(
+        stage.port,
+        clock,
+        plan.arc_radius_m,
+        origin_rad=stage.origin_rad,
+        device=stage.address,
+        serial_factory=serial_factory,
+    )
+
+
+def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
+    from sim_hardware.camera import SimulatedCapture
+    from sim_hardware.clock import VirtualClock
+    from sim_hardware.ni import NiDeviceServer
+    from sim_hardware.person import SimulatedPerson
+    from sim_hardware.serial_devices import InMemorySerial
+    from sim_hardware.serial_devices import ZaberStage as SimulatedStage
+    from sim_hardware.world import World, WorldError, load_world
+
+    config = plan.rig
+    try:
+        settings = load_world(config.simulated.world if config.simulated else None)
+    except WorldError as error:
+        raise BadInputError(str(error)) from None
+    clock = VirtualClock()
+    world = World(settings, clock)
+    server = NiDeviceServer(world, clock, seed=settings.seed)
+    connection = NiConnection(SIMULATED, channel=server.in_process_channel())
+    output, signals = boards(config, connection, clock)
+    person = RecordedOperator(SimulatedPerson(world), clock, emit)
+    camera = None
+    if config.camera is not None:
+        camera = OpenCvCamera(
+            SIMULATED, clock, capture_factory=lambda _source: SimulatedCapture(world, clock)
+        )
+
+    def serial(*_arguments: Any, **_options: Any) -> Any:
+        return InMemorySerial(SimulatedStage(world, clock), clock)
+
+    return Rig(
+        config=config,
+        clock=clock,
+        connection=connection,
+        output=output,
+        signals=signals,
+        camera=camera,
+        stage=_stage(plan, clock, person, serial),
+        operator=person,
+        load_cell=load_cell_of(plan.calibration, config),
+        threaded=False,
+    )
