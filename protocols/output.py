@@ -45,7 +45,11 @@ class GuardedOutput:
         return self.state in (OutputState.ARMED, OutputState.SAFE)
 
     def write(self, sheet_V: float) -> VoltageWrite:
-        """Write a voltage, at once; `follow_up` does the rest when the edge is over."""
+        """Write a voltage, at once; `tell` is for when the edge is over.
+
+        Guarding ends here and not with the telling, which may take long: a guard that hears no
+        beat meanwhile would take this program for dead.
+        """
         if sheet_V != 0.0 and not self._on_guard:
             self.energised_once = True
             self._on_guard = True
@@ -53,6 +57,9 @@ class GuardedOutput:
         self.state = OutputState.UNKNOWN  # should the write raise
         write = self._output.write(sheet_V)
         self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+        if sheet_V == 0.0 and self._on_guard:
+            self._on_guard = False
+            self._on_energised(False)  # noqa: FBT003 - as above
         return write
 
     def zero(self) -> VoltageWrite | None:
@@ -65,16 +72,11 @@ class GuardedOutput:
                 return self.write(0.0)
         return None
 
-    def follow_up(self, why: str) -> None:
-        """Tell a change of state, and whoever is on guard that 0 V was confirmed."""
-        try:
-            if self._on_guard and self.at_zero:
-                self._on_guard = False
-                self._on_energised(False)  # noqa: FBT003 - as above
-        finally:
-            if self.state is not self._told:
-                self._told = self.state
-                self._emit(OutputChanged(self._clock.now(), self.state, why))
+    def tell(self, why: str) -> None:
+        """Emit the state when it has changed."""
+        if self.state is not self._told:
+            self._told = self.state
+            self._emit(OutputChanged(self._clock.now(), self.state, why))
 
     def verify(self, read_back: Callable[[float], FloatArray], safe_below_V: float) -> str:
         """Write 0 V once more, read it back, and settle on SAFE or UNKNOWN; the reason in words.

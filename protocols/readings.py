@@ -167,7 +167,8 @@ class ReadingMaker:
         near = [f for f in self._frames if abs(f.time_s - sample_s) <= self._reach_s]
         if not near:
             return None
-        frame = min(near, key=lambda f: abs(f.time_s - sample_s))
+        # A frame was exposed before it was complete: of two equally near, the later one is right.
+        frame = min(near, key=lambda f: (round(abs(f.time_s - sample_s), 6), -f.time_s))
         self._used.add(frame.number)
         return frame
 

@@ -32,7 +32,7 @@ class Loop:
     clock: Clock
     emit: Callable[[Event], None]
     stop: StopRequest
-    beat: Callable[[], None]  # called at least every 50 ms from RunStarted to RunStopped
+    beat: Callable[[], None]  # called at least every 50 ms while energised
     enter: Callable[[RunState], None]
     rules: Rules
     timing: Timing
@@ -142,7 +142,7 @@ class RunLoop:
                 return self._cut_short(maker)
             if index == 0:
                 self._loop.enter(RunState.RUNNING)
-            self._told(index, due_s, self._loop.output.write(step.voltage_V))
+            self._follow_up(index, due_s, self._loop.output.write(step.voltage_V))
         return self._until(self._zero_s + self._run.duration_s, maker) or self._cut_short(maker)
 
     def _cut_short(self, maker: ReadingMaker) -> bool:
@@ -157,12 +157,13 @@ class RunLoop:
         last = index == len(self._run.steps) - 1
         return self._loop.stop.level is not StopLevel.NONE and not last
 
-    def _told(self, step: int, due_s: float, write: VoltageWrite) -> None:
+    def _follow_up(self, step: int, due_s: float, write: VoltageWrite) -> None:
+        """An edge has been written: expect its readings, and tell."""
         event = VoltageSet(write.after_s, self._run.index, step, due_s, write)
         if self._maker is not None:
             self._maker.edge(event)
         self._loop.emit(event)
-        self._loop.output.follow_up(f"{write.sheet_V:g} V written")
+        self._loop.output.tell(f"{write.sheet_V:g} V written")
         self._loop.beat()
 
     def _tail(self, maker: ReadingMaker) -> None:
@@ -240,7 +241,7 @@ class RunLoop:
             loop.tell_if_possible(
                 VoltageSet(write.after_s, self._run.index, last, write.before_s, write)
             )
-        loop.guarded("telling that the output is at 0 V", lambda: loop.output.follow_up(why))
+        loop.guarded("telling that the output is at 0 V", lambda: loop.output.tell(why))
 
     def _end(self, *, completed: bool) -> None:
         """Stop the acquisition, each device for itself, and tell of it.

@@ -73,9 +73,9 @@ class Scheduler:
     SessionStopped is always the last event, with the output's state as read back, and `status`
     holds the reason.
 
-    `beat` is called at least every 50 ms while a run is under way, `on_energised` before the
-    first voltage of a run and after 0 V was confirmed: a guard process is fed by them. `emit`
-    may raise: the session then ends safely.
+    `beat` is called at least every 50 ms while the sheet is energised, `on_energised` before the
+    first voltage and after 0 V was confirmed: a guard process is fed by them. `emit` may raise:
+    the session then ends safely. It must not block for long: a guard takes that for a hang.
     """
 
     def __init__(
@@ -166,7 +166,7 @@ class Scheduler:
         self._emit(SessionStarted(self._clock.now(), self._wall()))
         Rows.of(self._devices.signals)
         self._output.write(0.0)
-        self._output.follow_up("the session begins at 0 V")
+        self._output.tell("the session begins at 0 V")
         for run in schedule.runs:
             if run.index in done:
                 continue
@@ -252,7 +252,7 @@ class Scheduler:
         self._enter(RunState.STOPPING)
         self._loop.guarded("stopping the signal input", self._devices.signals.stop)
         found = self._output.verify(self._read_back, self._safe_below_V)
-        self._loop.guarded("telling the state of the output", lambda: self._output.follow_up(found))
+        self._loop.guarded("telling the state of the output", lambda: self._output.tell(found))
         state = self._output.state
         reason = text if state is OutputState.SAFE else f"{text}; {found}"
         with self._emit_lock:

@@ -182,6 +182,7 @@ class FakeCamera:
         self.running = False
         self.start_s = 0.0
         self.sent = 0
+        self.start_shift_s = 0.0  # of the first frame
         self.delivery_s = 0.0  # from a frame's time to its arrival
         self.lost: Callable[[float], bool] = lambda _: False
 
@@ -190,7 +191,8 @@ class FakeCamera:
 
     def start(self) -> None:
         self.faults.call("start")
-        self.running, self.start_s, self.sent = True, self.clock.time_s, 0
+        self.running, self.sent = True, 0
+        self.start_s = self.clock.time_s + self.start_shift_s
         self.wanted, self.all = [], False
 
     def want(self, from_s: float, to_s: float) -> None:
@@ -204,7 +206,7 @@ class FakeCamera:
     def frames(self) -> list[Frame]:
         self.faults.call("frames")
         count = int((self.clock.time_s - self.delivery_s - self.start_s) / self.period_s)
-        numbers, self.sent = range(self.sent, count), count
+        numbers, self.sent = range(self.sent, count), max(count, self.sent)
         frames = [self._frame(number) for number in numbers]
         return [f for f in frames if self._is_wanted(f.time_s) and not self.lost(f.time_s)]
 

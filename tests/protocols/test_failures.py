@@ -100,14 +100,15 @@ def test_0_V_is_written_before_anything_is_told_of_a_failure(device):
 
         def emit(event, rig=rig, log=log):
             rig.events.append(event)
-            log.append(f"event, output at {rig.output.last_V:g} V")
+            on = rig.guarded and rig.guarded[-1]
+            log.append(f"event, output at {rig.output.last_V:g} V, guard {'on' if on else 'off'}")
 
         rig.faults[device].fail_at = fails
         rig.scheduler(emit=emit, timing=COARSE).run(short_schedule(0.0, 0.005))
         failed = next(i for i, entry in enumerate(log) if entry.startswith("failed"))
         if log[failed] != "failed at 0 V":
             energised_failures += 1
-            assert log[failed + 1] == "event, output at 0 V"
+            assert log[failed + 1] == "event, output at 0 V, guard off"
     assert energised_failures > 20
 
 

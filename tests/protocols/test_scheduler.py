@@ -13,6 +13,7 @@ from protocols import (
     Place,
     PulseTrain,
     RecordedOperator,
+    Rules,
     RunState,
     ScheduleError,
     Timing,
@@ -155,6 +156,14 @@ def test_the_nearest_frame_goes_with_a_reading_and_its_offset_is_told(rig):
         assert reading.frame.time_s == pytest.approx(taken_s)
         assert reading.frame_offset_s == pytest.approx(taken_s - reading.sample_time_s)
         assert abs(reading.frame_offset_s) <= 0.02 + 1e-9
+
+
+def test_of_two_frames_equally_near_the_later_one_is_taken(rig):
+    rig.camera.period_s = 0.6  # exactly a slot
+    rig.camera.start_shift_s = 0.2 + 0.5 - 0.3 + rig.output.latency_s / 2
+    ends_well(rig, rules=Rules(frame_periods=15))
+    offsets_s = [r.frame_offset_s for r in rig.of_kind(ReadingTaken)]
+    assert offsets_s == pytest.approx([0.3] * 5, abs=1e-6)
 
 
 def test_a_lost_frame_is_a_reason_and_the_neighbour_takes_its_place_when_near_enough(rig):
