@@ -44,7 +44,7 @@ def main() -> int:
     if ending is Ending.DISARMED:
         connection.close()
         return _SAFE_CODE
-    if settings.must_end_the_program and (ending is not Ending.GONE or _lives_for_sure(lives)):
+    if settings.must_end_the_program and _is_in_the_way(ending, lives):
         _kill(settings.program_pid)
     report = _act(settings, connection, clock)
     _tell_everybody(settings, ending, report)
@@ -109,9 +109,11 @@ def _ignore_signals() -> None:
             signal.signal(number, signal.SIG_IGN)
 
 
-def _lives_for_sure(lives: Callable[[], bool]) -> bool:
-    """Whether a program that closed its pipe still lives; a number may have a new owner by then."""
-    return sys.platform != "win32" and lives()
+def _is_in_the_way(ending: Ending, lives: Callable[[], bool]) -> bool:
+    """Whether the program still holds its tasks and will not let go by itself."""
+    if ending is Ending.GONE:  # by its pipe; its number may have a new owner on Windows
+        return sys.platform != "win32" and lives()
+    return ending is not Ending.ASKED
 
 
 def _kill(program_pid: int) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from drivers.guard.settings import (
+    ACT,
     ALIVE,
     AT_ZERO,
     BEAT,
@@ -28,6 +29,7 @@ from drivers.interfaces import DeviceError, DeviceTimeoutError, RealClock
 from drivers.safe import Safety, SafetyReport
 
 START_S = 30.0  # a busy computer imports slowly
+ACT_S = 30.0
 _END_S = 5.0
 _DEAF_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
 _BEAT_EVERY_S = 0.4 * HEARTBEAT_S
@@ -114,6 +116,23 @@ class Guard:
         self._energised = on
         self._tell(ENERGISED if on else AT_ZERO)
 
+    def act(self, timeout_s: float = ACT_S) -> SafetyReport:
+        """Let the guard make the output safe, by its own connection, and end. Never raises.
+
+        For a program that could not do it itself. It must have closed what it can: with a local
+        driver the guard cannot write while this process holds the output.
+        """
+        self._energised = False
+        with suppress(DeviceError):
+            self._send(ACT)
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout_s)
+            self._reader.join(_END_S)
+        self._end()
+        if self._report is not None:
+            return self._report
+        return SafetyReport(Safety.UNKNOWN, None, ("the output guard gave no report",))
+
     def disarm(self) -> None:
         """End it; the output must be safe already. May be called twice, and after it has acted."""
         self._energised = False
@@ -145,7 +164,7 @@ class Guard:
             pipe.write(data)
             pipe.flush()
         except OSError as fault:
-            if self._energised or data not in (AT_ZERO, BEAT, DISARM):
+            if self._energised or data not in (AT_ZERO, BEAT, DISARM, ACT):
                 raise DeviceError(f"the output guard has ended ({fault})") from fault
 
     def _listen(self) -> None:

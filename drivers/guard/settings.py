@@ -12,7 +12,7 @@ HEARTBEAT_S = 0.05
 HEARTBEAT_LIMIT_S = 0.4
 
 # From the program, one byte each, after a first line with the settings as JSON.
-BEAT, ENERGISED, AT_ZERO, DISARM = b".", b"E", b"Z", b"D"
+BEAT, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"E", b"Z", b"D", b"A"
 # To the program, a line each.
 READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
 

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from enum import StrEnum
 
-from drivers.guard.settings import AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
 from drivers.interfaces import Clock
 
 _TICK_S = 0.02
@@ -23,6 +23,7 @@ class Ending(StrEnum):
     DISARMED = "the program has finished"
     GONE = "the program has died"
     HUNG = "the program hangs"
+    ASKED = "the program has asked for it"
     TOO_LONG = "the sheet was energised for too long"
 
 
@@ -74,6 +75,8 @@ class Watch:
             word = bytes([number])
             if word == DISARM:
                 return Ending.DISARMED
+            if word == ACT:
+                return Ending.ASKED
             if word == ENERGISED and self._energised_s is None:
                 self._energised_s = self._heard_s
             elif word == AT_ZERO:

@@ -4,7 +4,7 @@ import queue
 
 import pytest
 
-from drivers.guard.settings import AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
 from drivers.guard.watch import Ending, Watch
 from drivers.interfaces import DeviceError
 from drivers.take_over import OutputPlace
@@ -147,3 +147,7 @@ def test_a_local_driver_or_strict_ownership_needs_the_program_to_end():
     assert GuardSettings(place=local).must_end_the_program
     assert GuardSettings(place=SETTINGS.place, strict_ownership=True).must_end_the_program
     assert not SETTINGS.must_end_the_program
+
+
+def test_a_program_can_ask_the_guard_to_act():
+    assert watch(Pipe((0.1, ENERGISED), (0.2, ACT))) == (Ending.ASKED, 0.2)
