@@ -2,7 +2,23 @@
 
 from sim_hardware.world.load_cell import CellFault
 from sim_hardware.world.loading import WorldError, load_world
+from sim_hardware.world.reduced import (
+    CurveErrors,
+    ReducedCondition,
+    ReducedSession,
+    reduced_session,
+)
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.world import World
 
-__all__ = ["CellFault", "World", "WorldError", "WorldSettings", "load_world"]
+__all__ = [
+    "CellFault",
+    "CurveErrors",
+    "ReducedCondition",
+    "ReducedSession",
+    "World",
+    "WorldError",
+    "WorldSettings",
+    "load_world",
+    "reduced_session",
+]

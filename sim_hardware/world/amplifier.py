@@ -18,6 +18,9 @@ class Amplifier:
     """
 
     def __init__(self, settings: AmplifierSettings, start_s: float) -> None:
+        from sim_hardware.world import signal_kernels
+
+        self._settling = signal_kernels.settling
         self._settings = settings
         self._lag_s = settings.lag_ms * 1e-3
         level = self._level(0.0)
@@ -74,9 +77,4 @@ class Amplifier:
             self._table = np.array(self._history).T.copy()
         when, level, output, integral = self._table
         k = np.maximum(np.searchsorted(when, times, side="right") - 1, 0)
-        since = times - when[k]
-        gone = np.exp(-since / self._lag_s)
-        left = output[k] - level[k]
-        volts = level[k] + left * gone
-        area = integral[k] + level[k] * since + left * self._lag_s * (1.0 - gone)
-        return volts, area
+        return self._settling(times - when[k], self._lag_s, level[k], output[k], integral[k])

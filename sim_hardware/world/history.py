@@ -150,7 +150,8 @@ class History:
             _hung(rows[:, _MOVED]), _hung(last[None, _MOVED])[0], last[_TURNED], self._reach(stage)
         )
         self._track.append(rows)
-        self._watcher(times[1:], states[1:, _VOLTAGE], rows[:, _MOVED.start])
+        rubbed_N = stage.friction_N(times[1:], drive, dry, rows[:, _TURNED.stop - 1])
+        self._watcher(times[1:], states[1:, _VOLTAGE], rows[:, _MOVED.start] + rubbed_N)
 
     def _take_what_is_due(self, step: int) -> None:
         for due, stage in [entry for entry in self._due if entry[0] <= step]:

@@ -15,6 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 
 _WHITE_STREAM, _DRIFT_STREAM = 0xCE110, 0xCE111
 _MAINS_HZ = 50.0
+_FILTERED = 200  # samples in the mean of a reading
 # An input that is connected to nothing drifts to the end of what the board's amplifier can do.
 _OPEN_V = 11.0
 _OPEN_S = 0.5
@@ -32,6 +33,9 @@ class LoadCell:
     """Volts of a force; noise is a function of the time since the world's beginning."""
 
     def __init__(self, settings: LoadCellSettings, seed: int) -> None:
+        from sim_hardware.world import signal_kernels
+
+        self._approach, self._waves = signal_kernels.approach, signal_kernels.waves
         s = self._settings = settings
         self._white = WhiteNoise(seed, _WHITE_STREAM)
         shortest, longest = sorted((s.drift_shortest_s, s.drift_longest_s))
@@ -53,17 +57,33 @@ class LoadCell:
         """Volts at the input."""
         s = self._settings
         noise_mN = s.noise_mN * self._white.at(since_s) + s.drift_mN * self._wander.at(since_s)
-        noise_mN += s.hum_mN * np.sin(2 * math.pi * _MAINS_HZ * since_s)
+        noise_mN += s.hum_mN * self._hum(since_s)
         signal = np.where(self._excited(since_s), felt_N, 0.0) + noise_mN * 1e-3
         volts = s.offset_uV * 1e-6 + s.sensitivity_V_per_N * signal
         if self._fault is CellFault.OPEN:
-            gone = np.exp(-np.maximum(0.0, since_s - self._fault_s) / _OPEN_S)
+            gone = 1.0 - self._approach(np.maximum(0.0, since_s - self._fault_s), 1.0, 1 / _OPEN_S)
             volts = _OPEN_V + (volts - _OPEN_V) * gone
         return np.asarray(volts)
+
+    def filtered_N(
+        self, force_N: float, since_s: FloatArray, random: np.random.Generator
+    ) -> FloatArray:
+        """Readings of a steady force, each the mean over 0.2 s at 1 kHz, in newtons.
+
+        Only for sessions without signals, in which nothing lags behind.
+        """
+        s = self._settings
+        felt = self.felt_N(np.array([force_N]), np.zeros((1, 2)))[0]
+        white = s.noise_mN / math.sqrt(_FILTERED) * random.standard_normal(since_s.size)
+        zero_N = s.offset_uV * 1e-6 / s.sensitivity_V_per_N
+        return np.asarray(felt + zero_N + (white + s.drift_mN * self._wander.at(since_s)) * 1e-3)
 
     def fail(self, fault: CellFault, since_s: float) -> None:
         """From now on this is wrong with it, or nothing any more."""
         self._fault, self._fault_s = fault, since_s
+
+    def _hum(self, since_s: FloatArray) -> FloatArray:
+        return self._waves(since_s, np.array([2 * math.pi * _MAINS_HZ]), np.zeros(1))
 
     def _excited(self, since_s: FloatArray) -> npt.NDArray[np.bool_]:
         broken = self._fault is CellFault.NO_EXCITATION

@@ -45,17 +45,19 @@ class Stage:
 
     def drive(self, moment: FloatArray, uneven: FloatArray, dry_s: FloatArray) -> FloatArray:
         """The drive of the set-up's chain."""
+        from sim_hardware.world.signal_kernels import approach
+
         water = self.setup.settings.water
         share = 1 - water.first_pulse_deficit * uneven
-        rate = water.weakening_per_min / 60 / _MOST_WEAKENING
-        share *= 1 - _MOST_WEAKENING * -np.expm1(-rate * dry_s)
+        share *= 1 - approach(dry_s, _MOST_WEAKENING, water.weakening_per_min / 60)
         return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
 
     def stiffening(self, dry_s: FloatArray) -> FloatArray:
         """B over that of a wet sheet."""
-        gain = _MOST_STIFFENING - 1
-        rate = self.setup.settings.water.stiffening_per_min / 60 / gain
-        return np.asarray(1 + gain * -np.expm1(-rate * dry_s))
+        from sim_hardware.world.signal_kernels import approach
+
+        rate = self.setup.settings.water.stiffening_per_min / 60
+        return np.asarray(1 + approach(dry_s, _MOST_STIFFENING - 1, rate))
 
     def moved(self, times: FloatArray, drive: FloatArray, dry_s: FloatArray) -> FloatArray:
         """Force along the load cell's axis in N, and place along the sheet in m: (n, 2).

@@ -37,6 +37,9 @@ class DriveTable:
     """
 
     def __init__(self, contact: Contact, angle_rad: float | None, give_rad_m2: float = 0.0) -> None:
+        from sim_hardware.world import signal_kernels
+
+        self._chebyshev = signal_kernels.chebyshev
         self._contact = contact
         self._angle_rad = angle_rad
         self._give = give_rad_m2
@@ -85,6 +88,8 @@ class DriveTable:
 
     def _values(self, drive: FloatArray, rows: slice) -> FloatArray:
         self._cover(drive)
+        if drive.size == 0:
+            return np.empty((2, 0))
         panel = np.floor(drive / PANEL).astype(int)
         first = next(iter(self._panels.values()))
         result = np.empty((first[rows].shape[0], drive.size))
@@ -92,8 +97,7 @@ class DriveTable:
             mine = panel == k
             low, high = self._span(int(k))
             x = (2 * drive[mine] - low - high) / (high - low)
-            terms = np.polynomial.chebyshev.chebvander(x, NODES - 1)
-            result[:, mine] = self._panels[int(k)][rows] @ terms.T
+            self._chebyshev(self._panels[int(k)][rows], x, result, np.flatnonzero(mine))
         return result
 
     def _span(self, k: int) -> tuple[float, float]:
