@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 
 
 def sync_file(path: Path) -> None:
@@ -30,9 +32,26 @@ def sync_folder(path: Path) -> None:
         os.close(descriptor)
 
 
+def cause(error: Exception) -> str:
+    """What the system said, in words."""
+    number = error.errno if isinstance(error, OSError) else None
+    if number is None:
+        # The HDF5 library hands the system's error on as text.
+        said = re.search(r"errno = (\d+)", str(error))
+        number = int(said.group(1)) if said else None
+    if number == errno.ENOSPC:
+        return "the disk is full"
+    if number is not None:
+        return os.strerror(number)
+    return str(error) or type(error).__name__
+
+
 @contextmanager
 def written_beside(path: Path) -> Iterator[Path]:
-    """A name beside `path` to write to; it takes the place of `path` when all went well."""
+    """A name beside `path` to write to; it takes the place of `path` when all went well.
+
+    Raises LabrigError when the disk does not take it; `path` is then as it was.
+    """
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         yield beside
@@ -44,5 +63,7 @@ def written_beside(path: Path) -> Iterator[Path]:
                 f"{path} cannot be replaced; close the program that has it open, then try again."
             ) from None
         sync_folder(path.parent)
+    except OSError as error:
+        raise LabrigError(f"{path} cannot be written: {cause(error)}.") from error
     finally:
         beside.unlink(missing_ok=True)

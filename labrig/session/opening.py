@@ -14,6 +14,7 @@ import numpy as np
 from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.journal import journal_path
+from labrig.session.locking import is_locked
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Deflate cannot pack denser than 1 : 1032; a file that claims more holds nothing but the claim.
@@ -24,9 +25,11 @@ _SMALL_BYTES = 1 << 20
 def open_file(path: Path, *, live: bool = False) -> Any:
     """The HDF5 file, read-only and checked. Raises BadInputError.
 
-    `live` also opens a session that is still being written, or was left by a crash, as it stands.
+    `live` also opens a session that is being recorded right now, as it stands.
     """
     check_is_hdf5(path)
+    # The library would wait practically for ever for a writer that is dead to finish its work.
+    live = live and is_locked(journal_path(path))
     try:
         file = h5py.File(path, "r", swmr=live, libver=layout.LIBVER if live else None)
     except OSError as error:
@@ -60,10 +63,7 @@ def check_is_hdf5(path: Path) -> None:
 def _why_not(path: Path, error: OSError) -> str:
     text = str(error)
     if "already open for write" in text or "consistency flags" in text:
-        return (
-            f"{path}: this session is being recorded right now, or its recording was cut short; "
-            f"in that case run labrig recover {path}."
-        )
+        return cut_short(path)
     if "truncated" in text:
         return (
             f"{path}: the file is truncated; fetch it again, or, where its journal still lies "
@@ -72,6 +72,14 @@ def _why_not(path: Path, error: OSError) -> str:
     if "unable to lock" in text:
         return f"{path}: another program has the file open for writing; close it and try again."
     return f"{path}: the file is damaged ({text}); try labrig recover {path}."
+
+
+def cut_short(path: Path) -> str:
+    """The sentence about a session without an end."""
+    return (
+        f"{path}: this session is being recorded right now, or its recording was cut short; in "
+        f"that case run labrig recover {path}."
+    )
 
 
 def check_format(file: Any, path: Path) -> None:

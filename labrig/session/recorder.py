@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Iterator
 from typing import Any
 
-import h5py
 import numpy as np
 
 from labrig.session import layout
@@ -87,8 +86,3 @@ def blocks(dataset: Any) -> Iterator[Array]:
     step = max(1, _BLOCK_BYTES // max(row_bytes, 1))
     for at in range(0, dataset.shape[0], step):
         yield dataset[at : at + step]
-
-
-def open_for_reading(path: Any) -> Any:
-    """A session file that may still carry its writer's flag. Raises OSError."""
-    return h5py.File(path, "r", swmr=True, libver=layout.LIBVER)

@@ -12,7 +12,7 @@ from typing import Any, Self
 
 from labrig.errors import BadInputError
 from labrig.session import layout
-from labrig.session.opening import open_file
+from labrig.session.opening import cut_short, open_file
 from labrig.session.reading import read_setup, read_table, read_text
 from labrig.session.run_record import RunRecord
 from protocols.events import Outcome, OutputState
@@ -67,6 +67,12 @@ class Session:
             return Outcome(self._status("outcome"))
         except ValueError:
             raise BadInputError(f"{self.path}: its outcome is damaged.") from None
+
+    @property
+    def was_closed(self) -> bool:
+        """Whether the recording was ended properly: the checksums are the last thing written."""
+        sums = read_table(self._file, layout.CHECKSUMS, layout.CHECKSUM_ROW, self.path)["sha256"]
+        return self.outcome is not Outcome.RUNNING and bool((sums != "").all())
 
     @property
     def output_state(self) -> OutputState:
@@ -148,7 +154,10 @@ def open_session(path: Path | str, *, live: bool = False) -> Session:
     path = Path(path)
     file = open_file(path, live=live)
     try:
-        return Session(file, path)
+        session = Session(file, path)
+        if not (live or session.was_closed):
+            raise BadInputError(cut_short(path))
+        return session
     except BaseException:
         file.close()
         raise

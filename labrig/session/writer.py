@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
-import re
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -21,7 +19,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
 from labrig.session.backlog import Backlog, StalledError
 from labrig.session.create import create_file
-from labrig.session.disk import sync_file, sync_folder
+from labrig.session.disk import cause, sync_file, sync_folder
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
@@ -148,7 +146,7 @@ class SessionWriter:
 
     def _sentence(self, error: Exception) -> WriterError:
         return WriterError(
-            f"The session can no longer be recorded in {self.path}: {_cause(error)}. What came "
+            f"The session can no longer be recorded in {self.path}: {cause(error)}. What came "
             f"before is in the file and its journal; run: labrig recover {self.path}"
         )
 
@@ -212,7 +210,7 @@ def _begin(path: Path, setup: Setup) -> Journal:
             "choose another name with -o."
         ) from None
     except OSError as error:
-        raise BadInputError(f"{path} cannot be written: {_cause(error)}.") from None
+        raise BadInputError(f"{path} cannot be written: {cause(error)}.") from None
     try:
         create_file(beside, setup)
         beside.rename(path)
@@ -221,7 +219,7 @@ def _begin(path: Path, setup: Setup) -> Journal:
         journal.remove()
         beside.unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise BadInputError(f"{path} cannot be written: {_cause(error)}.") from None
+            raise BadInputError(f"{path} cannot be written: {cause(error)}.") from None
         raise
     return journal
 
@@ -259,20 +257,6 @@ def _nobody_said_how() -> ev.SessionStopped:
         output=OutputState.UNKNOWN,
         wall="",
     )
-
-
-def _cause(error: Exception) -> str:
-    """What the system said, in words."""
-    number = error.errno if isinstance(error, OSError) else None
-    if number is None:
-        # The HDF5 library hands the system's error on as text.
-        said = re.search(r"errno = (\d+)", str(error))
-        number = int(said.group(1)) if said else None
-    if number == errno.ENOSPC:
-        return "the disk is full"
-    if number is not None:
-        return os.strerror(number)
-    return str(error) or type(error).__name__
 
 
 def _close_what_will_close(file: Any) -> None:

@@ -138,7 +138,7 @@ def record(path: Path, schedule: Schedule, block: int = 50, **changes: object) -
 
 
 def main(path: str) -> None:
-    """Record about twenty times as fast as it would be; print each reading once it is handed over."""
+    """Record faster than it would be; print each reading once it is handed over."""
     pause = threading.Event()
     schedule = small_schedule(readings=4)
     with SessionWriter(Path(path), **settings(schedule)) as writer:

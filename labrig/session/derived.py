@@ -1,0 +1,106 @@
+"""Measurements kept in a session: a group of its own that can be dropped and made again.
+
+The session is copied beside, the copy gets the group and takes the session's place, so a crash at
+any moment leaves the session as it was or as it was to be.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from labrig.errors import BadInputError
+from labrig.session import layout
+from labrig.session.create import set_attributes
+from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
+from labrig.session.disk import written_beside
+from labrig.session.opening import open_file
+from labrig.session.reading import read_array, read_dataset
+from labrig.session.recorder import digest
+from model.measurements import Measurements
+
+
+def store_measurements(path: Path, measurements: Measurements) -> None:
+    """Keep measurements in a session, in place of those it holds. Raises BadInputError, OSError."""
+    with _remade(Path(path)) as file:
+        write_derived(file, measurements)
+
+
+def load_measurements(path: Path) -> Measurements:
+    """The measurements kept in a session. Raises BadInputError when there are none."""
+    path = Path(path)
+    with open_file(path) as file:
+        if layout.DERIVED not in file:
+            raise BadInputError(
+                f"{path}: the session holds no measurements yet; run labrig analyze {path} first."
+            )
+        group = file[layout.DERIVED]
+        tables = {
+            name: read_array(read_dataset(file, f"{layout.DERIVED}/{name}", path), path)
+            for name in group
+        }
+        try:
+            return measurements_from_tables(tables)
+        except (KeyError, TypeError, ValueError, IndexError) as error:
+            raise BadInputError(
+                f"{path}: its measurements cannot be read ({error!r}); run labrig analyze {path} "
+                "again."
+            ) from None
+
+
+def drop_measurements(path: Path) -> None:
+    """Remove the measurements kept in a session; without any, nothing happens."""
+    path = Path(path)
+    with open_file(path) as file:
+        if layout.DERIVED not in file:
+            return
+    with _remade(path):
+        pass
+
+
+def write_derived(file: Any, measurements: Measurements) -> None:
+    """Make the group in a session that has none and is open for writing."""
+    group = file.create_group(layout.DERIVED)
+    set_attributes(group, NX_class="NXcollection")
+    for name, table in tables_from_measurements(measurements).items():
+        packed = {"compression": "gzip", "shuffle": True} if table.size else {}
+        group.create_dataset(name, data=table, **(packed if table.shape else {}))
+    set_attributes(group, sha256=derived_digest(group))
+
+
+def derived_digest(group: Any) -> str:
+    """The sha256 over all tables of the group."""
+    total = hashlib.sha256()
+    for name in sorted(group):
+        total.update(f"{name} {digest(group[name])}\n".encode())
+    return total.hexdigest()
+
+
+@contextmanager
+def _remade(path: Path) -> Iterator[Any]:
+    """A copy of the session without measurements, open for writing; it replaces the session."""
+    # Left in the reverse order: a file that is open cannot be replaced everywhere.
+    with (
+        written_beside(path) as beside,
+        open_file(path) as old,
+        h5py.File(beside, "x", libver=layout.LIBVER) as new,
+    ):
+        _copy_attributes(old, new)
+        entry = new.create_group(layout.ENTRY)
+        _copy_attributes(old[layout.ENTRY], entry)
+        for name in old[layout.ENTRY]:
+            if f"{layout.ENTRY}/{name}" != layout.DERIVED:
+                # Moves the chunks as they are on the disk, so frames are not unpacked.
+                old.copy(f"{layout.ENTRY}/{name}", entry)
+        yield new
+
+
+def _copy_attributes(source: Any, target: Any) -> None:
+    for name in source.attrs:
+        kind = source.attrs.get_id(name).dtype
+        target.attrs.create(name, source.attrs[name], dtype=kind)

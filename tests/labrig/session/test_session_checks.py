@@ -1,0 +1,150 @@
+"""Verification, comparison, and files that are no sessions."""
+
+from __future__ import annotations
+
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+from session_recording import record, small_schedule
+
+from labrig.errors import BadInputError
+from labrig.session import compare_sessions, open_session, verify
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("recorded") / "session.h5"
+    record(path, small_schedule())
+    return path
+
+
+@pytest.fixture
+def session(recorded, tmp_path):
+    return shutil.copy(recorded, tmp_path / "s.h5")
+
+
+def failed(path):
+    return {check.name: check.found for check in verify(path) if not check.ok}
+
+
+def test_a_whole_session_passes_every_check(recorded):
+    checks = verify(recorded)
+    assert all(check.ok for check in checks)
+    assert {"opens", "outcome", "checksums", "run 2: readings"} <= {check.name for check in checks}
+
+
+def test_one_changed_sample_is_found(session):
+    with h5py.File(session, "r+") as file:
+        file["session/run_001/signals/force"][1234] += 1e-9
+    assert list(failed(session)) == ["checksums"]
+    assert "/session/run_001/signals/force" in failed(session)["checksums"]
+
+
+def test_one_flipped_bit_in_a_frame_is_found(session):
+    with h5py.File(session) as file:
+        at = file["session/run_000/frames/images"].id.get_chunk_info(2)
+    raw = bytearray(session.read_bytes())
+    raw[at.byte_offset + at.size // 2] ^= 16
+    session.write_bytes(raw)
+    assert "/session/run_000/frames/images" in failed(session)["checksums"]
+
+
+def test_a_reading_that_is_missing_is_found(session):
+    with h5py.File(session, "r+") as file:
+        file["session/run_001/readings"].resize(5, axis=0)
+    assert failed(session)["run 1: readings"] == "5 of 8"
+
+
+def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recorded, tmp_path):
+    record(tmp_path / "b.h5", small_schedule(), block=173)
+    assert compare_sessions(recorded, tmp_path / "b.h5") == []
+    with open_session(recorded) as a, open_session(tmp_path / "b.h5") as b:
+        assert a.identifier != b.identifier
+        assert a.checksum == b.checksum
+
+
+def test_comparison_names_what_differs_and_where(session, recorded):
+    with h5py.File(session, "r+") as file:
+        file["session/run_001/signals/force"][1234] += 1e-9
+        del file["session/run_000/marks"]
+        file["session/reason"][()] = b"otherwise"
+    assert compare_sessions(session, recorded) == [
+        f"/session/run_000/marks is only in {recorded}.",
+        "/session/reason differs: its value.",
+        "/session/run_001/signals/force differs: first in row 1234.",
+    ]
+
+
+def write(path, content):
+    path.write_bytes(content)
+
+
+def plain_hdf5(path):
+    with h5py.File(path, "w") as file:
+        file["x"] = np.arange(3)
+
+
+def edited(change):
+    def make(path, recorded):
+        shutil.copy(recorded, path)
+        with h5py.File(path, "r+") as file:
+            change(file)
+
+    return make
+
+
+def huge(file):
+    file.create_dataset(
+        "session/huge", shape=(10**12,), chunks=(1024,), dtype="f8", compression="gzip"
+    )
+
+
+def broken_schedule(file):
+    old = file["session/setup/schedule"][()]
+    file["session/setup/schedule"][()] = old.replace(b'"runs"', b'"rums"')
+
+
+BAD_FILES = {
+    "there is no such file": lambda path, _: None,
+    "a folder": lambda path, _: path.mkdir(),
+    "is empty": lambda path, _: write(path, b""),
+    "is no HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
+    "no labrig session": lambda path, _: plain_hdf5(path),
+    "truncated": lambda path, recorded: write(path, recorded.read_bytes()[:-5000]),
+    "has format 7": edited(lambda file: file.attrs.__setitem__("labrig_format", 7)),
+    "is a link": edited(lambda file: file.__setitem__("session/x", h5py.SoftLink("/session"))),
+    "/session/away is a link": edited(
+        lambda file: file.__setitem__("session/away", h5py.ExternalLink("a.h5", "/"))
+    ),
+    "has a type": edited(lambda file: file.create_dataset("session/v", data=["a", "bc"])),
+    "more content than the file can hold": edited(huge),
+    "setup/signals is missing": edited(lambda file: file.__delitem__("session/setup/signals")),
+    "what was planned cannot be read": edited(broken_schedule),
+}
+
+
+@pytest.mark.parametrize("said", BAD_FILES)
+def test_what_is_no_session_is_refused_in_a_sentence(said, recorded, tmp_path):
+    path = tmp_path / "bad.h5"
+    BAD_FILES[said](path, recorded)
+    with pytest.raises(BadInputError) as caught:
+        open_session(path).close()
+    assert said in str(caught.value)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert [check.ok for check in verify(path)][-1] is False
+
+
+def test_a_damaged_signal_is_a_sentence_too(session):
+    with h5py.File(session) as file:
+        at = file["session/run_000/signals/force"].id.get_chunk_info(0)
+    raw = bytearray(session.read_bytes())
+    raw[at.byte_offset : at.byte_offset + at.size] = b"\xff" * at.size
+    session.write_bytes(raw)
+    with (
+        open_session(session) as opened,
+        pytest.raises(BadInputError, match=r"signals/force is damaged"),
+    ):
+        opened.runs[0].signal_V("force")

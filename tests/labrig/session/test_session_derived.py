@@ -1,0 +1,103 @@
+"""Derived measurements live in the session, can be dropped, and never touch what was recorded."""
+
+from __future__ import annotations
+
+import shutil
+
+import h5py
+import pytest
+from measured import measurements, same
+from session_recording import record, small_schedule
+
+from labrig.errors import BadInputError, LabrigError
+from labrig.session import (
+    compare_sessions,
+    drop_measurements,
+    load_measurements,
+    open_session,
+    store_measurements,
+    verify,
+)
+from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
+from model.measurements import Measurements
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("recorded") / "session.h5"
+    record(path, small_schedule())
+    return path
+
+
+@pytest.fixture
+def session(recorded, tmp_path):
+    return shutil.copy(recorded, tmp_path / "s.h5")
+
+
+def test_measurements_come_back_to_the_last_bit(session):
+    store_measurements(session, measurements())
+    assert same(load_measurements(session), measurements())
+
+
+def test_nothing_measured_comes_back_too(session):
+    store_measurements(session, Measurements({}, ()))
+    assert same(load_measurements(session), Measurements({}, ()))
+
+
+def test_raw_data_are_the_same_before_and_after(session, recorded):
+    store_measurements(session, measurements())
+    assert all(check.ok for check in verify(session))
+    with open_session(session) as with_them, open_session(recorded) as without:
+        assert with_them.has_measurements
+        assert with_them.checksum == without.checksum
+    drop_measurements(session)
+    assert compare_sessions(session, recorded) == []
+
+
+def test_measurements_made_again_replace_the_old_and_the_file_does_not_grow(session):
+    store_measurements(session, measurements())
+    size = session.stat().st_size
+    store_measurements(session, measurements())
+    assert session.stat().st_size <= size
+    drop_measurements(session)
+    with pytest.raises(BadInputError, match="labrig analyze"):
+        load_measurements(session)
+
+
+def test_a_crash_while_storing_leaves_the_session_as_it_was(session, monkeypatch):
+    before = session.read_bytes()
+
+    def crash(*_args, **_named):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("labrig.session.derived.set_attributes", crash)
+    with pytest.raises(LabrigError, match="the disk is full"):
+        store_measurements(session, measurements())
+    assert session.read_bytes() == before
+    assert list(session.parent.iterdir()) == [session]
+
+
+def test_measurements_that_were_changed_afterwards_are_noticed(session):
+    store_measurements(session, measurements())
+    with h5py.File(session, "r+") as file:
+        table = file["session/derived/readings"]
+        rows = table[()]
+        rows["force_N"][0] *= 2
+        table[...] = rows
+    assert [check.name for check in verify(session) if not check.ok] == ["derived measurements"]
+
+
+def test_tables_that_contradict_each_other_are_refused(session):
+    store_measurements(session, measurements())
+    with h5py.File(session, "r+") as file:
+        rows = file["session/derived/curves"][()]
+        rows["count"] = 10**9
+        file["session/derived/curves"][...] = rows
+    with pytest.raises(BadInputError, match="cannot be read"):
+        load_measurements(session)
+
+
+def test_tables_are_made_of_fixed_length_types_only():
+    tables = tables_from_measurements(measurements())
+    assert not any(table.dtype.hasobject for table in tables.values())
+    assert same(measurements_from_tables(tables), measurements())
