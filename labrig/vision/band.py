@@ -132,12 +132,13 @@ def measure(
     used: FloatArray,
     widen: FloatArray,
 ) -> FloatArray:
-    """Per cell (cells, 9): contrast c, background b, slope a, sum g^2, sum g res, sum res^2, weight,
-    sum h res, sum h^2.
+    """Per cell (cells, 10) what the pixels say.
 
     g is the derivative of a pixel with respect to a shift, what b, a, c could imitate projected
     out; h the same for the blur, or, where `widen` is not 0, for the half width. `noise` is one
     pixel's, the scale of the robust weights; `half_width`, `used` and `widen` are (cells,).
+    Columns: contrast c, background b, slope a, sum g^2, sum g res, sum res^2, sum of weights,
+    sum h res, sum h^2, mean intensity.
     """
     cells = len(first) - 1
     pixels = len(value)
@@ -157,7 +158,7 @@ def measure(
                 look_slope[q] = high + deep
             else:
                 look_slope[q] = -(up * high - low * deep) / blur
-    out = np.zeros((cells, 9))
+    out = np.zeros((cells, 10))
     sums = np.empty((cells, 15))
     for turn in range(rounds):
         for i in range(cells):
@@ -191,7 +192,7 @@ def measure(
             b, a, c = _solve3(n, n[6], n[7], n[8])
             gb, ga, gc = _solve3(n, n[9], n[10], n[11])
             hb, ha, hc = _solve3(n, n[12], n[13], n[14])
-            information, pull, square, share = 0.0, 0.0, 0.0, 0.0
+            information, pull, square, share, bright = 0.0, 0.0, 0.0, 0.0, 0.0
             look_pull, look_information = 0.0, 0.0
             for q in range(first[i], first[i + 1]):
                 d, t = distance[q], p[q]
@@ -207,6 +208,7 @@ def measure(
                     pull += w * g * miss
                     square += w * miss * miss
                     share += w
+                    bright += value[q]
                     look_pull += w * h * miss
                     look_information += w * h * h
                 else:
@@ -215,6 +217,7 @@ def measure(
                 out[i, 0], out[i, 1], out[i, 2] = c, b, a
                 out[i, 3], out[i, 4], out[i, 5], out[i, 6] = information, pull, square, share
                 out[i, 7], out[i, 8] = look_pull, look_information
+                out[i, 9] = bright / max(1, first[i + 1] - first[i])
     return out
 
 

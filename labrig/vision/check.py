@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.vision.ends import Tip
+from labrig.vision.beside import runs_beside_opposite
+from labrig.vision.ends import Tip, missing_end_px
 from labrig.vision.fit import Fit
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
@@ -14,7 +15,7 @@ from labrig.vision.trace import MOST_CURVATURE_PER_M
 LEAST_COVERED = 0.6
 LEAST_START_COVERED = 0.4
 LEAST_SNR = 2.0
-MOST_RESIDUAL_PX = 0.5
+MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,9 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
     offset, angle = shape.parameters[0], shape.parameters[1]
-    tip_px = tip.beyond_px or 0.0
+    tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
     allowed = max(6.0, 0.03 * shape.basis.total_px)
+    most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: {out:.0%} of its {length_mm:.1f} mm would be outside; "
         "move the camera or check clamp_px and px_per_mm."
@@ -84,7 +86,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if snr < LEAST_SNR
         else "",
         f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
-        if residual > MOST_RESIDUAL_PX
+        if residual > most_residual
         else "",
         f"the best curve starts {offset:.1f} pixels and {angle:.3f} rad beside the clamp; "
         "check clamp_px and clamp_angle_rad."
@@ -93,7 +95,11 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
         if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
-        f"the sheet ends {abs(tip_px) / optics.px_per_mm:.1f} mm "
+        "what was followed runs beside something stronger of the opposite brightness; it is a "
+        "shadow or an edge, not the sheet; check polarity and clamp_px."
+        if runs_beside_opposite(fit, setting)
+        else "",
+        f"the sheet ends {'at least ' if tip.at_least else ''}{abs(tip_px) / optics.px_per_mm:.1f} mm "
         f"{'after' if tip_px > 0 else 'before'} the stated {length_mm:.1f} mm; "
         "px_per_mm or the sheet's length is wrong."
         if abs(tip_px) > allowed
@@ -108,7 +114,7 @@ def _warnings(fit: Fit, setting: Setting, tip: Tip, covered: float) -> list[str]
     clipped = setting.picture.grey >= setting.picture.full_scale
     if setting.sign > 0 and clipped.mean() > 0.005:
         out.append("parts of the picture are saturated")
-    if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
+    if tip.beyond_px is not None and 4 < abs(tip.beyond_px):
         out.append(
             f"the sheet's end is seen {tip.beyond_px / setting.optics.px_per_mm:+.2f} mm from "
             "where length and scale put it"

@@ -20,18 +20,22 @@ class Tip:
 
     beyond_px: float | None  # positive: the sheet is longer than stated
     sigma_px: float = math.inf
+    at_least: bool = False  # no end is seen: the sheet goes on for at least `beyond_px`
 
 
 def find_tip(fit: Fit, setting: Setting) -> Tip:
     """Fit a step to the sheet's contrast along the curve, around its stated end."""
     total = fit.shape.basis.total_px
-    before = min(40.0, 0.3 * total)
-    after = max(16.0, 0.12 * total)
+    before = min(60.0, 0.3 * total)
+    after = max(16.0, 0.06 * total)
     at = np.arange(-round(before), round(after) + 1, dtype=float)
     ratio = _contrast_along(fit, setting, at)
     seen = np.isfinite(ratio)
-    if seen[at < -3].sum() < 8 or seen[at > 3].sum() < 6:
+    beyond = seen & (at > 3)
+    if seen[at < -3].sum() < 8 or beyond.sum() < 6:
         return Tip(None)
+    if np.mean(np.abs(ratio[beyond] - 1) < 0.45) > 0.85:
+        return Tip(float(at[seen][-1]), at_least=True)
     noise = _roughness(ratio[seen])
     places = np.arange(at[seen][0] + 6, at[seen][-1] - 3, 0.1)
     blur = math.hypot(fit.band.blur, 0.3)
@@ -42,7 +46,29 @@ def find_tip(fit: Fit, setting: Setting) -> Tip:
     plain = min(cost[0], cost[-1])
     if best in (0, len(cost) - 1) or plain - cost[best] < 12:
         return Tip(None)
+    if places[best] < -4 and missing_end_px(fit) == 0:
+        return Tip(None)  # something hides the sheet there; that is no end
     return Tip(float(places[best]), noise / math.sqrt(1 / (2.5 * blur)) + 0.2)
+
+
+def missing_end_px(fit: Fit) -> float:
+    """Length at the end on which there is plain background where the sheet should be.
+
+    0 where something is there that may hide it: what hides a sheet differs from its background.
+    """
+    edge = round(2.5 * fit.band.blur) + 1
+    last = np.flatnonzero(fit.used)
+    if len(last) < 20:
+        return 0.0
+    missing = np.arange(last[-1] + 1, len(fit.used) - edge)
+    if len(missing) < 4:
+        return 0.0
+    contrast = float(np.median(np.abs(fit.contrast[fit.used])))
+    tail = last[-40:]
+    ground = np.polyval(np.polyfit(tail, fit.cells[tail, 1], 1), missing)
+    ground = np.clip(ground, *np.percentile(fit.cells[last, 1], [0, 100]))
+    plain = np.abs(fit.cells[missing, 9] - ground) < 0.25 * contrast
+    return float(len(missing)) * fit.shape.basis.step_px if plain.mean() > 0.7 else 0.0
 
 
 def _roughness(ratio: FloatArray) -> float:

@@ -1,0 +1,58 @@
+"""What lies beside a curve: the picture straightened along it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit import Fit
+from labrig.vision.setting import Setting
+
+FloatArray = npt.NDArray[np.float64]
+
+PIECES = 6
+STRONGER = 1.3
+
+
+def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
+    """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside."""
+    import cv2
+
+    shape = fit.shape
+    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
+    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
+    uv = setting.optics.world_to_pixel(plane).astype(np.float32).reshape(*x.shape, 2)
+    return np.asarray(
+        cv2.remap(
+            setting.picture.grey,
+            uv[..., 0],
+            uv[..., 1],
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=float("nan"),
+        ),
+        dtype=float,
+    )
+
+
+def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
+    """Whether a stronger band of the opposite sign accompanies the curve.
+
+    A bright sheet's dark flank looks like a thin dark sheet to a filter, and the other way round.
+    """
+    half = float(fit.band.half_width.max())
+    reach = round(2 * half + 3 * fit.band.blur + 5)
+    across = np.arange(-reach, reach + 1, dtype=float)
+    strip = straightened(fit, setting, across)
+    votes = 0
+    for piece in np.array_split(np.arange(len(strip)), PIECES):
+        rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
+        if len(rows) < 4:
+            continue
+        profile = np.median(rows, axis=0)
+        ground = float(np.median(profile))
+        own = float(np.median(np.abs(fit.contrast[piece[:-1]])))
+        opposite = float((-setting.sign * (profile - ground)).max())
+        votes += opposite > STRONGER * own
+    return votes >= PIECES // 2
