@@ -24,6 +24,7 @@ class _Seat:
         self.waits = 0  # counts turns; an alarm set for an earlier wait is void
         self.ended = False
         self.joiners: list[tuple[_Seat, int]] = []
+        self.joins: _Seat | None = None  # whose end it waits for, without a time-out
 
 
 class VirtualThread:
@@ -82,7 +83,11 @@ class VirtualClock:
         seat.turn.acquire()
         try:
             target()
-        finally:  # an exception goes on to threading.excepthook, but holds nobody up
+        except BaseException as fault:  # noqa: BLE001 - reported as any thread's, in its own turn
+            thread = threading.current_thread()
+            args = (type(fault), fault, fault.__traceback__, thread)
+            threading.excepthook(threading.ExceptHookArgs(args))
+        finally:
             seat.ended = True
             for joiner, wait in seat.joiners:
                 self._set_alarm(self._now, joiner, wait)
@@ -94,9 +99,15 @@ class VirtualClock:
         me = self._me()
         if not other.ended and (timeout is None or timeout > 0):
             other.joiners.append((me, me.waits))
-            if timeout is not None:
+            if timeout is None:
+                me.joins = other
+                _refuse_circle(me)
+            else:
                 self._set_alarm(self._now + timeout, me, me.waits)
-            self._wait(me)
+            try:
+                self._wait(me)
+            finally:
+                me.joins = None
         return other.ended
 
     def _me(self) -> _Seat:
@@ -129,7 +140,7 @@ class VirtualClock:
         if successor is me:
             return
         if successor is None:
-            raise RuntimeError(f"the thread {me.name} waits for a thread that waits for it")
+            raise RuntimeError(f"the thread {me.name} waits, and nobody is left to wake it")
         wait = me.waits
         successor.turn.release()
         try:
@@ -138,3 +149,13 @@ class VirtualClock:
             self._set_alarm(self._now, me, wait)
             me.turn.acquire()
             raise
+
+
+def _refuse_circle(me: _Seat) -> None:
+    """Raise when the thread that `me` waits for waits, perhaps through others, for `me`."""
+    other = me.joins
+    while other is not None:
+        if other is me:
+            me.joins = None
+            raise RuntimeError(f"the thread {me.name} waits for a thread that waits for it")
+        other = other.joins

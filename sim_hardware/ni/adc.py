@@ -15,13 +15,13 @@ class Converter:
     """One channel's way through the amplifier and the converter, with its own repeatable noise.
 
     The noise belongs to the channel's samples in their order: reading in other blocks gives the
-    same samples.
+    same samples. Without a seed there is none, so that codes once converted stay what they are.
     """
 
-    def __init__(self, side: AnalogIn, range_V: float, seed: tuple[int, ...]) -> None:
+    def __init__(self, side: AnalogIn, range_V: float, seed: tuple[int, ...] | None) -> None:
         self.range_V = range_V
         self.step_V = 2 * range_V / 2**16
-        self._noise_V = side.noise_V[side.ranges_V.index(range_V)]
+        self._noise_V = 0.0 if seed is None else side.noise_V[side.ranges_V.index(range_V)]
         self._random = np.random.default_rng(seed)
 
     def codes(self, volts: FloatArray) -> npt.NDArray[np.int16]:

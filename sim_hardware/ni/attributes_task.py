@@ -55,9 +55,14 @@ def _planned(kind: str, get: Callable[[InputPlan], Any], field: str) -> Attribut
 def _noted(
     kind: str, field: str, parse: Callable[[Any], Any] = lambda value: value
 ) -> Attribute[Task]:
+    def ask(_: Engine, task: Task) -> Any:
+        if task.timing.kind is TimingType.SAMPLE_CLOCK:
+            task.verify()  # asking is one of the moments when bad values come to light
+        return getattr(task.timing, field)
+
     return Attribute(
         kind,
-        lambda _, task: getattr(task.timing, field),
+        ask,
         lambda _, task, value: _change(task, field, parse(value)),
         lambda _, task: _change(task, field, getattr(Timing(), field)),
     )

@@ -33,9 +33,12 @@ class NiDeviceServer:
         driver_version: str = "26.0",
         *,
         strict_ownership: bool = False,
-        seed: int = 0,
+        seed: int | None = 0,
     ) -> None:
-        """`devices` maps names to product types; ValueError for one that is not simulated."""
+        """`devices` maps names to product types; ValueError for one that is not simulated.
+
+        `seed` is that of the converters' noise; None: they have none (a recording has its own).
+        """
         self.faults = Faults()
         self._strict = strict_ownership
         self._engine = Engine(

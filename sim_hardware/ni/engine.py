@@ -14,7 +14,6 @@ from sim_hardware.clock import VirtualClock
 from sim_hardware.ni.acquisition import Acquisition, Sampler
 from sim_hardware.ni.adc import Converter
 from sim_hardware.ni.announcements import announce
-from sim_hardware.ni.channels import AnalogInputChannel
 from sim_hardware.ni.devices import Devices
 from sim_hardware.ni.errors import Code
 from sim_hardware.ni.faults import Faults
@@ -38,7 +37,7 @@ class Engine:
         devices: Mapping[str, str],
         driver_version: tuple[int, int, int],
         faults: Faults,
-        seed: int,
+        seed: int | None,
         *,
         strict_ownership: bool,
     ) -> None:
@@ -146,11 +145,15 @@ class Engine:
     def _sampler(self, task: Task) -> Sampler:
         """What takes the samples of a task's inputs."""
         task.starts += 1
-        seeds = [(self._seed, task.number, task.starts, row) for row in range(len(task.inputs))]
-        pairs = zip(task.inputs, seeds, strict=True)
-        return Sampler(
-            self.bench, task.inputs, [_converter(channel, seed) for channel, seed in pairs]
-        )
+        converters = [
+            Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
+            for row, channel in enumerate(task.inputs)
+        ]
+        return Sampler(self.bench, task.inputs, converters)
+
+    def _seed_of(self, task: Task, row: int) -> tuple[int, ...] | None:
+        """Of the noise of one channel in one acquisition."""
+        return None if self._seed is None else (self._seed, task.number, task.starts, row)
 
     def write_volts(self, device: str, channel: str, volts: float) -> None:
         """An output takes a new voltage, now."""
@@ -161,7 +164,3 @@ class Engine:
         """A digital line takes a level, now."""
         if line not in self.faults.stuck_outputs:
             self.lines.write(line, high, self.now())
-
-
-def _converter(channel: AnalogInputChannel, seed: tuple[int, ...]) -> Converter:
-    return Converter(channel.side, channel.verified_range(), seed)

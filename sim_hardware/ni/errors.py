@@ -42,6 +42,8 @@ class Code(IntEnum):
     EVENT_WHILE_RUNNING = -200960
     EVENT_UNREGISTER_RUNNING = -200986
     EVENT_TWICE = -200966
+    EVENT_TRANSFERRED_UNSUPPORTED = -200980
+    EVENT_ACQUIRED_UNSUPPORTED = -200981
 
 
 TEXTS: dict[int, str] = {
@@ -88,6 +90,10 @@ TEXTS: dict[int, str] = {
     Code.DONE_EVENT_TWICE: "Done event is already registered within the task.",
     Code.EVENT_WHILE_RUNNING: "An event cannot be registered while the task is running.",
     Code.EVENT_UNREGISTER_RUNNING: "An event cannot be unregistered while the task is running.",
+    Code.EVENT_TRANSFERRED_UNSUPPORTED: "Every N samples transferred from buffer event is not "
+    "supported by the device or the task.",
+    Code.EVENT_ACQUIRED_UNSUPPORTED: "Every N samples acquired into buffer event is not supported "
+    "by the device or the task.",
     Code.EVENT_TWICE: "Every N samples acquired into buffer event is already registered.",
 }
 

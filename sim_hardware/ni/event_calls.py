@@ -11,16 +11,13 @@ from sim_hardware.ni.events import EveryNSamples, Stream
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.task_calls import task_of
 from sim_hardware.ni.tasks import Task
-from sim_hardware.ni.timing import TimingType
 
 
 def register_every_n_samples_event(engine: Engine, request: Message, call: Call) -> Stream:
     """Hear of every n samples that have been acquired."""
     task = task_of(engine, request, call)
-    _check_type(request)
+    _check_type(task, request)
     task.refuse_while_running(Code.EVENT_WHILE_RUNNING)
-    if task.timing.kind is TimingType.ON_DEMAND:
-        raise StatusError(Code.EVENT_NOT_BUFFERED, task=task.name)
     if request.n_samples == 0:
         raise StatusError(Code.EVENT_INTERVAL_ZERO, task=task.name)
     if task.events.every_n is not None and not task.events.every_n.stream.closed:
@@ -42,7 +39,7 @@ def register_done_event(engine: Engine, request: Message, call: Call) -> Stream:
 def unregister_every_n_samples_event(engine: Engine, request: Message, call: Call) -> Message:
     """End the stream."""
     task = _stopped_task(engine, request, call)
-    _check_type(request)
+    _check_type(task, request)
     if task.events.every_n is not None:
         task.events.every_n.stream.close()
         task.events.every_n = None
@@ -64,9 +61,16 @@ def _stopped_task(engine: Engine, request: Message, call: Call) -> Task:
     return task
 
 
-def _check_type(request: Message) -> None:
-    if raw_enum(request, "every_n_samples_event_type") != ACQUIRED_INTO_BUFFER:
+def _check_type(task: Task, request: Message) -> None:
+    """Inputs fill buffers, clocked outputs empty them; a static board has none."""
+    kind = raw_enum(request, "every_n_samples_event_type")
+    if kind == ACQUIRED_INTO_BUFFER:
+        if task.channels and not task.inputs:
+            raise StatusError(Code.EVENT_ACQUIRED_UNSUPPORTED, task=task.name)
+    elif task.outputs and task.outputs[0].side.clocked:
         raise NotSimulatedError("events of output buffers: the simulated boards write on demand")
+    else:
+        raise StatusError(Code.EVENT_TRANSFERRED_UNSUPPORTED, task=task.name)
 
 
 STREAM_HANDLERS = {

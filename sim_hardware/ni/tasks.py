@@ -117,6 +117,8 @@ class Task:
         for channel in self.inputs:
             channel.verified_range()
         if self.timing.kind is TimingType.ON_DEMAND:
+            if self.events.every_n is not None:
+                raise StatusError(Code.EVENT_NOT_BUFFERED, task=self.name)
             return None
         return self._plan()
 

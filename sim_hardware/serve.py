@@ -1,0 +1,219 @@
+"""`python -m sim_hardware serve`: a whole simulated rig on this computer, until it is told to end.
+
+Prints one line for each thing that can be connected to, then `ready`. Exit codes: 0 told to end,
+2 bad arguments or a bad world, 3 a port is taken.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, NoReturn
+
+from drivers.interfaces import Clock, RealClock
+from sim_hardware.bench import Bench
+from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
+from sim_hardware.ni.device_server import DEFAULT_DEVICES
+
+if TYPE_CHECKING:
+    from sim_hardware.world import World
+
+BAD_ARGUMENTS, PORT_TAKEN = 2, 3
+_LOOK_S = 0.2  # Windows wakes no thread for Ctrl-C: look now and then
+
+
+class ArgumentFaultError(Exception):
+    """Arguments that cannot be followed; one sentence."""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Serve; returns the exit code."""
+    try:
+        options = _parser().parse_args(arguments)
+        _check(options)
+        with ExitStack() as stack:
+            end = _end_signal(stack)
+            for line in _start(options, RealClock(), stack):
+                _say(line)
+            _say("ready")
+            while not end.wait(_LOOK_S):
+                pass
+    except ArgumentFaultError as fault:
+        return _complain(str(fault), BAD_ARGUMENTS)
+    except PortTakenError as fault:
+        return _complain(str(fault), PORT_TAKEN)
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """One sentence instead of the whole usage."""
+        raise ArgumentFaultError(
+            f"{message}; `python -m sim_hardware serve --help` lists the options"
+        )
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="python -m sim_hardware")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="serve")
+    serve = commands.add_parser("serve", help="serve a simulated rig")
+    add = serve.add_argument
+    add("--port", type=_port, default=0, help="of the NI gRPC Device Server (0: a free one)")
+    add("--camera-port", type=_port, default=0, help="of the camera's stream (0: a free one)")
+    add("--world", type=Path, help="TOML file of the world (default: the shipped one)")
+    add("--seed", type=int, help="instead of the world's")
+    add("--configuration", help="of the sheet to mount, such as long or short")
+    add("--record", type=Path, metavar="FILE.csv", help="write what really happens")
+    add(
+        "--wire",
+        type=_wire,
+        action="append",
+        metavar="OUTPUT:INPUT",
+        help="no world: a wire, such as ao0:ai0 (repeatable)",
+    )
+    add(
+        "--device",
+        type=_device,
+        action="append",
+        metavar="NAME=MODEL",
+        help="a board, such as PCI6703=PCI-6703 (repeatable; replaces the default boards)",
+    )
+    add("--driver-version", default="26.0", help="that the server reports (default: 26.0)")
+    add(
+        "--strict-ownership",
+        action="store_true",
+        help="tasks belong to a connection and end with it, as with a local driver",
+    )
+    return parser
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port (0 to 65535)")
+    return int(text)
+
+
+def _pair(text: str, separator: str, wanted: str) -> tuple[str, str]:
+    left, found, right = text.partition(separator)
+    if not (left and found and right):
+        raise argparse.ArgumentTypeError(f"'{text}' is not {wanted}")
+    return left, right
+
+
+def _wire(text: str) -> tuple[str, str]:
+    return _pair(text, ":", "OUTPUT:INPUT, such as ao0:ai0")
+
+
+def _device(text: str) -> tuple[str, str]:
+    return _pair(text, "=", "NAME=MODEL, such as PCI6703=PCI-6703")
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Options that make no sense together."""
+    if not options.wire:
+        return
+    for name in ("world", "configuration", "record", "camera_port"):
+        if getattr(options, name):
+            flag = "--" + name.replace("_", "-")
+            raise ArgumentFaultError(
+                f"{flag} has no meaning with --wire, which leaves out the world"
+            )
+
+
+def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
+    """Start everything; each thing's end is on the stack. The lines to print."""
+    if options.wire:
+        return [
+            _serve_boards(LoopbackBench(options.wire), options, options.seed or 0, clock, stack)
+        ]
+    return _serve_world(options, clock, stack)
+
+
+def _serve_boards(
+    bench: Bench, options: argparse.Namespace, seed: int, clock: Clock, stack: ExitStack
+) -> str:
+    try:
+        server = NiDeviceServer(
+            bench,
+            clock,
+            dict(options.device or DEFAULT_DEVICES),
+            options.driver_version,
+            strict_ownership=options.strict_ownership,
+            seed=seed,
+        )
+    except ValueError as fault:
+        raise ArgumentFaultError(str(fault)) from fault
+    stack.callback(server.stop)
+    return f"grpc=127.0.0.1:{server.listen(options.port)}"
+
+
+def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
+    from sim_hardware.camera import CameraServer
+    from sim_hardware.world import World, WorldError, load_world
+
+    try:
+        settings = load_world(options.world, seed=options.seed)
+        world = World(settings, clock)
+        stack.callback(world.close)
+        if options.configuration:
+            world.mount(options.configuration)
+        if options.record:
+            world.record_to(options.record)
+    except WorldError as fault:
+        raise ArgumentFaultError(str(fault)) from fault
+    except OSError as fault:
+        raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
+    lines = [_serve_boards(world, options, settings.seed, clock, stack)]
+    try:
+        camera = CameraServer(world, clock, port=options.camera_port)
+    except OSError as fault:
+        raise PortTakenError(
+            f"port {options.camera_port} cannot be taken for the camera: something else listens "
+            "on it; choose another"
+        ) from fault
+    stack.callback(camera.stop)
+    return [*lines, f"camera={camera.url}", *_serve_serial(world, clock, stack)]
+
+
+def _serve_serial(world: World, clock: Clock, stack: ExitStack) -> list[str]:
+    """Meter and stage, where the system has pseudo-terminals."""
+    from sim_hardware.serial_devices import Dpm3Meter, PtyPort, ZaberStage
+
+    lines = []
+    for name, device in (("meter", Dpm3Meter(world, clock)), ("stage", ZaberStage(world, clock))):
+        try:
+            port = PtyPort(device)
+        except OSError as fault:
+            sys.stderr.write(f"no {name}: {fault}\n")
+            continue
+        stack.callback(port.stop)
+        lines.append(f"{name}={port.path}")
+    return lines
+
+
+def _end_signal(stack: ExitStack) -> threading.Event:
+    """Set by SIGTERM and Ctrl-C, from now on."""
+    end = threading.Event()
+
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        end.set()
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        stack.callback(signal.signal, number, signal.signal(number, stop))
+    return end
+
+
+def _say(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def _complain(text: str, code: int) -> int:
+    sys.stderr.write(f"sim_hardware: {text}\n")
+    return code
