@@ -17,6 +17,8 @@ from protocols.rules import Rules, Timing, bad_samples, late_edge, wrong_drive
 from protocols.samples import SampleBuffer
 from protocols.schedule import PlannedReading, PlannedRun
 
+CENTRE_DECIMALS = 6  # of a sample
+
 
 @dataclass(frozen=True)
 class _Pending:
@@ -111,7 +113,9 @@ class ReadingMaker:
 
     def _expect(self, planned: PlannedReading, event: VoltageSet) -> None:
         sample_s = written_s(event.write) + planned.delay_s
-        centre = self._sample_clock.index_at(sample_s)
+        # A clock that has run longer has coarser times; without its rounding a session that is
+        # replayed has the same readings to the last bit.
+        centre = round(self._sample_clock.index_at(sample_s), CENTRE_DECIMALS)
         half_window = planned.half_window_s * self._sample_clock.rate_hz
         self._pending.append(_Pending(planned, event, sample_s, centre, half_window))
         if self._devices.camera is not None and not self._keep_all:

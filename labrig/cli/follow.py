@@ -60,7 +60,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         hub.add_critical("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, pace=False) as show:
             hub.add_watcher("the progress display", show)
-            return run_session(rig, plan, path, stop, hub)
+            return run_session(rig, plan, path, stop, hub, look_first=False)
 
 
 @contextmanager

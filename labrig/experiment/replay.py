@@ -47,7 +47,7 @@ def replay_rig(session: Session, plan: Plan) -> tuple[Rig, Director]:
 
     clock = VirtualClock()
     director = Director(session, plan.rig)
-    server = NiDeviceServer(director, clock, devices=_models(plan.rig), adc_noise=False)
+    server = NiDeviceServer(director, clock, devices=_models(plan.rig), seed=None)
     connection = NiConnection("replay", channel=server.in_process_channel())
     output, signals = boards(plan.rig, connection, clock)
     camera = None

@@ -70,16 +70,19 @@ def run_session(
     stop: StopRequest,
     hub: EventHub,
     *,
+    look_first: bool = True,
     watch: Callable[[Rig], AbstractContextManager[Watch]] | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
 ) -> Result:
     """Open the rig, look whether it is ready, run the whole schedule, record it at `path`.
 
-    `hub` is the one that the rig was wired with; the session file joins its subscribers. Raises
-    NotReadyError before the first voltage, BadInputError when `path` cannot be written.
+    `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
+    `look_first` the devices are taken as they are: a recording shows nothing between its runs.
+    Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
     with opened(rig):
-        _require_ready(rig, plan)
+        if look_first:
+            _require_ready(rig, plan)
         writer = _writer(rig, plan, path)
         hub.add_critical("the session file", writer.handle)
         try:

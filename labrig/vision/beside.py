@@ -51,7 +51,8 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
         if len(rows) < 4:
             continue
         profile = np.median(rows, axis=0)
-        ground = float(np.median(profile))
+        # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
+        ground = float(np.percentile(profile, 60 if setting.sign < 0 else 40))
         own = float(np.median(np.abs(fit.contrast[piece[:-1]])))
         opposite = float((-setting.sign * (profile - ground)).max())
         votes += opposite > STRONGER * own

@@ -1,0 +1,48 @@
+"""A simulated rig in a folder, and commands on it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from labrig.cli.main import run
+from labrig.config.templates import write_templates
+
+PROTOCOL = """
+[pulse_train]
+zero_readings = 3
+readings_per_voltage = 3
+
+[[places]]
+configuration = "long"
+positions_mm = [0, 10, 20, 25]
+
+[[places]]
+configuration = "short"
+positions_mm = [0, 10, 20, 25]
+
+[extras]
+mode = "paper"
+"""
+
+
+def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "") -> Path:
+    """A simulated rig's files in `folder`; `world` is the text of a world.toml of its own."""
+    write_templates(folder, simulated=True)
+    (folder / "protocol.toml").write_text(protocol)
+    if world:
+        (folder / "world.toml").write_text(world)
+        rig = folder / "rig.toml"
+        rig.write_text(rig.read_text().replace("# world =", "world ="))
+    return folder
+
+
+def labrig(*arguments: object) -> int:
+    """One command in this process; its exit code."""
+    return run([str(argument) for argument in arguments])
+
+
+def run_rig(folder: Path, name: str = "session.h5") -> Path:
+    """Run the rig in `folder`; the session's path."""
+    files = [folder / file for file in ("rig.toml", "protocol.toml", "sheet.toml")]
+    assert labrig("run", *files, "-o", folder / name) == 0
+    return folder / name
