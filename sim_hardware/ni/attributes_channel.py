@@ -26,6 +26,7 @@ from sim_hardware.ni.tasks import Task
 _VOLTAGE = 10322  # constants.UsageTypeAI.VOLTAGE, UsageTypeAO.VOLTAGE
 _DC = 10050  # constants.Coupling.DC
 _BITS = 16.0
+_RIGHT_JUSTIFIED = 10279  # constants.DataJustification.RIGHT
 _BITS_UNIT = 10109  # constants.ResolutionType.BITS
 
 
@@ -114,6 +115,11 @@ CHANNEL: Table[Selection] = {
     pb.CHANNEL_ATTRIBUTE_AI_COUPLING: _of("Int32", _AI, lambda _: _DC),
     pb.CHANNEL_ATTRIBUTE_AI_RESOLUTION: _of("Double", _AI, lambda _: _BITS),
     pb.CHANNEL_ATTRIBUTE_AI_RESOLUTION_UNITS: _of("Int32", _AI, lambda _: _BITS_UNIT),
+    pb.CHANNEL_ATTRIBUTE_AI_RAW_SAMP_SIZE: _of("UInt32", _AI, lambda _: int(_BITS)),
+    pb.CHANNEL_ATTRIBUTE_AI_RAW_SAMP_JUSTIFICATION: _of("Int32", _AI, lambda _: _RIGHT_JUSTIFIED),
+    pb.CHANNEL_ATTRIBUTE_AI_DEV_SCALING_COEFF: _of(
+        "DoubleArray", _AI, lambda c: [0.0, 2 * c.verified_range() / 2**_BITS, 0.0, 0.0]
+    ),
     pb.CHANNEL_ATTRIBUTE_AI_CUSTOM_SCALE_NAME: _of("String", _AI, lambda _: ""),
     pb.CHANNEL_ATTRIBUTE_AO_MAX: _limit(_AO, lambda c: c.high_V, "high_V", 10.0),
     pb.CHANNEL_ATTRIBUTE_AO_MIN: _limit(_AO, lambda c: c.low_V, "low_V", -10.0),
