@@ -13,7 +13,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, LimitError
+from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, LimitError, Operator, Prompt
 from drivers.serial_port import SerialLine
 from drivers.stage_zaber_warnings import HARMLESS, NO_REFERENCE, in_words, is_fault
 
@@ -39,7 +39,8 @@ class ZaberStage:
 
     `origin_rad`: the stage's angle where position 0 of the arc lies; `direction` is -1 where its
     angle grows against the arc. A stage without its reference (after power-up) must be homed, which
-    sweeps it to its end: `home` does so, and `open` only when `home_on_open`.
+    sweeps it to its end: `home` does so, and `open` only when `home_on_open`, or when there is an
+    `operator` who confirms that nothing is in the way.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class ZaberStage:
         microstep_rad: float = RST_MICROSTEP_RAD,
         device: int = 1,
         home_on_open: bool = False,
+        operator: Operator | None = None,
         serial_factory: Callable[..., Any] | None = None,
     ) -> None:
         self._line = SerialLine("Zaber stage", port, BAUD_RATE, _REPLY_S, serial_factory)
@@ -60,6 +62,7 @@ class ZaberStage:
         self._origin_steps = origin_rad / microstep_rad
         self._device = device
         self._home_on_open = home_on_open
+        self._operator = operator
         self._range_steps = (0, 0)
         self._steps_per_s = 1.0
         self.warnings: list[str] = []  # in words, as they came up; the caller may clear it
@@ -107,6 +110,15 @@ class ZaberStage:
         """See `Positioner.close`; it stays where it is."""
         self._line.close()
 
+    def _may_home(self) -> bool:
+        if self._operator is None:
+            return False
+        text = (
+            "The stage has no reference position and must be homed: move the sheet and all else "
+            "out of its way."
+        )
+        return self._operator.ask(Prompt(kind="confirm", text=text))
+
     def _forget_fault(self) -> None:
         """It was reported when it came; one that lasts comes again."""
         if is_fault(self._ask("").warning):
@@ -118,7 +130,7 @@ class ZaberStage:
             raise DeviceError(f"{self._line.name} cannot move: {in_words(warning)}")
         if warning not in NO_REFERENCE:
             return
-        if not self._home_on_open:
+        if not (self._home_on_open or self._may_home()):
             raise DeviceError(
                 f"{self._line.name} has no reference position: move everything out of its way and "
                 "home it"

@@ -46,25 +46,25 @@ def main() -> None:
     while True:
         CLOCK.sleep_until(CLOCK.now() + 0.01)
         lived = CLOCK.now() - began
-        if ENDING == "finish" and lived > 1.0:
+        if ENDING == "finish" and lived > 0.5:
             output.close()
             guard.energised(False)
             signals.close()
             guard.disarm()
             say("finished")
             return
-        if ENDING == "exit" and lived > 0.3:
+        if ENDING == "exit" and lived > 0.2:
             say("exiting")
             os._exit(1)
-        if ENDING == "fork" and lived > 0.3 and began > 0.0:
+        if ENDING == "fork" and lived > 0.2:
             if os.fork() == 0:
                 CLOCK.sleep_until(CLOCK.now() + 20.0)
                 os._exit(0)
             say("forked")
             began = CLOCK.now() + 1e9
-        if ENDING == "hang" and lived > 0.3:
+        if ENDING == "hang" and lived > 0.2:
             say("hanging")
-            CLOCK.sleep_until(CLOCK.now() + 3.0)
+            CLOCK.sleep_until(CLOCK.now() + 1.2)
             try:
                 output.write(0.2)
                 say("wrote")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drivers import Amplifier, NiVoltageOutput, SheetDrive
+from drivers import Amplifier, NiVoltageOutput, SheetDrive, ni_deadlines, ni_output
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,
@@ -170,12 +170,13 @@ def test_a_task_that_was_cleared_from_outside_is_told_and_can_be_opened_anew(ni_
     assert read_back(ni_rig) == pytest.approx(0.0, abs=2 * LSB_V)
 
 
-@pytest.mark.slow
-def test_a_server_that_hangs_does_not_hang_a_write(tcp_ni):
+def test_a_server_that_hangs_does_not_hang_a_write(tcp_ni, monkeypatch):
+    monkeypatch.setattr(ni_deadlines, "QUICK_S", 0.3)
+    monkeypatch.setattr(ni_output, "WRITE_TIMEOUT_S", 0.2)
     output = tcp_ni.output()
     output.open()
     tcp_ni.server.faults.hang.add(WRITES)
     began = tcp_ni.clock.now()
     with pytest.raises(DeviceTimeoutError, match="did not answer"):
         output.write(0.1)
-    assert tcp_ni.clock.now() - began < 3.5
+    assert tcp_ni.clock.now() - began < 1.5

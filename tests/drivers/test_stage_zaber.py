@@ -37,6 +37,18 @@ class Arc:
         self.placed_m.append(position_m)
 
 
+class Person:
+    """Answers as told."""
+
+    def __init__(self, answer: bool) -> None:
+        self.answer = answer
+        self.asked: list[Prompt] = []
+
+    def ask(self, prompt: Prompt) -> bool:
+        self.asked.append(prompt)
+        return self.answer
+
+
 class Bench:
     """A simulated stage and its driver."""
 
@@ -62,7 +74,7 @@ def test_a_position_is_an_angle_times_the_radius():
     for position_m in (0.015, 0.030, 0.0, 0.005):
         assert bench.stage.move_to(position_m) is True
         assert bench.stage.position() == pytest.approx(position_m, abs=STEP_M)
-        assert bench.device.position_m == pytest.approx(position_m, abs=STEP_M)
+        assert bench.device.axis.position_m == pytest.approx(position_m, abs=STEP_M)
         assert bench.arc.placed_m[-1] == pytest.approx(position_m, abs=STEP_M)
     bench.stage.close()
     bench.stage.close()
@@ -72,7 +84,9 @@ def test_origin_and_direction_place_the_arc_on_the_stage():
     bench = Bench(origin_rad=1.0, direction=-1)
     bench.stage.open()
     bench.stage.move_to(0.010)
-    assert bench.device.position_m == pytest.approx((1.0 - 0.010 / RADIUS_M) * RADIUS_M, abs=STEP_M)
+    assert bench.device.axis.position_m == pytest.approx(
+        (1.0 - 0.010 / RADIUS_M) * RADIUS_M, abs=STEP_M
+    )
     assert bench.stage.position() == pytest.approx(0.010, abs=STEP_M)
 
 
@@ -107,20 +121,38 @@ def test_a_stage_is_homed_on_opening_where_that_was_allowed():
     bench.stage.open()
     assert bench.stage.position() == pytest.approx(0.0, abs=STEP_M)
     bench.stage.move_to(0.01)
-    assert bench.device.position_m == pytest.approx(0.01, abs=STEP_M)
+    assert bench.device.axis.position_m == pytest.approx(0.01, abs=STEP_M)
     assert bench.stage.warnings == ["no reference position: it must be homed (WR)"]
+
+
+def test_the_operator_is_asked_before_the_stage_is_homed():
+    person = Person(answer=True)
+    bench = Bench(homed=False, operator=person)
+    bench.stage.open()
+    assert [prompt.kind for prompt in person.asked] == ["confirm"]
+    assert bench.device.axis.position_m == pytest.approx(0.0, abs=STEP_M)
+    again = Bench(homed=True, operator=Person(answer=False))
+    again.stage.open()  # one that knows where it is does not ask
+
+
+def test_a_stage_stays_where_it_is_when_the_operator_declines():
+    bench = Bench(homed=False, operator=Person(answer=False))
+    before = bench.device.axis.position_m
+    with pytest.raises(DeviceError, match="no reference position"):
+        bench.stage.open()
+    assert bench.device.axis.position_m == before
 
 
 def test_a_stall_is_reported_and_can_be_recovered_from():
     bench = Bench()
-    bench.device.obstacle_rad = 0.02 / RADIUS_M
+    bench.device.axis.obstacle_rad = 0.02 / RADIUS_M
     bench.stage.open()
     with pytest.raises(DeviceError, match=r"moving to 30 mm failed: stalled and stopped \(FS\)"):
         bench.stage.move_to(0.030)
-    bench.device.obstacle_rad = None
+    bench.device.axis.obstacle_rad = None
     bench.stage.home()
     assert bench.stage.move_to(0.010)
-    assert bench.device.position_m == pytest.approx(0.010, abs=STEP_M)
+    assert bench.device.axis.position_m == pytest.approx(0.010, abs=STEP_M)
 
 
 def test_a_stage_slower_than_it_says_is_stopped_and_given_up():
@@ -130,9 +162,9 @@ def test_a_stage_slower_than_it_says_is_stopped_and_given_up():
     with pytest.raises(DeviceTimeoutError, match="it was stopped"):
         bench.stage.move_to(0.030)
     bench.clock.sleep_until(bench.clock.now() + 1.0)
-    here = bench.device.position_m
+    here = bench.device.axis.position_m
     bench.clock.sleep_until(bench.clock.now() + 5.0)
-    assert bench.device.position_m == here
+    assert bench.device.axis.position_m == here
 
 
 def test_a_silent_stage_is_given_up_in_bounded_time():
@@ -180,18 +212,6 @@ def test_the_stage_moves_over_a_real_port():
         stage.close()
     finally:
         port.stop()
-
-
-class Person:
-    """Answers as told."""
-
-    def __init__(self, answer: bool) -> None:
-        self.answer = answer
-        self.asked: list[Prompt] = []
-
-    def ask(self, prompt: Prompt) -> bool:
-        self.asked.append(prompt)
-        return self.answer
 
 
 @pytest.mark.parametrize("answer", [True, False])
