@@ -186,7 +186,7 @@ def _serve_serial(world: World, clock: Clock, stack: ExitStack) -> list[str]:
     from sim_hardware.serial_devices import Dpm3Meter, PtyPort, ZaberStage
 
     lines = []
-    for name, device in (("meter", Dpm3Meter(world, clock)), ("stage", ZaberStage(world, clock))):
+    for name, device in (("meter", Dpm3Meter(world, clock)), ("stage", ZaberStage(world, clock, homed=True))):
         try:
             port = PtyPort(device)
         except OSError as fault:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,12 +19,13 @@ from labrig.session import open_session
 from protocols import PlannedRun, Schedule
 from protocols.events import (
     Event,
-    OperatorAsked,
+    Outcome,
     OutputChanged,
     OutputState,
     ReadingTaken,
     RunStarted,
     RunStopped,
+    SessionStopped,
     Warned,
 )
 from protocols.hub import EventHub
@@ -112,8 +112,8 @@ class RunDisplay:
             self._output = event.state
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
-        elif isinstance(event, OperatorAsked) and not sys.stderr.isatty():
-            warn(event.prompt.text)
+        elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:
+            self._advance(1.0, f"{len(self._runs)} runs done · output {event.output.value}")
 
     def _tell(self, run_s: float, force: str) -> None:
         run = self._run

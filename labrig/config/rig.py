@@ -102,6 +102,11 @@ class StageConfig(Closed):
     port: str | None = Field(None, description="serial port of a zaber stage, or simulated")
     address: int = Field(1, ge=1, le=99, description="device number on the Zaber chain")
     origin_deg: float = Field(0.0, description="stage angle at position 0 of the arc")
+    home: bool = Field(
+        default=False,
+        description="sweep to the home sensor when the stage has lost its reference; nothing may "
+        "stand in its way",
+    )
 
     @property
     def origin_rad(self) -> float:

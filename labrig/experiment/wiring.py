@@ -84,6 +84,7 @@ def _stage(
         plan.arc_radius_m,
         origin_rad=stage.origin_rad,
         device=stage.address,
+        home_on_open=stage.home,
         serial_factory=serial_factory,
     )
 
@@ -115,7 +116,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         )
 
     def serial(*_arguments: Any, **_options: Any) -> Any:
-        return InMemorySerial(SimulatedStage(world, clock), clock)
+        return InMemorySerial(SimulatedStage(world, clock, homed=True), clock)
 
     return Rig(
         config=config,

@@ -1,0 +1,52 @@
+"""A simulated rig behind real sockets and serial lines, on the real clock, for the demo."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from labrig.errors import NotReadyError
+
+_START_S = 60.0
+_END_S = 5.0
+
+
+@contextmanager
+def served_rig(record: Path, configuration: str) -> Iterator[dict[str, str]]:
+    """Start `python -m sim_hardware serve`; yields the addresses that it prints.
+
+    `record` is where the world writes down what happens to it.
+    """
+    command = [sys.executable, "-m", "sim_hardware", "serve", "--port", "0"]
+    command += ["--configuration", configuration, "--record", str(record)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        yield _addresses(process)
+    finally:
+        process.terminate()
+        try:
+            process.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def _addresses(process: subprocess.Popen[str]) -> dict[str, str]:
+    alarm = threading.Timer(_START_S, process.kill)
+    alarm.start()
+    found: dict[str, str] = {}
+    try:
+        for line in process.stdout or ():
+            if line.strip() == "ready":
+                return found
+            name, _, where = line.strip().partition("=")
+            found[name] = where
+    finally:
+        alarm.cancel()
+    raise NotReadyError(
+        "the simulated rig did not start; run python -m sim_hardware serve to see why."
+    )
