@@ -21,11 +21,11 @@ from sim_hardware.world.track import Track
 FloatArray = npt.NDArray[np.float64]
 
 # Columns of the grid: the state (see state_kernels), what moves the elements that lag, and these.
-_VOLTAGE, _MOMENT, _UNEVEN, _DRY_S = range(4)
-_STATE = slice(0, 4)
-_MOVED = slice(4, 6)
-_TURNED = slice(6, 6 + ELEMENTS)
-_COLUMNS = 6 + ELEMENTS
+_VOLTAGE, _UNEVEN, _DRY_S, _STATES = 0, 2, 3, 5
+_STATE = slice(0, _STATES)
+_MOVED = slice(_STATES, _STATES + 2)
+_TURNED = slice(_STATES + 2, _STATES + 2 + ELEMENTS)
+_COLUMNS = _STATES + 2 + ELEMENTS
 _KEEP_S = 300.0
 _MOST_STEPS = 60_000
 
@@ -36,7 +36,7 @@ class Moment:
 
     stage: Stage
     times: FloatArray
-    states: FloatArray  # (n, 4)
+    states: FloatArray  # (n, columns), see state_kernels
     drive: FloatArray
     true_N: FloatArray  # along the load cell's axis
     felt_N: FloatArray  # by the load cell, without noise
@@ -73,13 +73,14 @@ class History:
             e.negative_ratio,
             w.spread_s,
             w.return_s,
+            e.relaxation_s,
         )
         row = np.zeros(_COLUMNS)
         row[_UNEVEN] = 1.0
         self._track = Track(row, round(_KEEP_S / self._step_s))
+        # The next row follows from this one: the newest, or what somebody's hand made of it.
+        self._from = row
         self._stages = [first]
-        self._grid_stage = first
-        self._due: list[tuple[int, Stage | None]] = []  # at this step: a stage, or a wetting
         self._watcher = watcher
 
     @property
@@ -94,8 +95,12 @@ class History:
 
     def begin(self, stage: Stage) -> None:
         """From its start on, this is the set-up. The grid must have been made up to then."""
+        if stage.setup is not self.stage.setup:
+            self._from[_TURNED] = stage.first_turned
+            states = self._from[None, _STATE]
+            now, drive = np.array([self.reached_s]), stage.drive(states)
+            self._from[_MOVED] = stage.moved(now, drive, states[:, _DRY_S])[0]
         self._stages.append(stage)
-        self._due.append((self._track.last + 1, stage))
         self._stages = [
             a
             for a, b in zip(self._stages, self._stages[1:], strict=False)
@@ -104,16 +109,15 @@ class History:
 
     def moisten(self) -> None:
         """The sheet is wet again."""
-        self._due.append((self._track.last + 1, None))
+        self._from[_UNEVEN] = 1.0
+        self._from[_DRY_S] = 0.0
 
     def advance(self, when: float) -> None:
         """Make the grid up to the last step not after `when`."""
         target = self._step_of(np.array([when]))[0]
         while self._track.last < target:
             until = min(int(target), self._track.last + _MOST_STEPS)
-            until = min([until, *(step for step, _ in self._due)])
             self._make(until)
-            self._take_what_is_due(until)
         self._amplifier.forget(self.start_s + self._track.oldest * self._step_s)
 
     def at(self, times: FloatArray) -> list[Moment]:
@@ -125,57 +129,37 @@ class History:
         return [self._moment(self._stages[k], times[which == k]) for k in np.unique(which)]
 
     def states(self, times: FloatArray) -> FloatArray:
-        """Only the inner state (n, 4), at times in order."""
+        """Only the inner state, at times in order: (n, columns)."""
         times = np.maximum(times, self.start_s)
         self.advance(float(times[-1]))
         return self._states(times)[1]
 
     def _make(self, until: int) -> None:
         """Rows up to a step, all in one set-up."""
-        last, stage = self._track.newest.copy(), self._grid_stage
+        last, stage = self._from, self.stage
         times = self._time_of(np.arange(self._track.last, until + 1))
-        if times.size < 2:
-            return
         rows = np.empty((times.size - 1, _COLUMNS))
-        states = np.empty((times.size, 4))
+        states = np.empty((times.size, _STATES))
         states[0] = last[_STATE]
         drive_V = self._amplifier.mean_V(times)
         self._kernels.advance(states, drive_V, self._step_s, self._rules)
         rows[:, _STATE] = states[1:]
         dry = states[1:, _DRY_S]
-        drive = stage.drive(states[1:, _MOMENT], states[1:, _UNEVEN], dry)
+        drive = stage.drive(states[1:])
         stage.watch(times[1:], drive)
         rows[:, _MOVED] = stage.moved(times[1:], drive, dry)
         rows[:, _TURNED] = self._kernels.turn_stops(
             _hung(rows[:, _MOVED]), _hung(last[None, _MOVED])[0], last[_TURNED], self._reach(stage)
         )
         self._track.append(rows)
+        self._from = rows[-1].copy()
         rubbed_N = stage.friction_N(times[1:], drive, dry, rows[:, _TURNED.stop - 1])
         self._watcher(times[1:], states[1:, _VOLTAGE], rows[:, _MOVED.start] + rubbed_N)
-
-    def _take_what_is_due(self, step: int) -> None:
-        for due, stage in [entry for entry in self._due if entry[0] <= step]:
-            self._due.remove((due, stage))
-            if stage is None:
-                self._track.newest[_UNEVEN] = 1.0
-                self._track.newest[_DRY_S] = 0.0
-            else:
-                if stage.setup is not self._grid_stage.setup:
-                    self._track.newest[_TURNED] = stage.first_turned
-                    self._track.newest[_MOVED] = self._moved_now(stage)
-                self._grid_stage = stage
-
-    def _moved_now(self, stage: Stage) -> FloatArray:
-        row = self._track.newest
-        state = row[:4, None]
-        drive = stage.drive(state[_MOMENT], state[_UNEVEN], state[_DRY_S])
-        moved: FloatArray = stage.moved(np.array([self.reached_s]), drive, state[_DRY_S])[0]
-        return moved
 
     def _moment(self, stage: Stage, times: FloatArray) -> Moment:
         rows, states = self._states(times)
         dry = states[:, _DRY_S]
-        drive = stage.drive(states[:, _MOMENT], states[:, _UNEVEN], dry)
+        drive = stage.drive(states)
         moved = stage.moved(times, drive, dry)
         reach = self._reach(stage)
         turned = rows[:, _TURNED] + _hung(moved) - _hung(rows[:, _MOVED])
@@ -184,7 +168,7 @@ class History:
         return Moment(stage, times, states, drive, true_N, self._cell.felt_N(true_N, turned))
 
     def _states(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Rows of the grid before some times, and the states (n, 4) at the times."""
+        """Rows of the grid before some times, and the states at the times."""
         steps = self._step_of(times)
         rows = self._track.at(steps)
         from_s = np.minimum(self._time_of(steps), times)

@@ -43,11 +43,13 @@ class Stage:
     moved_up: bool = True
     slip: Slip = field(default_factory=Slip)
 
-    def drive(self, moment: FloatArray, uneven: FloatArray, dry_s: FloatArray) -> FloatArray:
-        """The drive of the set-up's chain."""
+    def drive(self, states: FloatArray) -> FloatArray:
+        """The drive of the set-up's chain in states (n, columns); see state_kernels."""
         from sim_hardware.world.signal_kernels import approach
 
+        _, moment, uneven, dry_s, relaxed = states.T
         water = self.setup.settings.water
+        moment = moment - self.setup.settings.eibm.relaxation * relaxed
         share = 1 - water.first_pulse_deficit * uneven
         share *= 1 - approach(dry_s, _MOST_WEAKENING, water.weakening_per_min / 60)
         return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
@@ -68,6 +70,8 @@ class Stage:
         result = np.zeros((times.size, 2))
         held, B = drive[~out], self.setup.stiffness_Nm2 * self.stiffening(dry_s[~out])
         result[~out, 0] = B * self.setup.cell_force_per_m2(held)
+        if self.setup.position_m is not None:
+            result[~out, 0] += self.setup.settings.rolls.meniscus_mN * 1e-3
         if self.setup.rubs:
             result[~out, 1] = self.setup.sliding_m(held)
         result[:, 0] += self.load_N

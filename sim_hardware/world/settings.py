@@ -49,6 +49,14 @@ class SheetSettings(Closed):
     """At the clamp."""
     rest_curvature_decay_mm: NotNegative
     """Length over which it falls to 1/e along the sheet; 0: it does not fall."""
+    stiffness_change: Annotated[float, Field(gt=-0.9, le=5)]
+    """Relative change of B from the clamp to the end of the free length, as sin^2."""
+    stiffening: Annotated[float, Field(gt=-0.5, le=5)]
+    """Relative change of B at large changes of curvature."""
+    stiffening_knee_per_m: Positive
+    """Change of curvature with half of it."""
+    elongation_give: Ratio
+    """B over the elongation's stiffness; 0: it is rigid."""
 
     @property
     def stiffness_Nm2(self) -> float:
@@ -70,6 +78,11 @@ class SheetSettings(Closed):
         """k0(s) in 1/m."""
         return self.rest_curvature_per_m * _fall(s_m, self.rest_curvature_decay_mm)
 
+    def relative_stiffness(self, s_m: FloatArray) -> FloatArray:
+        """B(s) over that at the clamp."""
+        part = np.sin(0.5 * math.pi * np.asarray(s_m) / self.free_length_m)
+        return np.asarray(1 + self.stiffness_change * part**2)
+
 
 class EibmSettings(Closed):
     """The electrically induced bending moment, and how it follows the voltage."""
@@ -84,6 +97,10 @@ class EibmSettings(Closed):
     """Me grows with V as tanh(V / saturation_V)."""
     build_up_s: Positive
     """Time constant with which Me follows the voltage across the sheet."""
+    relaxation: Ratio
+    """Share of Me that is lost again under a voltage that stays."""
+    relaxation_s: Positive
+    """Time constant of that loss."""
 
     def along_sheet(self, s_m: FloatArray) -> FloatArray:
         """Me/B in 1/m, settled at +2 V."""
@@ -180,6 +197,8 @@ class RollsSettings(Closed):
     """The sheet sticks at this position and beyond it."""
     stick_mN: NotNegative
     """Force that it takes to get it loose; 0: it never sticks."""
+    meniscus_mN: float
+    """What the surface tension of water between sheet and rolls adds to the force."""
 
 
 class ScatterSettings(Closed):
@@ -216,6 +235,8 @@ class WorldSettings(Closed):
     rolls: RollsSettings
     gravity_N_per_m: float
     """Weight of sheet per length that acts in the picture's plane, along -y."""
+    frame_delay_s: Annotated[float, Field(ge=0, le=1)]
+    """The camera shows what was there so long ago."""
     scatter: ScatterSettings
     chain: ChainSettings
     camera: OpticsSettings

@@ -106,6 +106,10 @@ class Setup:
                 sheet.elongation_m,
                 rest_curvature_per_m=sheet.rest_curvature,
                 drive_curvature_per_m=s.eibm.along_sheet,
+                stiffness=sheet.relative_stiffness,
+                stiffening=sheet.stiffening,
+                knee_per_m=sheet.stiffening_knee_per_m,
+                elongation_stiffness=1 / max(sheet.elongation_give, 1e-12),
                 clamp_rad=s.clamp.tilt_rad + self.scatter.tilt_rad,
                 # rad/(mN mm) = 1e6 rad/(N m)
                 clamp_compliance_m=s.clamp.compliance_rad_per_mNmm * 1e6 * B,

@@ -2,7 +2,7 @@
 
 The state: voltage across the sheet (V); moment relative to the settled one at +2 V, as the water
 would allow; how unevenly the water lies (1: as after a rest, 0: as under voltage); time spent
-under voltage since the last wetting, in s at 2 V.
+under voltage since the last wetting, in s at 2 V; the moment's slow follower, which relaxes it.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from sim_hardware.world.chain_kernels import Floats, compiled
 
-VOLTAGE, MOMENT, UNEVEN, DRY_S = range(4)
-COLUMNS = 4
+VOLTAGE, MOMENT, UNEVEN, DRY_S, RELAXED = range(5)
+COLUMNS = 5
 
 # Voltage at which half of what drives the water is there.
 _HALF_V = 0.5
@@ -30,13 +30,13 @@ class StateRules(NamedTuple):
     negative_ratio: float
     spread_s: float
     return_s: float
+    relaxation_s: float
 
 
 @compiled
-def _step(
-    voltage: float, moment: float, uneven: float, dry: float, drive: float, dt: float, r: StateRules
-) -> tuple[float, float, float, float]:
-    """The state after `dt`, the amplifier at `drive` on average: an exponential step for each."""
+def _step(now: Floats, drive: float, dt: float, r: StateRules, new: Floats) -> None:
+    """The state `new` after `dt`, the amplifier at `drive` on average: exponential steps."""
+    voltage, moment, uneven = now[VOLTAGE], now[MOMENT], now[UNEVEN]
     voltage = drive + (voltage - drive) * math.exp(-dt / r.rise_s)
     aim = math.tanh(voltage / r.saturation_V) / math.tanh(2.0 / r.saturation_V)
     if aim < 0.0:
@@ -46,28 +46,24 @@ def _step(
     back = (1.0 - active) / r.return_s
     rate = back + active / r.spread_s
     uneven = back / rate + (uneven - back / rate) * math.exp(-rate * dt)
-    return voltage, moment, uneven, dry + abs(voltage) / 2.0 * dt
+    new[VOLTAGE], new[MOMENT], new[UNEVEN] = voltage, moment, uneven
+    new[DRY_S] = now[DRY_S] + abs(voltage) / 2.0 * dt
+    new[RELAXED] = moment + (now[RELAXED] - moment) * math.exp(-dt / r.relaxation_s)
 
 
 @compiled
 def advance(states: Floats, drive: Floats, dt: float, rules: StateRules) -> None:
-    """Fill `states` (n + 1, 4) from its first row on, through n steps with mean `drive` (n,)."""
+    """Fill `states` (n + 1, COLUMNS) from its first row on: n steps with mean `drive` (n,)."""
     for k in range(drive.shape[0]):
-        now = states[k]
-        new = _step(now[0], now[1], now[2], now[3], drive[k], dt, rules)
-        for c in range(4):
-            states[k + 1, c] = new[c]
+        _step(states[k], drive[k], dt, rules, states[k + 1])
 
 
 @compiled
 def part_steps(states: Floats, drive: Floats, dt: Floats, rules: StateRules) -> Floats:
-    """States (n, 4) after a step of its own from each of `states` (n, 4)."""
+    """States (n, COLUMNS) after a step of its own from each of `states`, likewise."""
     result = np.empty_like(states)
     for k in range(drive.shape[0]):
-        now = states[k]
-        new = _step(now[0], now[1], now[2], now[3], drive[k], dt[k], rules)
-        for c in range(4):
-            result[k, c] = new[c]
+        _step(states[k], drive[k], dt[k], rules, result[k])
     return result
 
 

@@ -28,12 +28,6 @@ class Track:
         """The oldest step that is still known."""
         return self._base
 
-    @property
-    def newest(self) -> FloatArray:
-        """The newest row, to be read or changed."""
-        row: FloatArray = self._rows[self._used - 1]
-        return row
-
     def append(self, rows: FloatArray) -> None:
         """Add rows (n, columns)."""
         if self._used + len(rows) > len(self._rows):

@@ -160,11 +160,12 @@ class World:
         """See `Scene.picture`."""
         camera = self.settings.camera
         with self._lock:
-            instants = when - camera.exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
+            seen_s = when - self.settings.frame_delay_s
+            instants = seen_s - camera.exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
             moments = self._history.at(instants)
             drives = np.concatenate([m.drive for m in moments])
             if len(moments) == 1 and np.ptp(drives) < _MOTIONLESS:
-                moments = [self._moment(when)]
+                moments = [self._moment(seen_s)]
             shapes = [shape_of(m, k) for m in moments for k in range(m.times.size)]
             contact = contact_of(moments[-1])
             length_m = moments[-1].stage.setup.chain.sheet.free_length_m

@@ -196,9 +196,7 @@ def test_no_nearby_shape_through_the_same_contact_has_less_energy() -> None:
         )
         other = Contact(Chain(nudged, 0.5e-3), Arc(R)).place(0.0, 0.3)
         assert other is not None
-        moved = Equilibrium(
-            0.0, other.phi_rad, other.s_m, other.angle_rad, 0.0, 0.0, 0.0
-        )
+        moved = Equilibrium(0.0, other.phi_rad, other.s_m, other.angle_rad, 0.0, 0.0, 0.0)
         assert contact.chain.energy_per_m(moved) > least
 
 

@@ -1,0 +1,82 @@
+"""world.toml: the shipped worlds, overlays, and what is said of a wrong one."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+from sim_hardware.world import WorldError, load_world
+
+
+def test_the_shipped_worlds_load() -> None:
+    world, paper = load_world(None), load_world(Path("paper_scatter.toml"))
+    assert world.seed == 1
+    assert load_world(None, seed=9).seed == 9
+    assert (world.scatter.eibm, world.scatter.position_mm) == (0.01, 0.05)
+    assert (paper.scatter.eibm, paper.scatter.stiffness) == (0.20, 0.10)
+    assert paper.model_copy(update={"scatter": world.scatter}) == world
+
+
+def test_the_sheets_are_those_of_the_paper() -> None:
+    world = load_world()
+    assert world.configurations["long"].stiffness_Nm2 == pytest.approx(1.27e-6, rel=0.01)
+    assert world.configurations["short"].stiffness_Nm2 == pytest.approx(8.49e-7, rel=0.01)
+
+
+def test_a_file_says_only_what_differs(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        "seed = 3\n[configurations.long]\nyoungs_modulus_MPa = 200\n[eibm]\ndecay_mm = 0"
+    )
+    world, shipped = load_world(path), load_world()
+    assert world.seed == 3
+    assert world.configurations["long"].youngs_modulus_MPa == 200
+    assert world.configurations["long"].width_mm == shipped.configurations["long"].width_mm
+    assert world.eibm.decay_mm == 0
+    assert world.load_cell == shipped.load_cell
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[load_cell]\nnoise_mN = -0.5", ["load_cell.noise_mN = -0.5", "at least 0"]),
+        ("[load_cell]\nnoise = 1", ["load_cell.noise = 1", "not a key"]),
+        ("[arc]\nradius_mm = 'wide'", ["arc.radius_mm = 'wide'", "number"]),
+        ("[arc]\nradius_mm = nan", ["arc.radius_mm", "finite"]),
+        ("seed = -1", ["seed = -1", "at least 0"]),
+        ("seed = 1.5", ["seed = 1.5", "integer"]),
+        ("arc = 3", ["arc", "3"]),
+        ("[camera]\nexposure_s = 0.1", ["camera", "exposure_s is longer"]),
+        ("[camera]\npixels = 5", ["camera.pixels = 5", "not a key"]),
+        ("[configurations.wide]\nwidth_mm = 30", ["configurations.wide.free_length_mm", "missing"]),
+        ("[clamp]\ntilt_rad = 2.0", ["clamp.tilt_rad = 2.0", "at most 1.5"]),
+        ("seed = = 1", ["not valid TOML", "line 1"]),
+    ],
+)
+def test_a_wrong_world_is_refused_in_words(tmp_path: Path, text: str, words: list[str]) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    with pytest.raises(WorldError) as caught:
+        load_world(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in ["wrong.toml", *words]:
+        assert word in message
+
+
+def test_a_file_that_is_not_there_is_named_with_the_shipped_ones(tmp_path: Path) -> None:
+    with pytest.raises(WorldError, match=r"nowhere\.toml: no such file.*paper_scatter\.toml"):
+        load_world(tmp_path / "nowhere.toml")
+    with pytest.raises(WorldError, match="no such file"):
+        load_world(tmp_path / "paper_scatter.toml")
+
+
+def test_every_key_of_the_shipped_world_is_explained() -> None:
+    text = files("sim_hardware.world").joinpath("world.toml").read_text(encoding="utf-8")
+    page = Path(__file__).parents[2].joinpath("docs", "world.md").read_text(encoding="utf-8")
+    for line in text.splitlines():
+        key = line.split("=")[0].strip()
+        if "=" in line and not line.startswith("#"):
+            assert f"`{key}`" in page, key
