@@ -183,10 +183,12 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
 
 def _serve_serial(world: World, clock: Clock, stack: ExitStack) -> list[str]:
     """Meter and stage, where the system has pseudo-terminals."""
-    from sim_hardware.serial_devices import Dpm3Meter, PtyPort, ZaberStage
+    from sim_hardware.serial_devices import Dpm3Meter, PtyPort, SerialDevice, ZaberStage
 
     lines = []
-    for name, device in (("meter", Dpm3Meter(world, clock)), ("stage", ZaberStage(world, clock, homed=True))):
+    stage = ZaberStage(world, clock, homed=True)  # somebody has: an unhomed one refuses to move
+    devices: dict[str, SerialDevice] = {"meter": Dpm3Meter(world, clock), "stage": stage}
+    for name, device in devices.items():
         try:
             port = PtyPort(device)
         except OSError as fault:

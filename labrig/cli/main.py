@@ -11,7 +11,7 @@ from pathlib import Path
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli import exchange, prepare, record
+from labrig.cli import calibrate, exchange, prepare, record
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
 
@@ -23,7 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
 )
-for room in (prepare, record, exchange):
+for room in (prepare, calibrate, record, exchange):
     room.add_to(app)
 
 

@@ -53,9 +53,14 @@ def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None
     from labrig.experiment.people import NobodyAsked
     from labrig.experiment.wiring import wire
 
-    plan = load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
+    plan = plan_of(rig, protocol, sheet)
     wired = wire(plan, NobodyAsked(lambda _text: None))
     return preflight(wired, plan, rig.parent)
+
+
+def plan_of(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> Plan:
+    """A plan for what needs the rig but no particular experiment."""
+    return load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
 
 
 def _beside(rig: Path, name: str) -> Path:
