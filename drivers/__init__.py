@@ -12,6 +12,7 @@ from drivers.load_cell import LoadCell, LoadCellCalibration, LoadCheck, LoadStat
 from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from drivers.ni_connection import NiConnection, NiDevice
 from drivers.ni_input import InputChannel, NiSignalInput
+from drivers.ni_interlock import NiInterlock
 from drivers.ni_output import NiVoltageOutput
 from drivers.safe import Safety, SafetyReport, make_safe
 from drivers.stage_manual import ManualStage
@@ -32,6 +33,7 @@ __all__ = [
     "ManualStage",
     "NiConnection",
     "NiDevice",
+    "NiInterlock",
     "NiSignalInput",
     "NiVoltageOutput",
     "OpenCvCamera",

@@ -140,7 +140,13 @@ class OpenCvCamera:
             )
 
     def _grab_all(self, opened: OpenedCapture) -> None:
-        """The camera's thread."""
+        """The camera's thread: whatever ends it is kept, for whoever asks for frames."""
+        try:
+            self._grab_until_closed(opened)
+        except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
+            self._fault = str(fault) or type(fault).__name__
+
+    def _grab_until_closed(self, opened: OpenedCapture) -> None:
         pace = opened.pace(self._clock)
         while not self._closing.is_set():
             pace()
@@ -148,10 +154,5 @@ class OpenCvCamera:
                 self._fault = "no further frame came (unplugged, or the stream has ended)"
                 return
             self._alive_s = self._clock.now()
-            if not self._running:
-                continue
-            try:
+            if self._running:
                 self._take.on_frame(opened, self._alive_s)
-            except DeviceError as fault:
-                self._fault = str(fault)
-                return

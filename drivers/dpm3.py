@@ -16,6 +16,7 @@ from drivers.serial_port import SerialLine
 GRAM_FORCE_N = 9.80665e-3
 BAUD_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200)
 _REPLY = re.compile(rb"^\n?([+-](?:\d+\.\d*|\.\d+))([A-H]?)\n?$")
+_ADDRESSES = "0123456789ABCDEFGHIJKLMNOPQRSTUV"
 _OVERLOADED = ("E", "F", "G", "H")  # A to D: alarms neither, first, second, both; E to H: and this
 _LONGEST_REPLY = 12  # characters, for the time-out at a low baud rate
 
@@ -36,7 +37,9 @@ class Dpm3Meter:
             raise DeviceError(f"DPM-3 meter on {port}: baud rate {baudrate} is none of {rates}")
         wire_s = 2 * _LONGEST_REPLY * 10 / baudrate
         self._line = SerialLine("DPM-3 meter", port, baudrate, 0.5 + wire_s, serial_factory)
-        self._address = address
+        if not 0 <= address < len(_ADDRESSES):
+            raise DeviceError(f"DPM-3 meter on {port}: address {address} is not one of 0 to 31")
+        self._address = _ADDRESSES[address]
         self._newtons_per_unit = newtons_per_unit
         self.alarm = ""  # the alarm letter of the last reply, if any
 

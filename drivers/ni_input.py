@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,9 +133,13 @@ class NiSignalInput:
         """See `SignalInput.measure`."""
         self.start()
         try:
-            return self._read(max(1, math.ceil(duration_s * self._rate_hz)))
-        finally:
-            self.stop()
+            volts = self._read(max(1, math.ceil(duration_s * self._rate_hz)))
+        except BaseException:
+            with suppress(DeviceError):  # the failure to read is the one to report
+                self.stop()
+            raise
+        self.stop()
+        return volts
 
     def close(self) -> None:
         """See `SignalInput.close`."""

@@ -155,6 +155,16 @@ def test_a_baud_rate_that_the_meter_lacks_is_refused():
         Dpm3Meter("COM1", baudrate=115200)
 
 
+def test_a_meter_is_spoken_to_by_its_address():
+    meter = meter_on(VirtualClock(), Load(), driver={"address": 12}, address="C")
+    meter.open()
+    assert meter.read_force() == pytest.approx(0.0123, abs=RESOLUTION_N)
+    with pytest.raises(DeviceTimeoutError):
+        meter_on(VirtualClock(), Load(), driver={"address": 3}, address="C").open()
+    with pytest.raises(DeviceError, match="0 to 31"):
+        Dpm3Meter("COM1", address=32)
+
+
 def test_a_meter_that_is_not_open_says_so():
     with pytest.raises(DeviceError, match="not open"):
         Dpm3Meter("COM1").read_force()
