@@ -67,7 +67,7 @@ class NiDeviceServer:
         if self._engine.is_virtual:
             raise RuntimeError("a server on a virtual clock is reached by in_process_channel only")
         if self._tcp is not None:
-            raise ValueError(f"the server listens on port {self._tcp.port} already")
+            raise RuntimeError(f"the server listens on port {self._tcp.port} already")
         self._tcp = TcpServer(self._engine, self._methods, port, watch_clients=self._strict)
         return self._tcp.port
 

@@ -45,9 +45,12 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
     if raw_enum(request, "line_grouping") == _ALL_IN_ONE:
         device = groups[0][0]
         lines = [line for _, group in groups for line in group]
-        name = assigned or ", ".join(split_list(request.lines))
+        first, *others = split_list(request.lines)
+        name = assigned or (f"{first}..." if others else first)  # as the driver names it
         task.add(DigitalChannel(name, device, tuple(lines), output))
         return
+    if any(len(group) > 1 for _, group in groups):
+        raise StatusError(Code.PORT_PER_LINE, f"Lines: {request.lines}", task.name)
     single = [(device, line) for device, group in groups for line in group]
     names = names_for([f"{device.name}/{line}" for device, line in single], assigned)
     for name, (device, line) in zip(names, single, strict=True):

@@ -30,6 +30,7 @@ class Code(IntEnum):
     CHANNEL_TWICE = -200489
     RANGE_SYNTAX = -200498
     WRITE_CHANNEL_COUNT = -200524
+    PORT_PER_LINE = -200528
     PROPERTY_WHILE_RUNNING = -200557
     MIXED_CHANNELS = -200559
     NOT_DONE = -200560
@@ -80,6 +81,7 @@ TEXTS: dict[int, str] = {
     Code.WRITE_CHANNEL_COUNT: "Write cannot be performed, because the amount of data does not fit "
     "the number of channels in the task.",
     Code.PROPERTY_WHILE_RUNNING: "Specified property cannot be set while the task is running.",
+    Code.PORT_PER_LINE: "Entire ports cannot be made channels of one line each: name the lines.",
     Code.MIXED_CHANNELS: "Specified channel cannot be added: a task holds channels of one type.",
     Code.NOT_DONE: "Wait until done did not indicate that the task was done within the timeout.",
     Code.VALUE_OUT_OF_LIMITS: "Attempted writing analog data that is too large or too small.",

@@ -1,7 +1,8 @@
-"""A simulated board server with a client, over TCP on the real clock and in process on a virtual one."""
+"""A simulated board server with a client: over TCP in real time, in process on a virtual clock."""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -69,10 +70,9 @@ class NiRig:
 
 def _clear(task: nidaqmx.Task) -> None:
     if task._handle is not None:
-        try:
+        # It may be gone already, or the connection may.
+        with contextlib.suppress(nidaqmx.DaqError, nidaqmx.errors.RpcError, ValueError):
             task.close()
-        except (nidaqmx.DaqError, nidaqmx.errors.RpcError, ValueError):
-            pass  # gone already, or the connection is
 
 
 @pytest.fixture
