@@ -23,7 +23,11 @@ from model.measurements import FloatArray, ModelError
 
 Engine = Literal["auto", "compiled", "numpy"]
 Accuracy = Literal["normal", "reference"]
-_NODES: dict[Accuracy, int] = {"normal": 10, "reference": 16}
+# nodes for panels that turn less than so many rad
+_NODES: dict[Accuracy, tuple[tuple[float, int], ...]] = {
+    "normal": ((0.04, 4), (0.12, 5), (0.3, 6), (0.7, 8), (np.inf, 10)),
+    "reference": ((0.04, 6), (0.12, 8), (0.3, 10), (np.inf, 16)),
+}
 _PASSES: dict[Accuracy, int] = {"normal": 1, "reference": 2}
 _TURN: dict[Accuracy, float] = {"normal": 1.6, "reference": 1.0}  # rad of free curvature in a panel
 _SHARE: dict[Accuracy, float] = {"normal": 1.3, "reference": 0.7}  # of R in a panel
@@ -89,6 +93,14 @@ def finer(
         for low, high in zip(breaks_m[:-1], breaks_m[1:], strict=True)
     ]
     return np.concatenate([*pieces, breaks_m[-1:]])
+
+
+def nodes_for(batch: Problems, accuracy: Accuracy = "normal") -> int:
+    """Collocation nodes a panel: as many as the one that turns most needs."""
+    widths = np.diff(batch.breaks_m)
+    turn = np.max(np.sum(np.abs(batch.kappa), axis=2) * widths, initial=0.0)
+    turn = max(float(turn), float(np.max(widths)) / batch.radius_m)
+    return next(n for most, n in _NODES[accuracy] if turn < most)
 
 
 @dataclass(frozen=True)
@@ -210,7 +222,7 @@ def solve(
 
     `start`: solutions of the same batch with other numbers, to begin from.
     """
-    nodes, K = _NODES[accuracy], len(batch)
+    nodes, K = nodes_for(batch, accuracy), len(batch)
     state = np.zeros((K, 4))
     psi = np.zeros((K, len(batch.breaks_m) - 1, nodes))
     fits = start is not None and start.psi.shape == psi.shape

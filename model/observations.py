@@ -1,0 +1,146 @@
+"""What a fit sees of `Measurements`: per condition one mean force with its noise, and one curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, SheetGeometry
+
+MOST_POINTS = 120
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One condition that counts."""
+
+    configuration: str
+    position_m: float | None
+    voltage_V: float
+    run: tuple[str, float, int, int]  # conditions of the same run share what a set-up does
+    force_N: float  # NaN: not measured
+    force_variance_N2: float  # of one reading about the mean of its condition; NaN: one reading
+    readings: int
+    curve: Curve | None
+
+    @property
+    def name(self) -> str:
+        """As people call it."""
+        where = "free" if self.position_m is None else f"{self.position_m * 1e3:g} mm"
+        return f"{self.configuration}, {where}, {self.voltage_V:+g} V"
+
+
+@dataclass(frozen=True)
+class Observed:
+    """The observations of one configuration."""
+
+    sheet: SheetGeometry
+    observations: tuple[Observation, ...]
+
+    @property
+    def voltages_V(self) -> list[float]:
+        """Driving voltages, 0 left out, ascending."""
+        return sorted({o.voltage_V for o in self.observations if o.voltage_V != 0.0})
+
+    def touching(self) -> list[Observation]:
+        """Those with the load cell."""
+        return [o for o in self.observations if o.position_m is not None]
+
+
+def observe(measurements: Measurements, configuration: str) -> Observed:
+    """The usable conditions of a configuration; a clear error where there are none."""
+    sheet = measurements.sheets.get(configuration)
+    if sheet is None:
+        known = ", ".join(sorted(measurements.sheets)) or "none"
+        raise ModelError(f"there is no configuration '{configuration}' (known: {known})")
+    check_sheet(sheet)
+    conditions = [c for c in measurements.conditions if c.configuration == configuration]
+    if not conditions:
+        raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
+    found = [_observation(c, sheet) for c in conditions]
+    used = tuple(o for o in found if o is not None)
+    if not used:
+        reasons = sorted({r.why for c in conditions for r in c.readings if r.why})
+        why = f" ({'; '.join(reasons)})" if reasons else ""
+        raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
+    return Observed(sheet, used)
+
+
+def check_sheet(sheet: SheetGeometry) -> None:
+    """Refuse a geometry that means nothing."""
+    name = sheet.configuration
+    for what, value in (
+        ("free length", sheet.free_length_m), ("width", sheet.width_m),
+        ("thickness", sheet.thickness_m), ("arc radius", sheet.arc_radius_m),
+    ):  # fmt: skip
+        if not (np.isfinite(value) and value > 0.0):
+            raise ModelError(f"the {what} of configuration '{name}' must be positive, not {value:g} m")
+    if not (np.isfinite(sheet.elongation_m) and sheet.elongation_m >= 0.0):
+        raise ModelError(f"the elongation of configuration '{name}' must be zero or longer")
+    if sheet.free_length_m + sheet.elongation_m <= sheet.arc_radius_m:
+        raise ModelError(
+            f"sheet and elongation of configuration '{name}' are"
+            f" {(sheet.free_length_m + sheet.elongation_m) * 1e3:g} mm long and cannot reach the arc"
+            f" of {sheet.arc_radius_m * 1e3:g} mm"
+        )
+
+
+def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | None:
+    readings = condition.used()
+    where = f"{condition.configuration}, {_place(condition)}, {condition.voltage_V:+g} V"
+    if condition.position_m is not None:
+        _check_position(condition.position_m, sheet, where)
+        if not readings:
+            return None  # marked invalid: the curve of a stuck sheet is no equilibrium either
+    elif condition.curve is None:
+        return None
+    if not np.isfinite(condition.voltage_V):
+        raise ModelError(f"the voltage of condition {where} is not a finite number")
+    forces = np.array([r.force_N for r in readings])
+    if not np.all(np.isfinite(forces)):
+        raise ModelError(f"a force of condition {where} is not a finite number; mark it invalid")
+    free = condition.position_m is None
+    mean = float(np.mean(forces)) if len(forces) and not free else np.nan
+    variance = float(np.var(forces, ddof=1)) if len(forces) > 1 and not free else np.nan
+    run = (
+        condition.configuration, condition.position_m if not free else np.inf,
+        condition.mounting, condition.run,
+    )  # fmt: skip
+    curve = None if condition.curve is None else checked_curve(condition.curve, where)
+    return Observation(
+        condition.configuration, condition.position_m, condition.voltage_V,
+        (run[0], float(run[1] or 0.0), run[2], run[3]), mean, variance, len(forces), curve,
+    )  # fmt: skip
+
+
+def _place(condition: Condition) -> str:
+    return "free" if condition.position_m is None else f"{condition.position_m * 1e3:g} mm"
+
+
+def _check_position(position_m: float, sheet: SheetGeometry, where: str) -> None:
+    angle = position_m / sheet.arc_radius_m + sheet.arc_origin_rad
+    if not np.isfinite(position_m) or abs(angle) > np.pi:
+        raise ModelError(f"condition {where}: the position is not on the arc (half a turn each way)")
+
+
+def checked_curve(curve: Curve, where: str) -> Curve:
+    """The curve, thinned to a useful number of points; an error where it is not one."""
+    s, x, y = (np.asarray(a, dtype=float) for a in (curve.s_m, curve.x_m, curve.y_m))
+    if not len(s) == len(x) == len(y):
+        raise ModelError(f"the curve of condition {where} has unequal numbers of s, x and y")
+    if len(s) < 4:
+        raise ModelError(f"the curve of condition {where} has {len(s)} points; at least 4 are needed")
+    if not (np.all(np.isfinite(s)) and np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
+        raise ModelError(f"the curve of condition {where} holds a number that is not finite")
+    if np.any(np.diff(s) <= 0.0) or s[0] < -1e-9:
+        raise ModelError(f"the curve of condition {where}: s must ascend from the clamp")
+    keep = np.unique(np.linspace(0, len(s) - 1, min(len(s), MOST_POINTS)).round().astype(int))
+
+    def thin(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else np.asarray(values, dtype=float)[keep]
+
+    return Curve(
+        s[keep], x[keep], y[keep], thin(curve.curvature_per_m), thin(curve.sigma_m),
+        thin(curve.curvature_sigma_per_m),
+    )  # fmt: skip

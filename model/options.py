@@ -1,0 +1,34 @@
+"""What a fit may be asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from model.measurements import ModelError
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """Options of `fit`; the defaults are the base model."""
+
+    configurations: tuple[str, ...] | None = None  # None: all that were measured
+    weight_exponent: float = 1.0  # q of (7)
+    # how the EIBM may vary along the sheet while B is found; the reported constant is its mean
+    eibm_form: Literal["along", "constant"] = "along"
+    symmetric: bool = False  # one |EIBM| for both polarities
+    measured_curvature: bool = False  # find k0 from the curves at 0 V although sheet.toml states it
+    # how far k0 may be from what sheet.toml says, each term of it; 0: exact
+    initial_curvature_sigma_per_m: float = 1.0
+    # conditions not used: (configuration, position) or (configuration, position, voltage)
+    held_out: tuple[tuple[str, float] | tuple[str, float, float], ...] = ()
+    bootstrap: int = 0  # simulated refits that check the intervals
+    seed: int = 0  # of the bootstrap
+
+    def __post_init__(self) -> None:
+        if self.weight_exponent < 0.0:
+            raise ModelError("the weight exponent q must not be negative")
+        if self.initial_curvature_sigma_per_m < 0.0:
+            raise ModelError("the tolerance of the initial curvature must not be negative")
+        if self.bootstrap < 0:
+            raise ModelError("the number of bootstrap samples must not be negative")

@@ -1,0 +1,61 @@
+"""A number with its standard uncertainty and unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import stdtrit
+
+from model.measurements import ModelError
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted or assumed number."""
+
+    value: float
+    sigma: float  # standard uncertainty; 0: taken as exact
+    unit: str
+    freedom: float = 1e4  # degrees of freedom behind sigma
+
+    def interval(self, probability: float = 0.9) -> tuple[float, float]:
+        """The central interval; Student's t for few degrees of freedom."""
+        reach = float(stdtrit(self.freedom, 0.5 + 0.5 * probability)) * self.sigma
+        return self.value - reach, self.value + reach
+
+    def scaled(self, factor: float, unit: str) -> Parameter:
+        """The same in another unit, or divided by an exact number."""
+        return Parameter(self.value * factor, self.sigma * abs(factor), unit, self.freedom)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For a model file."""
+        result: dict[str, Any] = {"value": self.value, "sigma": self.sigma, "unit": self.unit}
+        if self.freedom < 9e3:
+            result["freedom"] = self.freedom
+        return result
+
+    def to_json(self) -> dict[str, Any]:
+        """For `--json`."""
+        low, high = self.interval()
+        return {"value": self.value, "sigma": self.sigma, "interval90": [low, high]}
+
+    @staticmethod
+    def from_dict(data: object, where: str) -> Parameter:
+        """From a model file; `where` names the place in errors."""
+        if not isinstance(data, dict):
+            raise ModelError(f"{where}: a table with value, sigma and unit is wanted")
+        value = finite(data.get("value"), f"{where}.value")
+        sigma = finite(data.get("sigma", 0.0), f"{where}.sigma")
+        freedom = finite(data.get("freedom", 1e4), f"{where}.freedom")
+        if sigma < 0.0 or freedom <= 0.0:
+            raise ModelError(f"{where}: sigma must not be negative, freedom must be positive")
+        return Parameter(value, sigma, str(data.get("unit", "")), freedom)
+
+
+def finite(value: object, where: str) -> float:
+    """A finite number, or an error that names the place."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise ModelError(f"{where}: a finite number is wanted, found {value!r}")
+    return float(value)
