@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import queue
-import sys
 import threading
 from collections.abc import Callable
 from enum import StrEnum
@@ -120,6 +119,6 @@ def parent_watch(program_pid: int) -> Callable[[], bool]:
 
     A process that the program has forked may hold the pipe open after the program's death.
     """
-    if sys.platform == "win32":
+    if os.name == "nt":
         return lambda: True
     return lambda: os.getppid() == program_pid
