@@ -20,7 +20,7 @@ from protocols import run_to_dict, schedule_to_dict
 from protocols.events import Outcome, OutputState
 from protocols.schedule import PlannedRun
 
-# Fast, and good enough for camera noise: 3 ms and a half of the size for a 640 x 480 frame.
+# Fast, and good enough for camera noise: 3 ms and about half of the size for a 640 x 480 frame.
 FRAME_COMPRESSION = 1
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,53 +14,88 @@ from labrig.session.layout import Array
 from labrig.session.rows import Rows
 
 _BLOCK_BYTES = 1 << 24
+# Rows wait in memory for others of their dataset up to so many bytes: the library takes a tenth of
+# a millisecond for each resize and write, however small.
+_WAITING_BYTES = 1 << 20
 
 
 class MisplacedRowsError(ValueError):
     """Rows that do not continue what the dataset holds."""
 
 
+@dataclass
+class _Growing:
+    """A dataset that grows, and the rows that wait to be added to it."""
+
+    dataset: Any
+    length: int  # with those that wait
+    waiting: list[Array] = field(default_factory=list)
+
+
 class Recorder:
-    """Applies rows to a session file that was made by `create_file`."""
+    """Applies rows to a session file that was made by `create_file`.
+
+    Small rows are collected: they are in the file after `put`, `let_go` or `write_checksums`.
+    """
 
     def __init__(self, file: Any) -> None:
         self._file = file
-        self._open: dict[str, Any] = {}
+        self._growing: dict[str, _Growing] = {}
         self._digests: dict[str, Any] = {}
+        self._waiting_bytes = 0
 
     def apply(self, rows: Rows) -> None:
-        """Write rows. Raises MisplacedRowsError, KeyError (no such dataset), OSError (the disk)."""
-        dataset = self._dataset(rows.path)
+        """Take rows. Raises MisplacedRowsError, KeyError (no such dataset), OSError (the disk)."""
         if rows.at is None:
+            dataset = self._file[rows.path]
             dataset[()] = rows.array(dataset.dtype, ())
             return
-        if dataset.shape[0] != rows.at:
+        growing = self._grown(rows.path)
+        dataset = growing.dataset
+        if growing.length != rows.at:
             raise MisplacedRowsError(
-                f"{rows.path} has {dataset.shape[0]} rows and is to get row {rows.at}"
+                f"{rows.path} has {growing.length} rows and is to get row {rows.at}"
             )
         if rows.count == 0:
             return
         values = rows.array(dataset.dtype, dataset.shape[1:])
-        dataset.resize(rows.at + rows.count, axis=0)
         if rows.packed:
             # Deflated already, outside of the library and its lock: goes to the disk as it is.
+            dataset.resize(rows.at + 1, axis=0)
             dataset.id.write_direct_chunk((rows.at,) + (0,) * (dataset.ndim - 1), rows.blob)
         else:
-            dataset[rows.at :] = values
+            growing.waiting.append(values)
+            self._waiting_bytes += values.nbytes
+        growing.length += rows.count
         self._digests.setdefault(rows.path, hashlib.sha256()).update(values.data)
+        if self._waiting_bytes > _WAITING_BYTES:
+            self.put()
 
-    def _dataset(self, path: str) -> Any:
-        found = self._open.get(path)
+    def put(self) -> None:
+        """Write the rows that wait."""
+        for growing in self._growing.values():
+            if growing.waiting:
+                values = np.concatenate(growing.waiting)
+                growing.waiting = []
+                growing.dataset.resize(growing.length, axis=0)
+                growing.dataset[growing.length - len(values) :] = values
+        self._waiting_bytes = 0
+
+    def _grown(self, path: str) -> _Growing:
+        found = self._growing.get(path)
         if found is None:
-            found = self._open[path] = self._file[path]
+            dataset = self._file[path]
+            found = self._growing[path] = _Growing(dataset, dataset.shape[0])
         return found
 
     def let_go(self) -> None:
         """Forget the datasets of the run that is over, so that few are open at a time."""
-        self._open.clear()
+        self.put()
+        self._growing.clear()
 
     def write_checksums(self) -> None:
         """The sha256 of every dataset; those appended to here are known without reading them."""
+        self.put()
         table = self._file[layout.CHECKSUMS]
         rows = table[()]
         for row in rows:

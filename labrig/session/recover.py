@@ -136,6 +136,7 @@ def _replay(file: Any, journal: JournalReader, notes: list[str]) -> None:
             recorder.apply(rows)
     except (MisplacedRowsError, KeyError, ValueError) as error:
         notes.append(f"The journal was used up to a record that does not fit ({error}).")
+    recorder.put()
     left = journal.path.stat().st_size - journal.whole_bytes()
     if left:
         notes.append(f"The last {left} bytes of the journal are no whole record and were left out.")

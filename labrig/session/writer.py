@@ -169,6 +169,17 @@ class SessionWriter:
 
     def _record(self, file: Any) -> None:
         recorder = Recorder(file)
+        try:
+            self._record_all(file, recorder)
+            if self._failure is not None:  # events were turned away: this is not a whole session
+                raise self._failure
+        except Exception:
+            with contextlib.suppress(Exception):  # the first failure is the one that is reported
+                recorder.put()
+            raise
+        recorder.write_checksums()
+
+    def _record_all(self, file: Any, recorder: Recorder) -> None:
         flushed_s = time.monotonic()
         wants_sync = dirty = False
         while not self._backlog.ended:
@@ -183,11 +194,9 @@ class SessionWriter:
                 self._journal.sync()
                 wants_sync = False
             if dirty and late:
+                recorder.put()
                 file.flush()
                 flushed_s, dirty = time.monotonic(), False
-        if self._failure is not None:  # events were turned away: this is not a whole session
-            raise self._failure
-        recorder.write_checksums()
 
     def _write(self, event: ev.Event, recorder: Recorder) -> None:
         for rows in self._translator.rows(event):
