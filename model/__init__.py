@@ -1,1 +1,37 @@
 """The mechanics of the sheet: equilibrium, identification, effects, discrepancy, design."""
+
+from model.fit import ConfigurationFit, Fit, fit
+from model.measurements import (
+    Condition,
+    Curve,
+    Measurements,
+    ModelError,
+    Reading,
+    SheetGeometry,
+    TimeSeries,
+)
+from model.options import FitOptions
+from model.parameter import Parameter
+from model.predict import Prediction, predict, predict_free
+from model.sheet_model import Along, ConfiguredSheet, SheetModel
+
+__all__ = [
+    "Along",
+    "Condition",
+    "ConfigurationFit",
+    "ConfiguredSheet",
+    "Curve",
+    "Fit",
+    "FitOptions",
+    "Measurements",
+    "ModelError",
+    "Parameter",
+    "Prediction",
+    "Reading",
+    "SheetGeometry",
+    "SheetModel",
+    "TimeSeries",
+    "fit",
+    "predict",
+    "predict_free",
+]

@@ -438,9 +438,7 @@ def free_crossing(breaks: Array, kappa: Array, rule: Any, R: float) -> tuple[flo
 
 
 @compiled
-def free_start(
-    breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array
-) -> None:
+def free_start(breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array) -> None:
     """Fill psi with the free shape seen from its contact."""
     top, phi = min(s_hat, breaks[-1]), 0.0
     contact = panel_of(breaks, top)
@@ -798,9 +796,7 @@ def answers(
         r2 -= R * cos * to.angle[q] + sin * to.radius[q]
         dx[q, 0] = -(r1 * s2 - r2 * s1) / determinant
         dx[q, 1] = -(n1 * r2 - n2 * r1) / determinant
-        dx[q, 2] = -(
-            w.ends[0, 2 + q] + w.ends[0, 0] * dx[q, 0] + w.ends[0, 1] * dx[q, 1]
-        )
+        dx[q, 2] = -(w.ends[0, 2 + q] + w.ends[0, 0] * dx[q, 0] + w.ends[0, 1] * dx[q, 1])
 
 
 @compiled
@@ -860,16 +856,12 @@ def describe_many(
         c = soft[min(k, len(soft) - 1)]
         nu, top = x[k, 0], min(x[k, 1], breaks[-1])
         a_clamp = R * np.cos(angles[k] - x[k, 2])
-        count = unroll(
-            breaks, kappa[k], c, rule, psi[k], nu, top, x[k, 2], a_clamp, strip
-        )
+        count = unroll(breaks, kappa[k], c, rule, psi[k], nu, top, x[k, 2], a_clamp, strip)
         lever[k] = lever_integral(rule, strip, count)
         if Q > 0:
             g = min(k, len(to.kappa) - 1)
             here = Directions(to.kappa[g], to.softness[g], to.angle[g], to.radius[g], to.length[g])
-            answers(
-                breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], here, columns, w, dx[k]
-            )
+            answers(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], here, columns, w, dx[k])
             turning(breaks, kappa[k], rule, x[k], here, columns, dx[k], strip, count, dphi)
         points(
             breaks, kappa[k], c, rule, nu, top, x[k, 2], R * np.cos(angles[k]),

@@ -46,7 +46,9 @@ def _case(breaks: Numbers, kappa: Numbers, soft: Numbers, R: float, angles: Numb
     return Case(breaks, kappa, soft, np.full(K, R), np.full(K, breaks[-1]), angles)
 
 
-def _polynomial(breaks: Numbers, rows: Numbers, panel: Numbers, s: Numbers) -> tuple[Numbers, Numbers]:
+def _polynomial(
+    breaks: Numbers, rows: Numbers, panel: Numbers, s: Numbers
+) -> tuple[Numbers, Numbers]:
     """Value, and integral from the clamp, of (K, P, D) at s (K, ...) in the panels `panel`."""
     half, degrees = 0.5 * np.diff(breaks), np.arange(rows.shape[2])
     anti = rows / (degrees + 1) * half[:, None]
@@ -55,7 +57,9 @@ def _polynomial(breaks: Numbers, rows: Numbers, panel: Numbers, s: Numbers) -> t
     k = np.arange(len(rows)).reshape(-1, *[1] * (s.ndim - 1))
     t = ((s - breaks[panel]) / half[panel] - 1.0)[..., None]
     powers = t**degrees
-    return (rows[k, panel] * powers).sum(-1), before[k, panel] + (anti[k, panel] * powers * t).sum(-1)
+    return (rows[k, panel] * powers).sum(-1), before[k, panel] + (anti[k, panel] * powers * t).sum(
+        -1
+    )
 
 
 @dataclass(frozen=True)
@@ -288,7 +292,9 @@ def describe_many(
             v = u[rows] + 1j * du
             shape = _points(moved, v, places, r)[0].imag / TINY
             P, n = len(breaks) - 1, len(r.c)
-            on = _loaded(moved, v[:, :-2].reshape(1, P, n), v[:, -2] / moved.R**2, v[:, -1] * moved.R, r)
+            on = _loaded(
+                moved, v[:, :-2].reshape(1, P, n), v[:, -2] / moved.R**2, v[:, -1] * moved.R, r
+            )
             dx[k, q] = [
                 (v[0, -2] / moved.R[0] ** 2).imag / TINY,
                 (v[0, -1] * moved.R[0]).imag / TINY,

@@ -135,7 +135,9 @@ class Directions(NamedTuple):
         K, Q, P, _ = kappa.shape
         zero = np.zeros((K, Q))
         soft = np.zeros((K, Q, P, 0)) if softness is None else softness
-        others = [zero if a is None else np.asarray(a, dtype=float) for a in (angle, radius, length)]
+        others = [
+            zero if a is None else np.asarray(a, dtype=float) for a in (angle, radius, length)
+        ]
         return Directions(np.ascontiguousarray(kappa), soft, *others)
 
 
@@ -254,14 +256,20 @@ def _engine(engine: Engine) -> Any:
             return _kernel
         except ImportError:
             if engine == "compiled":
-                raise ModelError("the compiled engine needs numba, which is not installed") from None
+                raise ModelError(
+                    "the compiled engine needs numba, which is not installed"
+                ) from None
     from model import _twin
 
     return _twin
 
 
 def _check(
-    fields: list[Field], softness: Field | None, angles: FloatArray, radius_m: float, elongation_m: float
+    fields: list[Field],
+    softness: Field | None,
+    angles: FloatArray,
+    radius_m: float,
+    elongation_m: float,
 ) -> None:
     length = fields[0].length_m
     if not (np.isfinite(radius_m) and radius_m > 0.0):

@@ -35,7 +35,11 @@ class Field:
     def linear(s_m: FloatArray, values: FloatArray, length_m: float) -> Field:
         """Straight lines between nodes, as sheet.toml means them; constant beyond the outer nodes."""
         s, v = np.asarray(s_m, dtype=float), np.asarray(values, dtype=float)
-        if len(s) != len(v) or len(s) < 1 or not (np.all(np.isfinite(s)) and np.all(np.isfinite(v))):
+        if (
+            len(s) != len(v)
+            or len(s) < 1
+            or not (np.all(np.isfinite(s)) and np.all(np.isfinite(v)))
+        ):
             raise ModelError(
                 "a quantity along the sheet needs as many finite values as places along the sheet"
             )
@@ -94,7 +98,9 @@ class Field:
         ends = np.ones(len(anti))
         whole = widths * (_horner(anti, ends) - _horner(anti, -ends))
         before = np.concatenate([[0.0], np.cumsum(whole)])[panel]
-        return before + half * (_horner(anti[panel], t) - _horner(anti[panel], np.full_like(t, -1.0)))
+        return before + half * (
+            _horner(anti[panel], t) - _horner(anti[panel], np.full_like(t, -1.0))
+        )
 
     def mean(self, end_m: float) -> float:
         """Mean over [0, end_m]."""
@@ -131,7 +137,9 @@ class Field:
         return float(np.max(np.sum(np.abs(self.coefficients), axis=1)))
 
     def _local(self, s: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        panel = np.clip(np.searchsorted(self.breaks_m, s, side="right") - 1, 0, len(self.coefficients) - 1)
+        panel = np.clip(
+            np.searchsorted(self.breaks_m, s, side="right") - 1, 0, len(self.coefficients) - 1
+        )
         low, high = self.breaks_m[panel], self.breaks_m[panel + 1]
         half = 0.5 * (high - low)
         return panel, (s - 0.5 * (low + high)) / half, half
@@ -195,6 +203,8 @@ def _interpolate(
         raise ModelError(f"a quantity along the sheet is not finite near s = {middle * 1e3:.3g} mm")
     coefficients = _powers(values)
     between = np.linspace(-1.0, 1.0, 2 * len(x) + 1)
-    wanted = np.broadcast_to(np.asarray(function(middle + half * between), dtype=float), (len(between),))
+    wanted = np.broadcast_to(
+        np.asarray(function(middle + half * between), dtype=float), (len(between),)
+    )
     error = np.max(np.abs(_horner(coefficients, between) - wanted))
     return coefficients, bool(error <= tolerance * max(np.max(np.abs(wanted)), 1e-300))

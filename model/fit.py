@@ -73,7 +73,9 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         n for n in used.sheets if any(c.configuration == n for c in used.conditions)
     )
     if not names:
-        raise ModelError("there are no measurements: no condition of any configuration of the sheet")
+        raise ModelError(
+            "there are no measurements: no condition of any configuration of the sheet"
+        )
     observed = [observe(used, name) for name in names]
     joint = joint_fit(observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
@@ -151,7 +153,9 @@ class _Part:
         )  # fmt: skip
 
 
-def _without(measurements: Measurements, options: FitOptions) -> tuple[Measurements, tuple[str, ...]]:
+def _without(
+    measurements: Measurements, options: FitOptions
+) -> tuple[Measurements, tuple[str, ...]]:
     """The measurements less those to be held out, and the names of these."""
     kept, names = [], []
     for condition in measurements.conditions:
@@ -205,7 +209,10 @@ def _notes(
                 " shapes fix Me/B"
             )
         off = one.rest_measured_per_m - one.rest_per_m
-        if parts[name].known and np.sqrt(np.mean(off**2)) > 0.02 * np.max(np.abs(one.rest_per_m)) + 0.1:
+        if (
+            parts[name].known
+            and np.sqrt(np.mean(off**2)) > 0.02 * np.max(np.abs(one.rest_per_m)) + 0.1
+        ):
             notes.append(
                 f"at 0 V the shapes of '{name}' differ from the stated initial curvature by"
                 f" {np.sqrt(np.mean(off**2)):.2f} per m"

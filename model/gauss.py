@@ -32,7 +32,9 @@ def rule(nodes: int) -> Rule:
     degrees = np.arange(nodes)
     T = (degrees[:, None] + 0.5) * w[None, :] * legendre.legvander(x, nodes - 1).T
     A = 0.5 * integrated_legendre(x, nodes) @ T
-    parts = [np.ascontiguousarray(part) for part in (0.5 * (x + 1.0), 0.5 * w, A, A @ A, 0.5 * w @ A, T)]
+    parts = [
+        np.ascontiguousarray(part) for part in (0.5 * (x + 1.0), 0.5 * w, A, A @ A, 0.5 * w @ A, T)
+    ]
     return Rule(*parts)
 
 

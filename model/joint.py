@@ -52,7 +52,9 @@ class Joint:
         values = np.exp(self.solution.log_sigma[len(SCATTER) :])
         return dict(zip(self.pool.mask_names, values.tolist(), strict=True))
 
-    def parameter(self, n: int, value: float, direction: FloatArray, unit: str, more: float = 0.0) -> Parameter:
+    def parameter(
+        self, n: int, value: float, direction: FloatArray, unit: str, more: float = 0.0
+    ) -> Parameter:
         """A quantity whose derivatives by the parameters of system n are `direction`.
 
         `more` is a further standard uncertainty, of the systematic kind.

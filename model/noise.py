@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from model.measurements import FloatArray
 
@@ -80,7 +79,9 @@ def _stacked(X: FloatArray) -> FloatArray:
 def inverse_symmetric(A: FloatArray) -> FloatArray:
     """Inverse of a positive matrix of badly scaled rows."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(A), 1e-300))
-    inner: FloatArray = np.linalg.pinv(A * scale[:, None] * scale[None, :], rcond=1e-14, hermitian=True)
+    inner: FloatArray = np.linalg.pinv(
+        A * scale[:, None] * scale[None, :], rcond=1e-14, hermitian=True
+    )
     return inner * scale[:, None] * scale[None, :]
 
 
@@ -111,6 +112,8 @@ def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[floa
 
 def estimate(data: Data, guess: FloatArray, start: FloatArray | None = None) -> Solution:
     """REML: the scatter that explains the misfit, and beta weighed with it."""
+    from scipy.optimize import minimize  # slow to import
+
     found = minimize(
         lambda v: deviance(data, v, guess), guess if start is None else start, jac=True,
         method="L-BFGS-B", bounds=[(g - 7.0, g + 6.0) for g in guess], options={"maxiter": 80},

@@ -75,7 +75,9 @@ def check_sheet(sheet: SheetGeometry) -> None:
         ("thickness", sheet.thickness_m), ("arc radius", sheet.arc_radius_m),
     ):  # fmt: skip
         if not (np.isfinite(value) and value > 0.0):
-            raise ModelError(f"the {what} of configuration '{name}' must be positive, not {value:g} m")
+            raise ModelError(
+                f"the {what} of configuration '{name}' must be positive, not {value:g} m"
+            )
     if not (np.isfinite(sheet.elongation_m) and sheet.elongation_m >= 0.0):
         raise ModelError(f"the elongation of configuration '{name}' must be zero or longer")
     if sheet.free_length_m + sheet.elongation_m <= sheet.arc_radius_m:
@@ -121,7 +123,9 @@ def _place(condition: Condition) -> str:
 def _check_position(position_m: float, sheet: SheetGeometry, where: str) -> None:
     angle = position_m / sheet.arc_radius_m + sheet.arc_origin_rad
     if not np.isfinite(position_m) or abs(angle) > np.pi:
-        raise ModelError(f"condition {where}: the position is not on the arc (half a turn each way)")
+        raise ModelError(
+            f"condition {where}: the position is not on the arc (half a turn each way)"
+        )
 
 
 def checked_curve(curve: Curve, where: str) -> Curve:
@@ -130,7 +134,9 @@ def checked_curve(curve: Curve, where: str) -> Curve:
     if not len(s) == len(x) == len(y):
         raise ModelError(f"the curve of condition {where} has unequal numbers of s, x and y")
     if len(s) < 4:
-        raise ModelError(f"the curve of condition {where} has {len(s)} points; at least 4 are needed")
+        raise ModelError(
+            f"the curve of condition {where} has {len(s)} points; at least 4 are needed"
+        )
     if not (np.all(np.isfinite(s)) and np.all(np.isfinite(x)) and np.all(np.isfinite(y))):
         raise ModelError(f"the curve of condition {where} holds a number that is not finite")
     if np.any(np.diff(s) <= 0.0) or s[0] < -1e-9:

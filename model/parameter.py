@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from model.measurements import ModelError
 
@@ -22,6 +21,8 @@ class Parameter:
 
     def interval(self, probability: float = 0.9) -> tuple[float, float]:
         """The central interval; Student's t for few degrees of freedom."""
+        from scipy.special import stdtrit  # slow to import
+
         reach = float(stdtrit(self.freedom, 0.5 + 0.5 * probability)) * self.sigma
         return self.value - reach, self.value + reach
 

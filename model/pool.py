@@ -58,7 +58,10 @@ class Pool:
         first = np.concatenate([[0], np.cumsum([1 + s.modes for s in self.systems])])
         for r, conditions in enumerate(self.runs.values()):
             for c, (system, i) in enumerate(conditions):
-                found, observation = predictions[system], self.systems[system].observed.observations[i]
+                found, observation = (
+                    predictions[system],
+                    self.systems[system].observed.observations[i],
+                )
                 row, own = c * width, slice(self.offsets[system], self.offsets[system + 1])
                 if np.isfinite(found.force_N[i]) and np.isfinite(observation.force_N):
                     y[r, row] = observation.force_N - found.force_N[i]

@@ -89,7 +89,9 @@ def sampled_s(setup: Setup) -> FloatArray:
     return np.concatenate([inner, outer])
 
 
-def predict(model: SheetModel, configuration: str, position_m: float, voltage_V: float) -> Prediction:
+def predict(
+    model: SheetModel, configuration: str, position_m: float, voltage_V: float
+) -> Prediction:
     """The condition's force and shape on the branch that continues the free shape."""
     setup = model.setup(configuration, position_m, voltage_V)
     found = solve(batch([setup]))

@@ -77,8 +77,10 @@ def stable(found: Equilibria, index: int = 0) -> bool:
     H += nu * (np.outer(end, along) + np.outer(along, end)) + nu * k_end * np.outer(along, along)
     scale = 1.0 / np.sqrt(w)
     H, g = H * scale[:, None] * scale[None, :], across * scale
-    rest = np.linalg.qr(np.column_stack([g, np.eye(len(g))[:, 1:]]))[0][:, 1:]
-    return bool(np.min(np.linalg.eigvalsh(rest.T @ H @ rest)) > 0.0)
+    g /= np.linalg.norm(g)
+    Hg = H @ g  # only shapes with g.eta = 0 count: H is projected, g itself given the value 1
+    projected = H - np.outer(g, Hg) - np.outer(Hg, g) + (g @ Hg + 1.0) * np.outer(g, g)
+    return bool(np.min(np.linalg.eigvalsh(projected)) > 0.0)
 
 
 def _softness(p: Problems, index: int, s: FloatArray) -> FloatArray:

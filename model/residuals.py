@@ -55,7 +55,12 @@ def residuals(
             sigma = np.sqrt(o.force_variance_N2 / o.readings) if o.readings else np.nan
             rows.append(
                 ConditionResidual(
-                    o.name, o.configuration, o.position_m, o.voltage_V, o.force_N, float(sigma),
+                    o.name,
+                    o.configuration,
+                    o.position_m,
+                    o.voltage_V,
+                    o.force_N,
+                    float(sigma),
                     {k: a[i].force_N for k, a in answers.items()},
                     {k: a[i].curve_m for k, a in answers.items()},
                     {k: a[i].why for k, a in answers.items() if a[i].why},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from model.field import Field
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.parameter import Parameter, finite
 from model.setup import EFFECTS, ActiveEffect, Setup
+
+if TYPE_CHECKING:
+    from model.predict import Prediction
 
 FORMAT = 1
 
@@ -125,10 +128,18 @@ class SheetModel:
         )  # fmt: skip
         for effect in self.effects:
             if effect.name not in EFFECTS:
-                raise ModelError(f"the model includes the effect '{effect.name}', unknown to this version")
+                raise ModelError(
+                    f"the model includes the effect '{effect.name}', unknown to this version"
+                )
             values = {name: p.value for name, p in effect.parameters.items()}
             setup = EFFECTS[effect.name].apply(setup, values)
         return setup
+
+    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
+        """Force and shape of a condition, or why it is not reachable."""
+        from model.predict import predict
+
+        return predict(self, configuration, position_m, voltage_V)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """The same model with these effects."""

@@ -67,7 +67,9 @@ class _Grid:
         whole: FloatArray = np.concatenate([zero, np.cumsum(steps, axis=-1)], axis=-1)
         return whole[..., self.places]
 
-    def distance(self, c: FloatArray, x_m: FloatArray, y_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def distance(
+        self, c: FloatArray, x_m: FloatArray, y_m: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Of points along the normal of the curve with coefficients c, and its derivatives."""
         phi, end = np.tensordot(c, self.turn, 1), c @ self.turn_at
         nx, ny = -np.sin(end), np.cos(end)

@@ -57,7 +57,10 @@ def layout(observed: Observed, options: FitOptions, rest_known: bool) -> Layout:
     along = options.eibm_form == "along" and curves
     tolerant = curves and (not rest_known or options.initial_curvature_sigma_per_m > 0.0)
     result = Layout(
-        tuple(observed.voltages_V), terms if along else 1, terms if tolerant else 0, options.symmetric
+        tuple(observed.voltages_V),
+        terms if along else 1,
+        terms if tolerant else 0,
+        options.symmetric,
     )
     forces = sum(bool(np.isfinite(o.force_N)) for o in observed.touching())
     wanted = 1 + len(result.groups) + (0 if rest_known else 1)

@@ -87,7 +87,9 @@ class System:
         self._angles = np.array([self._angle(i) for i in self.touching])
         self._points = [self._curve(o) for o in observed.observations]
         longest = max((len(s) for s, *_ in self._points), default=1)
-        self._s = np.stack([np.resize(self._points[i][0], longest) for i in self.touching] or [np.zeros(1)])
+        self._s = np.stack(
+            [np.resize(self._points[i][0], longest) for i in self.touching] or [np.zeros(1)]
+        )
         for row, i in zip(self._s, self.touching, strict=False):
             row[len(self._points[i][0]) :] = self._points[i][0][-1]
         self._last: Equilibria | None = None
