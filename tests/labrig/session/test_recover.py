@@ -99,7 +99,7 @@ def test_a_session_left_by_a_crash_is_not_live(cut):
 
 def test_recovery_keeps_every_reading_and_says_crashed(cut):
     report = recover(cut)
-    assert report.output == cut.with_name("s.recovered.h5")
+    assert report.output == cut.with_name("s-recovered.h5")
     assert report.from_journal
     assert (report.runs_completed, report.readings) == (1, 8 + 4)
     with open_session(report.output) as session:
@@ -190,7 +190,7 @@ def test_a_whole_session_needs_no_recovery(tmp_path):
 
 
 def test_recovery_overwrites_nothing(cut):
-    cut.with_name("s.recovered.h5").write_text("mine")
+    cut.with_name("s-recovered.h5").write_text("mine")
     with pytest.raises(BadInputError, match="exists already"):
         recover(cut)
 

@@ -1,0 +1,105 @@
+"""A recorded session in, its measurements out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drivers.load_cell import LoadCellCalibration
+from labrig.analysis.conditions import conditions_of
+from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
+from labrig.analysis.dead_weights import dead_weight_warnings
+from labrig.analysis.forces import measure_forces
+from labrig.analysis.series import time_series
+from labrig.config import parse_load_cell, parse_sheet
+from labrig.errors import BadInputError
+from labrig.session import Session, open_session, store_measurements
+from model.measurements import Measurements, SheetGeometry, TimeSeries
+from protocols.schedule import Purpose
+
+
+def analyze(path: Path, progress: Progress | None = None, *, workers: int = 1) -> Measurements:
+    """Measure forces and curves of a session and keep them in it, in place of those it held.
+
+    `progress(fraction, text)` is called now and then; `workers` processes look for curves.
+    Raises BadInputError when the session holds nothing that can be measured.
+    """
+    path = Path(path)
+    with open_session(path) as session:
+        measurements = measure(session, progress, workers=workers)
+    store_measurements(path, measurements)
+    return measurements
+
+
+def measure(
+    session: Session, progress: Progress | None = None, *, workers: int = 1
+) -> Measurements:
+    """The same without keeping it."""
+    if not any(run.started for run in session.runs):
+        raise BadInputError(
+            f"{session.path}: no run was recorded in it, so there is nothing to analyze."
+        )
+    sheets = parse_sheet(_text(session, "sheet.toml"), f"{session.path}: sheet.toml")
+    calibration = parse_load_cell(
+        _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml"
+    )
+    _check_configurations(session, sheets)
+    forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}
+    curves, notes = _curves(session, sheets, progress, workers)
+    warnings = [*notes, *dead_weight_warnings(session, forces, calibration)]
+    warnings += [text for each in curves for text in each.warnings]
+    return Measurements(
+        sheets=sheets,
+        conditions=conditions_of(session, forces, curves),
+        series=tuple(_series(session, calibration)),
+        source=session.path.name,
+        checksum=session.checksum,
+        warnings=tuple(warnings),
+    )
+
+
+def _text(session: Session, name: str) -> str:
+    try:
+        return session.texts[name]
+    except KeyError:
+        raise BadInputError(f"{session.path}: holds no {name}, which its analysis needs.") from None
+
+
+def _check_configurations(session: Session, sheets: dict[str, SheetGeometry]) -> None:
+    for run in session.runs:
+        if run.planned.configuration not in sheets:
+            raise BadInputError(
+                f"{session.path}: its sheet.toml has no table [{run.planned.configuration}], which "
+                f"run {run.planned.index} needs."
+            )
+
+
+def _curves(
+    session: Session,
+    sheets: dict[str, SheetGeometry],
+    progress: Progress | None,
+    workers: int,
+) -> tuple[list[ConditionCurves], list[str]]:
+    if session.frame_shape is None:
+        return [], ["The session was recorded without a camera; it has no curves."]
+    if "optics.json" not in session.texts:
+        return [], ["The session holds no optics.json; its frames cannot be measured."]
+    from labrig.vision import Optics
+
+    optics = Optics.from_json(session.texts["optics.json"], f"{session.path}: optics.json")
+    return measure_curves(session, optics, sheets, progress=progress, workers=workers), []
+
+
+def _series(session: Session, calibration: LoadCellCalibration) -> list[TimeSeries]:
+    shunt_ohm = _shunt_ohm(session)
+    return [
+        time_series(run, calibration, shunt_ohm)
+        for run in session.runs
+        if run.started and run.planned.purpose in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE)
+    ]
+
+
+def _shunt_ohm(session: Session) -> float | None:
+    """The shunt that turns the current channel's volts into amperes; None: not known."""
+    sense = session.resolved.get("rig", {}).get("current_sense", {})
+    value = sense.get("shunt_ohm")
+    return float(value) if isinstance(value, int | float) and value > 0 else None

@@ -1,0 +1,243 @@
+"""From a session's frames to neutral curves: of each condition's mean image, and frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drivers.interfaces import FloatArray, GreyImage
+from labrig.session import RunRecord, Session, open_session
+from labrig.session.layout import NO_FRAME, Array
+from model.measurements import Curve, SheetGeometry
+from protocols.schedule import Purpose
+
+if TYPE_CHECKING:
+    from labrig.vision import NeutralCurve, Optics, StripGeometry
+
+Progress = Callable[[float, str], None]
+MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
+HOPELESS = 2  # frames without a curve, after a mean image without one
+# Mean image and single frames may differ by this much before the sheet is taken to have moved.
+AGREE_SIGMAS = 4.0
+AGREE_M = 20e-6
+
+
+@dataclass(frozen=True)
+class CurveJob:
+    """The frames of one condition."""
+
+    run: int
+    voltage_V: float
+    rows: dict[int, int]  # reading -> row of the run's images
+    in_mean: tuple[int, ...]  # readings that make the mean image
+    strip: StripGeometry
+    optics: Optics
+
+
+@dataclass(frozen=True)
+class ConditionCurves:
+    """What was found in them; a curve that was not found is a warning."""
+
+    run: int
+    voltage_V: float
+    mean: Curve | None
+    by_reading: dict[int, Curve] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+
+def measure_curves(
+    session: Session,
+    optics: Optics,
+    sheets: Mapping[str, SheetGeometry],
+    *,
+    progress: Progress | None = None,
+    workers: int = 1,
+) -> list[ConditionCurves]:
+    """The curves of every run and voltage with frames; `workers` processes share the work.
+
+    With more than one, a script that calls this must be importable (`if __name__ == "__main__"`).
+    """
+    jobs = list(curve_jobs(session, optics, sheets))
+    found: list[ConditionCurves] = []
+    for done, curves in enumerate(_results(session, jobs, workers), start=1):
+        found.append(curves)
+        if progress is not None:
+            run = session.runs[curves.run].planned
+            progress(done / len(jobs), f"{run.configuration}, {place_of(run.position_m)}")
+    return found
+
+
+def place_of(position_m: float | None) -> str:
+    """A position for people."""
+    return "free" if position_m is None else f"{position_m * 1000:g} mm"
+
+
+def curve_jobs(
+    session: Session, optics: Optics, sheets: Mapping[str, SheetGeometry]
+) -> Iterator[CurveJob]:
+    """One job for each run and voltage with frames, in the order of the runs."""
+    from labrig.vision import StripGeometry
+
+    for run in session.runs:
+        if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
+            continue
+        sheet = sheets[run.planned.configuration]
+        strip = StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m)
+        readings = run.readings[run.readings["frame"] != NO_FRAME]
+        for voltage_V in dict.fromkeys(readings["voltage_V"].tolist()):
+            rows = readings[readings["voltage_V"] == voltage_V]
+            if len(rows):
+                yield _job(run, float(voltage_V), rows, strip, optics)
+
+
+def _job(
+    run: RunRecord, voltage_V: float, rows: Array, strip: StripGeometry, optics: Optics
+) -> CurveJob:
+    counts = rows["valid"] & np.isin(rows["kind"], MEAN_OF)
+    return CurveJob(
+        run=run.planned.index,
+        voltage_V=voltage_V,
+        rows={int(row["index"]): int(row["frame"]) for row in rows},
+        in_mean=tuple(int(row["index"]) for row in rows[counts]),
+        strip=strip,
+        optics=optics,
+    )
+
+
+# --------------------------------------------------------------------------------------- the work
+
+
+def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
+    """The mean of some pictures as 16 bit, full scale at 65535. Raises ValueError without any."""
+    total: FloatArray | None = None
+    count = 0
+    for image in images:
+        total = image.astype(np.float64) if total is None else total + image
+        count += 1
+    if total is None:
+        raise ValueError("the mean of no pictures")
+    scaled: GreyImage = np.rint(total * (65535.0 / full_scale / count)).astype(np.uint16)
+    return scaled
+
+
+def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
+    """Find the curves of one condition."""
+    from labrig.vision import neutral_curve
+
+    run = session.runs[job.run]
+    label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
+    warnings: list[str] = []
+    mean = None
+    if job.in_mean:
+        image = mean_image(
+            (run.image(job.rows[reading]) for reading in job.in_mean), _full_scale(job, session)
+        )
+        mean = neutral_curve(image, job.optics.model_copy(update={"bits": 16}), job.strip)
+        warnings += [f"{label}, mean image: {text}" for text in mean.warnings]
+        if not mean.ok:
+            warnings.append(f"{label}: no curve in the mean image: {mean.why}")
+    by_reading, failed = _frame_by_frame(job, run, mean)
+    if failed:
+        reading, why = next(iter(failed.items()))
+        warnings.append(
+            f"{label}: no curve in {len(failed)} frames, as in that of {reading}: {why}"
+        )
+    if mean is not None and mean.ok:
+        single = [by_reading[r] for r in job.in_mean if r in by_reading]
+        warnings += [f"{label}: {text}" for text in _disagreement(mean, single)]
+    return ConditionCurves(
+        run=job.run,
+        voltage_V=job.voltage_V,
+        mean=mean.as_curve() if mean is not None and mean.ok else None,
+        by_reading=by_reading,
+        warnings=tuple(warnings),
+    )
+
+
+def _frame_by_frame(
+    job: CurveJob, run: RunRecord, start: NeutralCurve | None
+) -> tuple[dict[int, Curve], dict[int, str]]:
+    """Each reading's own curve, and for those without one the reason.
+
+    Where neither the mean image nor the first frames show a sheet, the rest are not looked at.
+    """
+    from labrig.vision import neutral_curve
+
+    found: dict[int, Curve] = {}
+    failed: dict[int, str] = {}
+    near = start if start is not None and start.ok else None
+    for reading, row in job.rows.items():
+        if near is None and not found and len(failed) >= HOPELESS:
+            break
+        curve = neutral_curve(run.image(row), job.optics, job.strip, start=near)
+        if curve.ok:
+            found[reading] = curve.as_curve()
+        else:
+            failed[reading] = curve.why
+    return found, failed
+
+
+def _full_scale(job: CurveJob, session: Session) -> float:
+    if session.frame_dtype == "uint8":
+        return 255.0
+    return float(2 ** (job.optics.bits if job.optics.bits > 8 else 16) - 1)
+
+
+def _disagreement(mean: NeutralCurve, single: Sequence[Curve]) -> Iterator[str]:
+    """A warning when the mean image shows another curve than its frames do: the sheet moved."""
+    if len(single) < 2:
+        return
+    at = mean.s_m[(mean.s_m <= min(curve.s_m[-1] for curve in single))]
+    x = np.array([np.interp(at, curve.s_m, curve.x_m) for curve in single])
+    y = np.array([np.interp(at, curve.s_m, curve.y_m) for curve in single])
+    dx = x.mean(axis=0) - mean.x_m[: at.size]
+    dy = y.mean(axis=0) - mean.y_m[: at.size]
+    apart_m = float(np.sqrt(np.mean(dx**2 + dy**2)))
+    scatter_m = float(np.sqrt(np.mean(x.var(axis=0) + y.var(axis=0)) / len(single)))
+    allowed_m = AGREE_M + AGREE_SIGMAS * scatter_m
+    if apart_m > allowed_m:
+        yield (
+            f"the mean image's curve lies {apart_m * 1e3:.3f} mm (RMS) from the mean of the curves "
+            "of its frames; the sheet moved between them, so trust those of the frames"
+        )
+
+
+# -------------------------------------------------------------------------------------- processes
+
+_worker_session: Session | None = None
+
+
+def _results(session: Session, jobs: list[CurveJob], workers: int) -> Iterator[ConditionCurves]:
+    if workers <= 1 or len(jobs) < 4:
+        yield from (curves_of(job, session) for job in jobs)
+        return
+    with _pool(session.path, workers) as pool:
+        yield from pool.map(_in_worker, jobs, chunksize=1)
+
+
+@contextmanager
+def _pool(path: Path, workers: int) -> Iterator[ProcessPoolExecutor]:
+    # Spawned everywhere, as Windows does it: a forked HDF5 library would share its open files.
+    context = get_context("spawn")
+    pool = ProcessPoolExecutor(workers, context, initializer=_open_in_worker, initargs=(path,))
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _open_in_worker(path: Path) -> None:
+    global _worker_session
+    _worker_session = open_session(path)
+
+
+def _in_worker(job: Any) -> ConditionCurves:
+    assert _worker_session is not None  # noqa: S101 - opened by the initializer
+    return curves_of(job, _worker_session)

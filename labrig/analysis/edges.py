@@ -1,0 +1,90 @@
+"""Where a run's voltage really changed: each step of the drive, as its read-back shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.interfaces import FloatArray
+from labrig.session import RunRecord
+
+SEEN_FROM_V = 0.1  # a smaller step is not looked for; its time is that of its write
+SEARCH_S = 0.05  # to either side of the write
+LEVEL_S = 0.02  # over which the level before and after an edge is taken
+SETTLE_S = 0.003  # next to the edge, left out of that
+_LEFT = 0.05  # of the step: beyond it the level before has been left
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One step of the voltage. `index` is a sample index with its fraction."""
+
+    step: int
+    index: float
+    why: str  # not empty: the read-back does not show the edge, and `index` is that of the write
+
+
+def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, Edge]:
+    """The run's steps by their number, as far as they were written.
+
+    An edge lies between the last sample at the level before and the first one beyond it. Where in
+    between is known better from the write's own time; so that stands, unless it lies outside, when
+    the middle of the two samples does.
+    """
+    writes = run.writes
+    rate_hz = run.sample_clock.rate_hz
+    found: dict[int, Edge] = {}
+    for at, write in enumerate(writes):
+        before_V = float(writes["sheet_V"][at - 1]) if at else 0.0
+        jump_V = float(write["sheet_V"]) - before_V
+        written = float(write["sample_index"])
+        if abs(jump_V) < SEEN_FROM_V:
+            found[int(write["step"])] = Edge(int(write["step"]), written, "")
+            continue
+        end = float(writes["sample_index"][at + 1]) if at + 1 < len(writes) else np.inf
+        left = _last_before(drive_V, written, jump_V, rate_hz, end)
+        found[int(write["step"])] = _edge(int(write["step"]), written, left)
+    return found
+
+
+def _edge(step: int, written: float, left: int | None) -> Edge:
+    if left is None:
+        reach_ms = SEARCH_S * 1e3
+        return Edge(step, written, f"the drive shows no edge within {reach_ms:g} ms of the write")
+    inside = left <= written <= left + 1
+    return Edge(step, written if inside else left + 0.5, "")
+
+
+def _last_before(
+    drive_V: FloatArray, written: float, jump_V: float, rate_hz: float, end: float
+) -> int | None:
+    """Index of the last sample at the old level before the edge; None when there is no edge."""
+    settle, level = max(1, round(SETTLE_S * rate_hz)), max(3, round(LEVEL_S * rate_hz))
+    search = max(2, round(SEARCH_S * rate_hz))
+    at = int(np.floor(written))
+    before = drive_V[max(0, at - settle - level) : max(0, at - settle)]
+    first = max(0, at - search)
+    last = int(min(at + search, end, len(drive_V)))
+    after = drive_V[last - level : last] if last - level > at else drive_V[last:last]
+    if before.size == 0 or after.size == 0:
+        return None
+    old, new = float(np.median(before)), float(np.median(after))
+    # At least half of what was written, and to the same side, is an edge; less is a disturbance.
+    if not (new - old) * np.sign(jump_V) > 0.5 * abs(jump_V):
+        return None
+    gone = (drive_V[first:last] - old) / (new - old)
+    beyond_half = np.flatnonzero(gone >= 0.5)
+    # The search reaches back to before the write, where an edge of the step before may be.
+    beyond_half = beyond_half[beyond_half >= _start_of_old(gone, at - settle - first)]
+    if beyond_half.size == 0:
+        return None
+    crossing = int(beyond_half[0])
+    still = np.flatnonzero(gone[:crossing] <= _LEFT)
+    return first + int(still[-1]) if still.size else None
+
+
+def _start_of_old(gone: FloatArray, settled: int) -> int:
+    """From where on the samples up to `settled` lie at the old level without a break."""
+    off = np.flatnonzero(np.abs(gone[: max(settled, 0)]) > _LEFT)
+    return int(off[-1]) + 1 if off.size else 0

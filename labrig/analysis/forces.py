@@ -1,0 +1,132 @@
+"""From a run's raw samples to its force readings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from drivers.interfaces import FloatArray
+from drivers.load_cell import LoadCellCalibration
+from labrig.analysis.edges import Edge, find_edges
+from labrig.session import RunRecord
+from protocols.filters import symmetric_mean, window
+from protocols.rules import Rules, bad_samples, wrong_drive
+from protocols.schedule import PlannedReading, ReadingKind
+
+FORCE, DRIVE = "force", "drive"
+
+
+@dataclass(frozen=True)
+class ForceReading:
+    """One reading, measured anew."""
+
+    index: int  # in time order over the run
+    kind: ReadingKind
+    voltage_V: float  # as planned
+    force_N: float
+    noise_N: float  # standard deviation expected of the filter's value, from its own window
+    drive_V: float  # as read back
+    time_s: float  # of the sampling point, since the run began
+    sample_index: float
+    valid: bool
+    why: str
+
+
+def measure_forces(
+    run: RunRecord, calibration: LoadCellCalibration, *, rules: Rules | None = None
+) -> tuple[ForceReading, ...]:
+    """Every reading that the run came to, from its raw samples.
+
+    The sampling point is the planned delay after the edge, as found in the drive's read-back; the
+    value there comes from the symmetric filter. A reading that is not valid carries all reasons:
+    those noted while running (or by a person), and those found here.
+    """
+    if not run.started:
+        return ()
+    channels = {name: run.signal_V(name) for name in run.channels}
+    edges = find_edges(run, channels[DRIVE])
+    maker = _Maker(run, calibration, channels, edges, rules or Rules())
+    return tuple(maker.reading(row) for row in run.readings)
+
+
+class _Maker:
+    def __init__(
+        self,
+        run: RunRecord,
+        calibration: LoadCellCalibration,
+        channels: dict[str, FloatArray],
+        edges: dict[int, Edge],
+        rules: Rules,
+    ) -> None:
+        self._run = run
+        self._calibration = calibration
+        self._volts = np.stack([channels[name] for name in run.channels])
+        self._force = run.channels.index(FORCE)
+        self._drive = run.channels.index(DRIVE)
+        self._edges = edges
+        self._rules = rules
+        self._written_V = {int(row["step"]): float(row["sheet_V"]) for row in run.writes}
+
+    def reading(self, row: np.void) -> ForceReading:
+        """The reading that a row of the recorded table stands for."""
+        clock, zero_s = self._run.sample_clock, self._run.time_zero_s
+        planned = self._run.planned.readings[int(row["index"])]
+        edge = self._edges.get(planned.step)
+        centre = self._centre(planned, edge, float(row["sample_index"]))
+        half = planned.half_window_s * clock.rate_hz
+        force_N, noise_N = float(row["force_N"]), float("nan")
+        drive_V = float(row["drive_V"])
+        reasons = [str(row["why"])] if not row["valid"] else []
+        first, last = window(centre, half)
+        if first < 0 or last >= self._volts.shape[1]:
+            reasons.append("the samples of its window were not recorded")
+        else:
+            volts, noise_factor = self._filtered(centre, half)
+            force_N = float(self._calibration.newtons(volts[self._force]))
+            drive_V = float(volts[self._drive])
+            noise_N = noise_factor * self._scatter_N(first, last)
+            reasons += self._faults(first, last, drive_V, planned, edge)
+        return ForceReading(
+            index=planned.index,
+            kind=planned.kind,
+            voltage_V=planned.voltage_V,
+            force_N=force_N,
+            noise_N=noise_N,
+            drive_V=drive_V,
+            time_s=clock.time_of(centre) - zero_s,
+            sample_index=centre,
+            valid=not reasons,
+            why="; ".join(_once(reasons)),
+        )
+
+    def _centre(self, planned: PlannedReading, edge: Edge | None, recorded: float) -> float:
+        if edge is None:
+            return recorded
+        return edge.index + planned.delay_s * self._run.sample_clock.rate_hz
+
+    def _filtered(self, centre: float, half: float) -> tuple[FloatArray, float]:
+        found = symmetric_mean(self._volts, centre, half)
+        return found.value, found.noise_factor
+
+    def _scatter_N(self, first: int, last: int) -> float:
+        """Noise of one sample, from differences of neighbours: blind to the signal's own course."""
+        force = self._volts[self._force, first : last + 1]
+        sigma_V = float(np.std(np.diff(force))) / np.sqrt(2) if force.size > 2 else float("nan")
+        return sigma_V / abs(self._calibration.sensitivity_V_per_N)
+
+    def _faults(
+        self, first: int, last: int, drive_V: float, planned: PlannedReading, edge: Edge | None
+    ) -> Iterator[str]:
+        if edge is not None and edge.why:
+            yield edge.why
+        ranges_V = [self._run.ranges_V[name] for name in self._run.channels]
+        yield from bad_samples(self._volts[:, first : last + 1], ranges_V, self._run.channels)
+        yield from wrong_drive(drive_V, self._written_V.get(planned.step, 0.0), self._rules)
+
+
+def _once(reasons: list[str]) -> list[str]:
+    """Each reason once: what was noted while running is mostly found again."""
+    said = {part for reason in reasons[:1] for part in reason.split("; ")}
+    return reasons[:1] + [reason for reason in dict.fromkeys(reasons[1:]) if reason not in said]
