@@ -18,7 +18,7 @@ from drivers.ni_connection import NiConnection
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import DRIVE, Rig, boards, load_cell_of
+from labrig.experiment.rig import DRIVE, Rig, boards
 from labrig.session import RunRecord, Session
 from protocols.events import Event, RunStarted, RunStopped
 
@@ -64,7 +64,7 @@ def replay_rig(session: Session, plan: Plan) -> tuple[Rig, Director]:
         camera=camera,
         stage=_RecordedStage(),
         operator=_Done(),
-        load_cell=load_cell_of(plan.calibration, plan.rig),
+        calibration=plan.calibration,
         threaded=False,
     )
     return rig, director

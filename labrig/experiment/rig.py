@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from drivers.amplifier import Amplifier, SheetDrive
@@ -13,7 +13,7 @@ from drivers.ni_connection import NiConnection
 from drivers.ni_input import InputChannel, NiSignalInput
 from drivers.ni_output import NiVoltageOutput
 from labrig.config import RigConfig
-from labrig.errors import NotReadyError
+from labrig.errors import NotReadyError, OutputUnknownError
 from protocols.devices import Devices
 
 DRIVE = "drive"  # the channel on which the sheet voltage is read back
@@ -31,21 +31,28 @@ class Rig:
     camera: Camera | None
     stage: Positioner
     operator: Operator
-    load_cell: LoadCell
+    calibration: LoadCellCalibration
     threaded: bool  # False on a virtual clock: whatever follows the run is called at once
 
+    @property
+    def load_cell(self) -> LoadCell:
+        """The load cell on the input range that the board really has (once it is open)."""
+        row = list(self.signals.channels).index("force")
+        return LoadCell(self.calibration, self.signals.ranges_V[row])
+
     def devices(self) -> Devices:
-        """As the scheduler takes them."""
+        """As the scheduler takes them; the rig must be open."""
         shunt_ohm = self.config.current_sense.shunt_ohm
+        load_cell = self.load_cell
         return Devices(
             output=self.output,
             signals=self.signals,
             camera=self.camera,
             stage=self.stage,
             operator=self.operator,
-            newtons=self.load_cell.newtons,
+            newtons=load_cell.newtons,
             amperes=lambda volts: volts / shunt_ohm,
-            protect=self.load_cell.protect,
+            protect=load_cell.protect,
         )
 
 
@@ -68,26 +75,37 @@ def boards(
     return SheetDrive(output, amplifier), signals
 
 
-def load_cell_of(calibration: LoadCellCalibration, config: RigConfig) -> LoadCell:
-    """The load cell as wired."""
-    return LoadCell(calibration, config.ni.ranges_V.force)
-
-
 @contextmanager
 def opened(rig: Rig) -> Iterator[Rig]:
     """The same rig with every device open; they are closed in reverse order, whatever happens.
 
     A device that cannot be taken raises NotReadyError with the driver's sentence: nothing has been
-    energised. The output is opened first and closed last, and both write 0 V.
+    energised. The output is opened first and closed last, and both write 0 V; OutputUnknownError
+    when that fails at the end. The other devices' faults at the end do not matter any more.
     """
-    with ExitStack() as stack:
+    releases: list[Callable[[], None]] = []
+    try:
         for take, release in _openings(rig):
             try:
                 take()
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
-            stack.callback(release)
+            releases.append(release)
         yield rig
+    finally:
+        _release(rig, releases)
+
+
+def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
+    unknown: DeviceError | None = None
+    for release in reversed(releases):
+        try:
+            release()
+        except DeviceError as fault:
+            if release == rig.output.close:
+                unknown = fault
+    if unknown is not None:
+        raise OutputUnknownError(f"{unknown}; switch the amplifier off") from unknown
 
 
 def _openings(rig: Rig) -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:

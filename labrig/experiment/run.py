@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Protocol
 
 from drivers.interfaces import DeviceError
-from labrig.errors import ExitCode, NotReadyError
+from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.rig import Rig, opened
@@ -80,21 +80,40 @@ def run_session(
     `look_first` the devices are taken as they are: a recording shows nothing between its runs.
     Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
-    with opened(rig):
-        if look_first:
-            _require_ready(rig, plan)
-        writer = _writer(rig, plan, path)
-        hub.add_critical("the session file", writer.handle)
-        try:
-            with (watch or _unwatched)(rig) as watching:
-                scheduler = _scheduler(rig, plan, hub.emit, stop, watching)
-                if on_scheduler is not None:
-                    on_scheduler(scheduler)
-                outcome = scheduler.run(plan.schedule)
-        finally:
-            hub.close()
-            writer.close()
-        return Result(path, outcome, scheduler.status)
+    result: Result | None = None
+    try:
+        with opened(rig):
+            if look_first:
+                _require_ready(rig, plan)
+            result = _record(rig, plan, path, stop, hub, watch or _unwatched, on_scheduler)
+    except OutputUnknownError:
+        # Of closing the devices. How the session ended says more, and what is known of the output.
+        if result is None:
+            raise
+    return result
+
+
+def _record(
+    rig: Rig,
+    plan: Plan,
+    path: Path,
+    stop: StopRequest,
+    hub: EventHub,
+    watch: Callable[[Rig], AbstractContextManager[Watch]],
+    on_scheduler: Callable[[Scheduler], None] | None,
+) -> Result:
+    writer = _writer(rig, plan, path)
+    hub.add_critical("the session file", writer.handle)
+    try:
+        with watch(rig) as watching:
+            scheduler = _scheduler(rig, plan, hub.emit, stop, watching)
+            if on_scheduler is not None:
+                on_scheduler(scheduler)
+            outcome = scheduler.run(plan.schedule)
+    finally:
+        hub.close()
+        writer.close()
+    return Result(path, outcome, scheduler.status)
 
 
 def _unwatched(_rig: Rig) -> AbstractContextManager[Watch]:

@@ -41,7 +41,7 @@ def guard_of(rig: Rig) -> Iterator[Watch]:
     try:
         yield guard
     finally:
-        guard.disarm()
+        guard.disarm()  # acts first when 0 V was not confirmed
 
 
 @dataclass(frozen=True)

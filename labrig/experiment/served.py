@@ -33,6 +33,8 @@ def served_rig(record: Path, configuration: str) -> Iterator[dict[str, str]]:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+        if process.stdout is not None:
+            process.stdout.close()
 
 
 def _addresses(process: subprocess.Popen[str]) -> dict[str, str]:

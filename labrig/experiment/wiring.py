@@ -14,7 +14,7 @@ from drivers.stage_zaber import ZaberStage
 from labrig.config import RigConfig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import Rig, boards, load_cell_of
+from labrig.experiment.rig import Rig, boards
 from protocols import RecordedOperator
 from protocols.events import Event
 
@@ -53,7 +53,7 @@ def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody
         camera=_camera(config, clock, plan.schedule.frame_rate_hz),
         stage=_stage(plan, clock, asked),
         operator=asked,
-        load_cell=load_cell_of(plan.calibration, config),
+        calibration=plan.calibration,
         threaded=True,
     )
 
@@ -85,6 +85,7 @@ def _stage(
         origin_rad=stage.origin_rad,
         device=stage.address,
         home_on_open=stage.home,
+        operator=operator,
         serial_factory=serial_factory,
     )
 
@@ -127,6 +128,6 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         camera=camera,
         stage=_stage(plan, clock, person, serial),
         operator=person,
-        load_cell=load_cell_of(plan.calibration, config),
+        calibration=plan.calibration,
         threaded=False,
     )

@@ -1,0 +1,85 @@
+"""A simulated rig served over sockets and serial lines, and `labrig run` as a process on it."""
+
+from __future__ import annotations
+
+import csv
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from labrig.config.templates import template_text, write_templates
+from labrig.experiment.served import served_rig
+
+PROTOCOL = """
+moisten = false
+[pulse_train]
+zero_readings = 1
+readings_per_voltage = 10
+[[places]]
+configuration = "long"
+positions_mm = [10]
+[extras]
+mode = "paper"
+"""
+Row = dict[str, str]
+
+
+class ServedRig:
+    """Its folder, its files, and the world's own record of what happened."""
+
+    def __init__(self, folder: Path, addresses: dict[str, str]) -> None:
+        self.folder = folder
+        self.addresses = addresses
+        write_templates(folder / "rig", simulated=True)
+        text = template_text("rig_simulated.toml")
+        text = text.replace('address = "simulated"', f'address = "{addresses["grpc"]}"')
+        text = text.replace('source = "simulated"', f'source = "{addresses["camera"]}"')
+        text = text.replace('"manual"', f'"zaber"\nport = "{addresses["stage"]}"')
+        (folder / "rig" / "rig.toml").write_text(text.split("[simulated]")[0])
+        (folder / "rig" / "protocol.toml").write_text(PROTOCOL)
+        self.session = folder / "rig" / "session.h5"
+
+    def start(self) -> subprocess.Popen[bytes]:
+        """`labrig run`, in a process group of its own; what it says goes into `said`."""
+        names = ("rig.toml", "protocol.toml", "sheet.toml")
+        files = [str(self.folder / "rig" / name) for name in names]
+        command = [sys.executable, "-m", "labrig", "run", *files, "-o", str(self.session), "--yes"]
+        with (self.folder / "said.txt").open("wb") as said:
+            return subprocess.Popen(
+                command, stdout=said, stderr=said, start_new_session=os.name == "posix"
+            )
+
+    def said(self) -> str:
+        """What `labrig run` has printed."""
+        return (self.folder / "said.txt").read_text()
+
+    def rows(self) -> list[Row]:
+        """The world's record up to now; a line that is being written is left out."""
+        text = (self.folder / "world.csv").read_text()
+        return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
+
+    def drive_V(self) -> float:
+        """The sheet's voltage as the world has it."""
+        return float(self.rows()[-1]["drive_V"])
+
+    def until(self, condition: Callable[[], bool], timeout_s: float = 30.0) -> None:
+        """Wait for a condition, on the real clock."""
+        end = time.monotonic() + timeout_s
+        while not condition():
+            assert time.monotonic() < end, "it did not come about in time"
+            time.sleep(0.01)  # noqa: TID251 - another process is being watched
+
+    def is_energised(self) -> bool:
+        """Whether there is a voltage on the sheet."""
+        return abs(self.drive_V()) > 1.0
+
+
+@contextmanager
+def serving(folder: Path) -> Iterator[ServedRig]:
+    """Serve a rig until the block ends."""
+    with served_rig(folder / "world.csv", "long") as addresses:
+        yield ServedRig(folder, addresses)
