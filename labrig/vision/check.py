@@ -61,7 +61,10 @@ def smooth_residual_px(fit: Fit) -> float:
 def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: float) -> list[str]:
     shape, optics = fit.shape, setting.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
-    out = float((fit.present < 0.3).mean())
+    end_u, end_v = setting.nodes_px(shape)[-1]
+    rows, columns = setting.picture.grey.shape
+    near = 8 if tip.out_of_sight else 3
+    inside = near < end_u < columns - near - 1 and near < end_v < rows - near - 1
     snr = float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise if fit.used.any() else 0.0
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
@@ -70,9 +73,9 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     allowed = max(6.0, 0.03 * shape.basis.total_px)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
-        f"the sheet leaves the picture: {out:.0%} of its {length_mm:.1f} mm would be outside; "
-        "move the camera or check clamp_px and px_per_mm."
-        if out > 0.03 and not setting.mask.any()
+        f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is outside "
+        "or at the border; move the camera or check clamp_px, px_per_mm and the sheet's length."
+        if not inside
         else "",
         f"no sheet was found that starts at the clamp: only {covered:.0%} of the best path looks "
         "like one; check the picture, clamp_px and the sheet's length."
@@ -102,7 +105,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         f"the sheet ends {'at least ' if tip.at_least else ''}{abs(tip_px) / optics.px_per_mm:.1f} mm "
         f"{'after' if tip_px > 0 else 'before'} the stated {length_mm:.1f} mm; "
         "px_per_mm or the sheet's length is wrong."
-        if abs(tip_px) > allowed
+        if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]
 

@@ -21,6 +21,7 @@ class Tip:
     beyond_px: float | None  # positive: the sheet is longer than stated
     sigma_px: float = math.inf
     at_least: bool = False  # no end is seen: the sheet goes on for at least `beyond_px`
+    out_of_sight: bool = False  # the sheet is seen up to where the picture or a roll ends
 
 
 def find_tip(fit: Fit, setting: Setting) -> Tip:
@@ -31,9 +32,9 @@ def find_tip(fit: Fit, setting: Setting) -> Tip:
     at = np.arange(-round(before), round(after) + 1, dtype=float)
     ratio = _contrast_along(fit, setting, at)
     seen = np.isfinite(ratio)
-    beyond = seen & (at > 3)
-    if seen[at < -3].sum() < 8 or beyond.sum() < 6:
-        return Tip(None)
+    beyond = seen & (at > 2)
+    if seen[at < -3].sum() < 8 or beyond.sum() < 4:
+        return Tip(None, out_of_sight=bool(fit.used[-14:-4].mean() > 0.5))
     if np.mean(np.abs(ratio[beyond] - 1) < 0.45) > 0.85:
         return Tip(float(at[seen][-1]), at_least=True)
     noise = _roughness(ratio[seen])

@@ -35,6 +35,17 @@ class Candidate:
     tip: Tip
     verdict: Verdict
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether it passes, and its end is seen where it should be."""
+        tip = self.tip
+        return not self.verdict.why and tip.beyond_px is not None and not tip.at_least
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """What passes comes first, then what ends where it should, then what explains most."""
+        return not self.verdict.why, self.confirmed, self.verdict.worth
+
 
 def neutral_curve(
     image: npt.NDArray[Any],
@@ -125,11 +136,10 @@ class _Job:
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
-        first = self._candidates(width=120, hasty=True)
-        passed = [c for c in first if not c.verdict.why]
-        if not passed:
-            first += self._candidates(width=800, hasty=False)
-        return max(passed or first, key=lambda c: c.verdict.worth, default=None)
+        found = self._candidates(width=120, hasty=True)
+        if all(c.verdict.why for c in found):
+            found += self._candidates(width=800, hasty=False)
+        return max(found, key=lambda c: c.rank, default=None)
 
     def _candidates(self, *, width: int, hasty: bool) -> list[Candidate]:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
@@ -138,10 +148,30 @@ class _Job:
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if hasty and len(signs) == 2:
             signs = self._likely(ridges, signs)
-        traces = [
-            (trace_from_clamp(ridges, self.optics, self.strip, s, width=width), s) for s in signs
-        ]
-        return [self.refine(trace, sign) for trace, sign in traces if trace is not None]
+        found = []
+        for sign in signs:
+            trace = trace_from_clamp(ridges, self.optics, self.strip, sign, width=width)
+            if trace is not None:
+                found.append(self.refine(trace, sign))
+                if not found[-1].confirmed:
+                    enough = 0.85 if found[-1].verdict.why else 0.7
+                    found += self._rivals(ridges, trace, sign, width, enough)
+        return found
+
+    def _rivals(
+        self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float
+    ) -> list[Candidate]:
+        """Other ways the sheet may go on, where a wire may have been taken for its end."""
+        for share in (0.7, 0.45):
+            tail = trace.path[round(share * len(trace.path)) :]
+            wiped = ridges.without(tail, 1.5 + 0.5 * self.thickness_px)
+            rival = trace_from_clamp(wiped, self.optics, self.strip, sign, width=width)
+            if rival is not None:
+                other = self.refine(rival, sign)
+                # a wiped stretch is no excuse for a curve that is hardly seen
+                if other.confirmed and other.verdict.covered > enough:
+                    return [other]
+        return []
 
     def _likely(self, ridges: RidgeMaps, signs: list[float]) -> list[float]:
         """The polarities worth tracing, from a short search at the clamp."""
