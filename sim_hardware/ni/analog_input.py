@@ -9,7 +9,7 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from sim_hardware.ni.channels import VOLTS, AnalogInputChannel
 from sim_hardware.ni.engine import Engine
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
-from sim_hardware.ni.names import split_list
+from sim_hardware.ni.names import split_list, split_some
 from sim_hardware.ni.packed import doubles_field
 from sim_hardware.ni.reading import Taken, take
 from sim_hardware.ni.rpc import Call, Message, raw_enum
@@ -34,7 +34,7 @@ def create_ai_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
     """Add voltage inputs to a task."""
     task = task_of(engine, request, call)
     refuse_scales(raw_enum(request, "units"), request.custom_scale_name)
-    physical = split_list(request.physical_channel)
+    physical = split_some(request.physical_channel)
     names = names_for(physical, request.name_to_assign_to_channel)
     for name, full in zip(names, physical, strict=True):
         device, channel = engine.devices.find_channel(full)
@@ -68,6 +68,8 @@ def read_analog_f64(engine: Engine, request: Message, call: Call) -> Message:
 def read_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Message:
     """One sample of one channel."""
     task = task_of(engine, request, call)
+    if len(task.inputs) > 1:
+        raise StatusError(Code.ONE_CHANNEL_OF_SEVERAL, task=task.name, samples_read=0)
     taken = take(engine, task, 1, request.timeout, call)
     if taken.status:
         raise StatusError(taken.status, task=task.name)

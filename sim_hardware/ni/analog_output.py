@@ -10,7 +10,7 @@ from sim_hardware.ni.analog_input import names_for, refuse_scales
 from sim_hardware.ni.channels import AnalogOutputChannel, ChannelType
 from sim_hardware.ni.engine import Engine
 from sim_hardware.ni.errors import Code, StatusError
-from sim_hardware.ni.names import split_list
+from sim_hardware.ni.names import split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.task_calls import task_of
 from sim_hardware.ni.tasks import Task
@@ -22,7 +22,7 @@ def create_ao_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
     """Add voltage outputs to a task; their terminals do not change."""
     task = task_of(engine, request, call)
     refuse_scales(raw_enum(request, "units"), request.custom_scale_name)
-    physical = split_list(request.physical_channel)
+    physical = split_some(request.physical_channel)
     names = names_for(physical, request.name_to_assign_to_channel)
     for name, full in zip(names, physical, strict=True):
         device, channel = engine.devices.find_channel(full)

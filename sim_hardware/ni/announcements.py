@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 ACQUIRED_INTO_BUFFER = 1  # nidaqmx.constants.EveryNSamplesEventType
 _OVERWRITTEN = -200279
+_WAIT_PIECE_S = 0.1  # a thread notices so soon that its task has been stopped
 
 
 def announce(engine: Engine, task: Task, acquisition: Acquisition) -> None:
@@ -39,7 +40,7 @@ def _every_n_samples(
     count = wish.samples
     total = acquisition.plan.total
     while total is None or count <= total:
-        engine.clock.sleep_until(acquisition.time_of(count))
+        _wait(engine, task, acquisition, acquisition.time_of(count))
         if not _tell(engine, task, acquisition, wish.stream, event):
             return
         count += wish.samples
@@ -50,7 +51,7 @@ def _done(engine: Engine, task: Task, acquisition: Acquisition, stream: Stream) 
     total = acquisition.plan.total
     while total is None:
         overflow_s = acquisition.overflow_s()
-        engine.clock.sleep_until(overflow_s)
+        _wait(engine, task, acquisition, overflow_s)
         if task.acquisition is not acquisition or stream.closed:
             return
         if acquisition.overflow_s() <= overflow_s:
@@ -58,8 +59,15 @@ def _done(engine: Engine, task: Task, acquisition: Acquisition, stream: Stream) 
                 engine, task, acquisition, stream, pb.RegisterDoneEventResponse(status=_OVERWRITTEN)
             )
             return
-    engine.clock.sleep_until(acquisition.time_of(total))
+    _wait(engine, task, acquisition, acquisition.time_of(total))
     _tell(engine, task, acquisition, stream, pb.RegisterDoneEventResponse(status=0))
+
+
+def _wait(engine: Engine, task: Task, acquisition: Acquisition, when: float) -> None:
+    """Wait until `when`, or until the acquisition is over."""
+    clock = engine.clock
+    while task.acquisition is acquisition and clock.now() < when:
+        clock.sleep_until(min(when, clock.now() + _WAIT_PIECE_S))
 
 
 def _tell(

@@ -12,7 +12,7 @@ from sim_hardware.ni.boards import AnalogIn, AnalogOut
 from sim_hardware.ni.channels import Terminals
 from sim_hardware.ni.devices import Device
 from sim_hardware.ni.engine import Engine
-from sim_hardware.ni.names import join_list, split_list
+from sim_hardware.ni.names import join_list, split_some
 from sim_hardware.ni.rpc import Call, Message
 from sim_hardware.ni.timing import SampleMode
 
@@ -130,7 +130,7 @@ def _find_device(engine: Engine, request: Message, _call: Call) -> Device:
 
 
 def _find_physical(engine: Engine, request: Message, _call: Call) -> PhysicalChannel:
-    return engine.devices.find_channel(split_list(request.physical_channel)[0])
+    return engine.devices.find_channel(split_some(request.physical_channel)[0])
 
 
 HANDLERS = (

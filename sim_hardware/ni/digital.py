@@ -14,7 +14,7 @@ from sim_hardware.ni.channels import DigitalChannel
 from sim_hardware.ni.devices import Device, Devices
 from sim_hardware.ni.engine import Engine
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
-from sim_hardware.ni.names import split_device, split_list
+from sim_hardware.ni.names import split_device, split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.task_calls import task_of
 from sim_hardware.ni.tasks import Task
@@ -41,11 +41,11 @@ def create_di_chan(engine: Engine, request: Message, call: Call) -> Message:
 
 def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output: bool) -> None:
     task = task_of(engine, request, call)
-    groups = [_find(engine.devices, name, output) for name in split_list(request.lines)]
+    groups = [_find(engine.devices, name, output) for name in split_some(request.lines)]
     if raw_enum(request, "line_grouping") == _ALL_IN_ONE:
         device = groups[0][0]
         lines = [line for _, group in groups for line in group]
-        first, *others = split_list(request.lines)
+        first, *others = split_some(request.lines)
         name = assigned or (f"{first}..." if others else first)  # as the driver names it
         task.add(DigitalChannel(name, device, tuple(lines), output))
         return

@@ -29,6 +29,7 @@ class Code(IntEnum):
     TASK_RUNNING = -200479
     CHANNEL_TWICE = -200489
     RANGE_SYNTAX = -200498
+    ONE_CHANNEL_OF_SEVERAL = -200523
     WRITE_CHANNEL_COUNT = -200524
     PORT_PER_LINE = -200528
     PROPERTY_WHILE_RUNNING = -200557
@@ -78,6 +79,8 @@ TEXTS: dict[int, str] = {
     Code.CHANNEL_TWICE: "Specified channel cannot be added to the task, because a channel with the "
     "same name is already in the task.",
     Code.RANGE_SYNTAX: "Syntax for a range of objects in the input string is invalid.",
+    Code.ONE_CHANNEL_OF_SEVERAL: "A read of one value cannot be performed on a task with several "
+    "channels.",
     Code.WRITE_CHANNEL_COUNT: "Write cannot be performed, because the amount of data does not fit "
     "the number of channels in the task.",
     Code.PROPERTY_WHILE_RUNNING: "Specified property cannot be set while the task is running.",

@@ -20,6 +20,14 @@ def split_list(text: str) -> list[str]:
     return names
 
 
+def split_some(text: str) -> list[str]:
+    """The same for a list that must not be empty; -200170 when it is."""
+    names = split_list(text)
+    if not names:
+        raise StatusError(Code.NO_SUCH_CHANNEL, "No channel is named.")
+    return names
+
+
 def join_list(names: Sequence[str]) -> str:
     """The list of these names, as the driver answers it."""
     return ", ".join(names)

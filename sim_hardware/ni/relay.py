@@ -51,7 +51,12 @@ class Relay:
 
     def _serve(self, client: socket.socket) -> None:
         """One connection, from its beginning to its end."""
-        with client, socket.create_connection(self._server) as server:
+        try:
+            server = socket.create_connection(self._server)
+        except OSError:  # the server has stopped
+            client.close()
+            return
+        with client, server:
             for end in (client, server):
                 end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             with self._lock:

@@ -28,10 +28,3 @@ class Reservations(Generic[Holder]):
         """Let go of all that `holder` has."""
         for resource in [r for r, held_by in self._holders.items() if held_by is holder]:
             del self._holders[resource]
-
-    def of_device(self, device: str) -> list[Holder]:
-        """Everybody who holds something of a device."""
-        prefix = f"{device}/"
-        return [
-            held_by for resource, held_by in self._holders.items() if resource.startswith(prefix)
-        ]

@@ -25,6 +25,7 @@ from sim_hardware.ni import (
     event_calls,
     system_calls,
     task_calls,
+    waveforms,
 )
 from sim_hardware.ni.engine import Engine
 from sim_hardware.ni.errors import NotSimulatedError, SessionError, StatusError
@@ -52,6 +53,7 @@ def methods() -> dict[str, Method]:
     unary = (
         task_calls.HANDLERS
         | analog_input.HANDLERS
+        | waveforms.HANDLERS
         | analog_output.HANDLERS
         | digital.HANDLERS
         | event_calls.HANDLERS
@@ -90,6 +92,8 @@ def answer(engine: Engine, method: Method, request: Message, call: Call) -> Mess
         with engine.lock:
             return method.handler(engine, request, call)
     except StatusError as fault:
+        if not call.is_active():
+            raise _too_late() from fault
         raise CallError(grpc.StatusCode.UNKNOWN, str(fault), _trailing(fault)) from fault
     except NotSimulatedError as fault:
         raise CallError(grpc.StatusCode.UNIMPLEMENTED, str(fault)) from fault
@@ -98,6 +102,10 @@ def answer(engine: Engine, method: Method, request: Message, call: Call) -> Mess
             grpc.StatusCode.ALREADY_EXISTS if fault.exists else grpc.StatusCode.FAILED_PRECONDITION
         )
         raise CallError(status, str(fault)) from fault
+
+
+def _too_late() -> CallError:
+    return CallError(grpc.StatusCode.DEADLINE_EXCEEDED, "Deadline Exceeded")
 
 
 def _trailing(fault: StatusError) -> tuple[tuple[str, str], ...]:
@@ -115,9 +123,10 @@ def _suffer_faults(engine: Engine, method: Method, call: Call) -> None:
     if faults.unavailable:
         raise CallError(grpc.StatusCode.UNAVAILABLE, "the simulated server is switched off")
     end_s = clock.now() + faults.delay_s
-    while (faults.hangs(method.name) or clock.now() < end_s) and call.is_active():
-        clock.sleep_until(min(clock.now() + _LOOK_S, max(end_s, clock.now() + 1e-3)))
+    while call.is_active() and ((hangs := faults.hangs(method.name)) or clock.now() < end_s):
+        look_s = clock.now() + _LOOK_S
+        clock.sleep_until(look_s if hangs else min(look_s, end_s))
     if not call.is_active():
-        raise CallError(grpc.StatusCode.DEADLINE_EXCEEDED, "Deadline Exceeded")
+        raise _too_late()
     if method.name in faults.refuse:
         raise StatusError(faults.refuse[method.name])

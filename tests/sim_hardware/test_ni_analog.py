@@ -105,6 +105,12 @@ def test_noise_is_the_same_every_time_and_does_not_depend_on_the_blocks(make_ni:
     assert not np.array_equal(whole[0], whole[1])
 
 
+def test_without_a_seed_there_is_no_noise(make_ni: Any) -> None:
+    task = make_ni(tcp=False, seed=None).input()
+    task.timing.cfg_samp_clk_timing(1000, samps_per_chan=100)
+    assert set(task.read(100)) == {0.0}
+
+
 def test_a_second_acquisition_has_other_noise(make_ni: Any) -> None:
     task = make_ni(tcp=False).input()
     task.timing.cfg_samp_clk_timing(1000, samps_per_chan=100)

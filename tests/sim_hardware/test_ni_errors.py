@@ -96,6 +96,10 @@ def reset_of_no_such_device(ni: Any) -> None:
     ni.system.devices["Dev9"].reset_device()
 
 
+def no_channel_at_all(ni: Any) -> None:
+    ni.task().ao_channels.add_ao_voltage_chan("")
+
+
 def no_such_channel(ni: Any) -> None:
     ni.input("PCI6034E/ai16")
 
@@ -163,6 +167,11 @@ def a_read_of_an_output(ni: Any) -> None:
     reader.read_one_sample()
 
 
+def one_value_of_two_channels(ni: Any) -> None:
+    task = ni.input("PCI6034E/ai0", "PCI6034E/ai1")
+    AnalogSingleChannelReader(task.in_stream).read_one_sample()
+
+
 def a_write_to_an_input(ni: Any) -> None:
     AnalogSingleChannelWriter(ni.input().out_stream, auto_start=True).write_one_sample(1.0)
 
@@ -221,6 +230,7 @@ CASES: list[tuple[Callable[[Any], None], int]] = [
     (no_such_device, -200220),
     (reset_of_no_such_device, -200220),
     (no_such_channel, -200170),
+    (no_channel_at_all, -200170),
     (output_of_a_board_without, -200170),
     (an_input_as_output, -200430),
     (a_read_only_line, -200430),
@@ -235,6 +245,7 @@ CASES: list[tuple[Callable[[Any], None], int]] = [
     (a_negative_count, -200096),
     (an_array_that_is_too_small, -200229),
     (a_read_of_an_output, -200460),
+    (one_value_of_two_channels, -200523),
     (a_write_to_an_input, -200459),
     (too_many_values, -200524),
     (an_unread_buffer, -200279),

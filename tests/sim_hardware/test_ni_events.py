@@ -182,6 +182,7 @@ def test_an_event_that_needs_a_buffer_is_refused_without_one(ni: Any) -> None:
     assert fault.value.error_code == -200981
 
 
+@pytest.mark.slow
 def test_ninety_open_streams_starve_nobody(make_ni: Any) -> None:
     ni = make_ni(tcp=True)
     tasks = [ni.task(f"listener {k}") for k in range(90)]

@@ -126,6 +126,22 @@ def test_unscaled_data(ni: Any) -> None:
         assert offset + gain * codes[0] == pytest.approx(np.full(20, 2.0), abs=2e-3)
 
 
+def test_waveforms(ni: Any) -> None:
+    ni.output().write(2.0)
+    with nidaqmx.Task(grpc_options=ni.options()) as task:
+        task.ai_channels.add_ai_voltage_chan("PCI6034E/ai0", "force", min_val=-10, max_val=10)
+        task.timing.cfg_samp_clk_timing(1000, samps_per_chan=50)
+        waveform = task.read_waveform()
+        assert waveform.scaled_data == pytest.approx(np.full(50, 2.0), abs=2e-3)
+        assert (waveform.channel_name, waveform.units) == ("force", "Volts")
+        assert waveform.timing.sample_interval.total_seconds() == pytest.approx(1e-3)
+        task.ai_channels.add_ai_voltage_chan("PCI6034E/ai2")
+        assert [len(wave.scaled_data) for wave in task.read_waveform()] == [50, 50]
+        task.timing.cfg_samp_clk_timing(100, sample_mode=AcquisitionType.CONTINUOUS)
+        with pytest.raises(nidaqmx.DaqError, match="-200284"):
+            task.read_waveform(50, timeout=0.05)
+
+
 def test_lines_out(ni: Any) -> None:
     with nidaqmx.Task(grpc_options=ni.options()) as task:
         task.do_channels.add_do_chan(

@@ -54,6 +54,22 @@ def test_a_hung_write_is_not_made_up_for_later(make_ni: Any) -> None:
     assert abs(ni.input().read()) < 2e-3
 
 
+def test_a_read_that_outlives_its_deadline_ends_with_it(ni: Any) -> None:
+    task = ni.input()
+    task.timing.cfg_samp_clk_timing(10, sample_mode=AcquisitionType.CONTINUOUS)
+    task.start()
+    channel = ni.new_channel()
+    stub = stubs.NiDAQmxStub(getattr(channel, "_channel", channel))
+    request = pb.ReadAnalogF64Request(
+        task=task._handle, num_samps_per_chan=50, timeout=9, array_size_in_samps=50
+    )
+    before_s = ni.clock.now()
+    with pytest.raises(grpc.RpcError) as fault:
+        stub.ReadAnalogF64(request, timeout=0.3)
+    assert fault.value.code() is grpc.StatusCode.DEADLINE_EXCEEDED
+    assert 0.29 < ni.clock.now() - before_s < 1.0
+
+
 def test_slow_answers(ni: Any) -> None:
     task = ni.output()
     ni.server.faults.delay_s = 0.05

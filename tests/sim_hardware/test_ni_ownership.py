@@ -57,6 +57,7 @@ def port_of(ni: Any) -> int:
     return int(ni.server._tcp.port)
 
 
+@pytest.mark.slow
 def test_a_killed_clients_output_stays_until_somebody_attaches_and_writes(
     make_ni: Any, start_client: Any
 ) -> None:
@@ -76,6 +77,7 @@ def test_a_killed_clients_output_stays_until_somebody_attaches_and_writes(
     assert abs(ni.input().read()) < 2e-3
 
 
+@pytest.mark.slow
 def test_a_reset_frees_a_killed_clients_channel_and_leaves_its_voltage(
     make_ni: Any, start_client: Any
 ) -> None:
@@ -88,6 +90,7 @@ def test_a_reset_frees_a_killed_clients_channel_and_leaves_its_voltage(
     assert abs(ni.input().read()) < 2e-3
 
 
+@pytest.mark.slow
 def test_with_strict_ownership_tasks_end_with_their_process(
     make_ni: Any, start_client: Any
 ) -> None:
