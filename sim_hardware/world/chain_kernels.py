@@ -33,8 +33,11 @@ _MOST_STEPS = 25
 
 
 def compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The function, compiled when first called; the result is kept on disk."""
-    return cast("Callable[_P, _R]", numba.njit(cache=True, nogil=True)(function))
+    """The function, compiled when first called; the result is kept on disk.
+
+    It keeps the GIL: it runs for microseconds, and taking the GIL back can take milliseconds.
+    """
+    return cast("Callable[_P, _R]", numba.njit(cache=True, error_model="numpy")(function))
 
 
 class Hinges(NamedTuple):
@@ -173,6 +176,8 @@ def relax_free(phi: Floats, hinges: Hinges) -> int:
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(step[i, 0]))
+        if not math.isfinite(np.sum(step)):
+            return NO_SOLUTION
         # A load can turn the sheet far: the first steps are cut short.
         cut = 1.0 if largest <= _LARGE_STEP_RAD else _LARGE_STEP_RAD / largest
         for i in range(n):

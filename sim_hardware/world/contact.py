@@ -13,6 +13,8 @@ from sim_hardware.world.chain import Chain, Equilibrium, FloatArray
 _SHORTEST_STEP_RAD = 1e-4
 _SHORTEST_DRIVE = 1e-4
 _LONGEST_STEP_RAD = 0.25
+# A load cell gives way by far less than the sheet: each round gains a digit or more.
+_GIVE_ROUNDS = 10
 _LONGEST_DRIVE = 0.3
 
 
@@ -24,6 +26,7 @@ class Arc:
     origin_rad: float = 0.0
     roll_offset_m: float = 0.0
     friction: float = 0.0  # signed
+    give_rad_m2: float = 0.0  # how far the object gives way along the arc, per force over B
 
     def angle_rad(self, position_m: float) -> float:
         """Polar angle of a position."""
@@ -131,6 +134,17 @@ class Contact:
             else:
                 step /= 4
         return state, True
+
+    def yielded(self, state: Equilibrium, angle_rad: float) -> Equilibrium:
+        """The state when an object put at `angle_rad` has given way to the force on it."""
+        if self.arc.give_rad_m2 == 0.0:
+            return state
+        for _ in range(_GIVE_ROUNDS):
+            moved = self.push_to(state, angle_rad + self.arc.give_rad_m2 * state.along_per_m2)
+            if moved is None:
+                break
+            state = moved
+        return state
 
     def place(self, drive: float, angle_rad: float) -> Equilibrium | None:
         """The held chain at a drive, reached from its free shape; None: not reachable."""

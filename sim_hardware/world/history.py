@@ -41,11 +41,6 @@ class Moment:
     true_N: FloatArray  # along the load cell's axis
     felt_N: FloatArray  # by the load cell, without noise
 
-    @property
-    def sheet_V(self) -> FloatArray:
-        """Voltage across the sheet."""
-        return np.asarray(self.states[:, _VOLTAGE])
-
 
 class History:
     """Moves the state forward as far as it is asked for, and looks it up."""
@@ -89,6 +84,10 @@ class History:
         return self.start_s + self._track.last * self._step_s
 
     @property
+    def _oldest_s(self) -> float:
+        return self.start_s + self._track.oldest * self._step_s
+
+    @property
     def stage(self) -> Stage:
         """The newest."""
         return self._stages[-1]
@@ -101,11 +100,8 @@ class History:
             now, drive = np.array([self.reached_s]), stage.drive(states)
             self._from[_MOVED] = stage.moved(now, drive, states[:, _DRY_S])[0]
         self._stages.append(stage)
-        self._stages = [
-            a
-            for a, b in zip(self._stages, self._stages[1:], strict=False)
-            if b.start_s > self.start_s + self._track.oldest * self._step_s
-        ] + [self._stages[-1]]
+        while len(self._stages) > 1 and self._stages[1].start_s <= self._oldest_s:
+            del self._stages[0]
 
     def moisten(self) -> None:
         """The sheet is wet again."""
@@ -118,7 +114,7 @@ class History:
         while self._track.last < target:
             until = min(int(target), self._track.last + _MOST_STEPS)
             self._make(until)
-        self._amplifier.forget(self.start_s + self._track.oldest * self._step_s)
+        self._amplifier.forget(self._oldest_s)
 
     def at(self, times: FloatArray) -> list[Moment]:
         """The state at times in order, in one piece for each set-up that they fall into."""

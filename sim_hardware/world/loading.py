@@ -22,8 +22,9 @@ class WorldError(ValueError):
 def load_world(path: Path | None = None, seed: int | None = None) -> WorldSettings:
     """The world of a file; None: the shipped one. `seed` replaces the file's.
 
-    A file needs to say only what differs from the shipped world.toml. The name of a shipped world
-    (`paper_scatter.toml`) stands for it where no such file exists. Raises WorldError.
+    A file needs to say only what differs from the shipped world.toml. Where a folder has no file
+    of the name of a shipped world (`paper_scatter.toml`), the shipped one is meant. Raises
+    WorldError.
     """
     content = _parsed(_shipped("world.toml"), "world.toml")
     name = "world.toml"
@@ -46,8 +47,8 @@ def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        if str(path) in SHIPPED:
-            return _shipped(str(path))
+        if path.name in SHIPPED and path.parent.is_dir():
+            return _shipped(path.name)
         raise WorldError(
             f"{path}: no such file; name a world.toml, or one of the shipped worlds "
             f"({', '.join(SHIPPED)})"

@@ -22,15 +22,11 @@ SLIDE_M = 20e-6
 ELEMENTS = 3
 
 
-@dataclass(frozen=True)
+@dataclass
 class Slip:
     """When the sheet slipped out of the rolls; it does not come back by itself."""
 
-    since_s: list[float] = field(default_factory=list)
-
-    def happened(self, times: FloatArray) -> npt.NDArray[np.bool_]:
-        """Whether it was out at these times."""
-        return times >= (self.since_s[0] if self.since_s else math.inf)
+    since_s: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -61,12 +57,16 @@ class Stage:
         rate = self.setup.settings.water.stiffening_per_min / 60
         return np.asarray(1 + approach(dry_s, _MOST_STIFFENING - 1, rate))
 
+    def out(self, times: FloatArray, drive: FloatArray) -> npt.NDArray[np.bool_]:
+        """Where the sheet is out of the rolls, though they are there."""
+        return (times >= self.slip.since_s) | self.setup.slipped(drive)
+
     def moved(self, times: FloatArray, drive: FloatArray, dry_s: FloatArray) -> FloatArray:
         """Force along the load cell's axis in N, and place along the sheet in m: (n, 2).
 
         Without what lags behind. Once out of the rolls: only what hangs on the cell.
         """
-        out = self.slip.happened(times) | self.setup.slipped(drive)
+        out = self.out(times, drive)
         result = np.zeros((times.size, 2))
         held, B = drive[~out], self.setup.stiffness_Nm2 * self.stiffening(dry_s[~out])
         result[~out, 0] = B * self.setup.cell_force_per_m2(held)
@@ -79,11 +79,9 @@ class Stage:
 
     def watch(self, times: FloatArray, drive: FloatArray) -> None:
         """Remember when, along these times, the sheet slipped out."""
-        if self.slip.since_s or self.setup.position_m is None:
-            return
         out = self.setup.slipped(drive)
         if out.any():
-            self.slip.since_s.append(float(times[np.argmax(out)]))
+            self.slip.since_s = min(self.slip.since_s, float(times[np.argmax(out)]))
 
     def friction_N(
         self, times: FloatArray, drive: FloatArray, dry_s: FloatArray, turned_m: FloatArray
@@ -92,7 +90,7 @@ class Stage:
         result = np.zeros(times.size)
         if not self.setup.rubs:
             return result
-        held = ~(self.slip.happened(times) | self.setup.slipped(drive))
+        held = ~self.out(times, drive)
         B = self.setup.stiffness_Nm2 * self.stiffening(dry_s[held])
         result[held] = B * self.setup.friction_per_m2(drive[held]) * turned_m[held] / SLIDE_M
         return result

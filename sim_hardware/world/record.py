@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TextIO
 
+from sim_hardware.world.loading import WorldError
+
 _HEADER = "time_s,drive_V,force_mN,position_mm\n"
 
 
@@ -16,7 +18,10 @@ class Record:
     """
 
     def __init__(self, path: Path) -> None:
-        self._file: TextIO | None = path.open("w", encoding="utf-8", newline="")
+        try:
+            self._file: TextIO | None = path.open("w", encoding="utf-8", newline="")
+        except OSError as fault:
+            raise WorldError(f"{path}: the record cannot be written ({fault.strerror})") from None
         self._file.write(_HEADER)
 
     def row(self, time_s: float, drive_V: float, force_N: float, position_m: float | None) -> None:

@@ -1,7 +1,8 @@
 """A session without pixels and volts: what an experiment would have measured, in milliseconds.
 
 For questions that take hundreds of sessions, such as whether stated intervals cover the truth. The
-sheet, its scatter and the load cell are those of the world; settled at each voltage, no drying.
+sheet, its scatter and the load cell are those of the world, settled at each voltage. Nothing dries,
+rubs or sticks.
 """
 
 from __future__ import annotations
@@ -182,25 +183,26 @@ class _Maker:
     ) -> ReducedCondition:
         sheet = setup.chain.sheet
         B = setup.stiffness_Nm2
-        axis = math.radians(self._settings.load_cell.misalignment_deg)
-        along, outward = state.along_per_m2, state.outward_per_m2
-        force_N = B * (along * math.cos(axis) - outward * math.sin(axis))
+        forces = np.array([[state.along_per_m2], [state.outward_per_m2]])
+        force_N = B * float(setup.along_axis(forces)[0])
+        if state.touched:
+            force_N += self._settings.rolls.meniscus_mN * 1e-3
         l_hat_m = min(sheet.free_length_m, state.s_m if state.touched else math.inf)
         mean_eibm = B * state.drive * _mean_drive_per_m(self._settings, l_hat_m)
         s_m, x_m, y_m = self._curve(setup, state, random)
-        forces = np.empty(0)
+        readings_N = np.empty(0)
         if setup.position_m is not None:
-            forces = self._cell.filtered_N(force_N, times, random)
+            readings_N = self._cell.filtered_N(force_N, times, random)
         return ReducedCondition(
             setup.configuration,
             setup.position_m,
             voltage_V,
-            forces,
+            readings_N,
             s_m,
             x_m,
             y_m,
             self._errors.sigma_m,
-            force_N if state.touched else 0.0,
+            force_N,
             B,
             mean_eibm,
             l_hat_m,
@@ -238,4 +240,4 @@ def _state(setup: Setup, drive: float) -> Equilibrium | None:
     if start is None:
         return None
     state, whole = contact.drive_to(start, drive, setup.arc_rad)
-    return state if whole else None
+    return contact.yielded(state, setup.arc_rad) if whole else None

@@ -182,8 +182,8 @@ class ClampSettings(Closed):
     """How the sheet is held."""
 
     tilt_rad: Angle
-    compliance_rad_per_mNmm: NotNegative
-    """Turn of the clamped end per moment."""
+    compliance_mrad_per_Nmm: Annotated[float, Field(ge=0, le=1e5)]
+    """Turn of the clamped end per moment of the load."""
 
 
 class RollsSettings(Closed):

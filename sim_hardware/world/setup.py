@@ -88,10 +88,12 @@ class Setup:
     def arc(self) -> Arc:
         """The arc, and how the rolls touch."""
         s = self.settings
+        give = s.load_cell.compliance_mm_per_mN * self.stiffness_Nm2  # m per force over B
         return Arc(
             s.arc.radius_mm * MILLI,
             math.radians(s.arc.origin_deg),
             s.rolls.offset_mm * MILLI,
+            give_rad_m2=give / (s.arc.radius_mm * MILLI),
         )
 
     @cached_property
@@ -111,8 +113,8 @@ class Setup:
                 knee_per_m=sheet.stiffening_knee_per_m,
                 elongation_stiffness=1 / max(sheet.elongation_give, 1e-12),
                 clamp_rad=s.clamp.tilt_rad + self.scatter.tilt_rad,
-                # rad/(mN mm) = 1e6 rad/(N m)
-                clamp_compliance_m=s.clamp.compliance_rad_per_mNmm * 1e6 * B,
+                # mrad/(N mm) = rad/(N m)
+                clamp_compliance_m=s.clamp.compliance_mrad_per_Nmm * B,
                 load_per_m3=(0.0, -s.gravity_N_per_m / B),
             ),
             s.chain.link_mm * MILLI,
@@ -126,9 +128,7 @@ class Setup:
     @cached_property
     def held(self) -> DriveTable:
         """The sheet between the rolls."""
-        give = self.settings.load_cell.compliance_mm_per_mN * self.stiffness_Nm2
-        contact = Contact(self.chain, self.arc)
-        return DriveTable(contact, self.arc_rad, give / self.arc.radius_m)
+        return DriveTable(Contact(self.chain, self.arc), self.arc_rad)
 
     @cached_property
     def _rubbed(self) -> tuple[DriveTable, DriveTable]:
@@ -148,9 +148,10 @@ class Setup:
         """Force along the load cell's axis over B, without friction; the sheet must be held."""
         if self.position_m is None:
             return np.zeros_like(drive)
-        return self._along_axis(self.held.forces_per_m2(drive))
+        return self.along_axis(self.held.forces_per_m2(drive))
 
-    def _along_axis(self, forces: FloatArray) -> FloatArray:
+    def along_axis(self, forces: FloatArray) -> FloatArray:
+        """Component along the load cell's axis of forces (2, n): along the arc and outward."""
         off = math.radians(self.settings.load_cell.misalignment_deg)
         return np.asarray(forces[0] * math.cos(off) - forces[1] * math.sin(off))
 
@@ -165,7 +166,7 @@ class Setup:
         lost = up.slipped(drive) | down.slipped(drive)
         result = np.zeros_like(drive)
         held = drive[~lost]
-        change = self._along_axis(up.forces_per_m2(held) - down.forces_per_m2(held)) / 2
+        change = self.along_axis(up.forces_per_m2(held) - down.forces_per_m2(held)) / 2
         result[~lost] = change * np.sign(self.held.contact(held)[0])
         return result
 

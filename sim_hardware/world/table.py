@@ -22,8 +22,6 @@ NODES = 14
 # What a row of a panel's coefficients holds, before the link angles.
 ALONG, OUTWARD, NORMAL, S, ANGLE = range(5)
 _SCALARS = 5
-# A load cell gives way by far less than the sheet: each round gains a digit or more.
-_GIVE_ROUNDS = 10
 
 # cos((2 k + 1) pi / 2 n) from -1 to 1, and the matrix from node values to coefficients
 _NODES = -np.cos((2 * np.arange(NODES) + 1) * np.pi / (2 * NODES))
@@ -31,18 +29,14 @@ _TO_COEFFICIENTS = np.linalg.inv(np.polynomial.chebyshev.chebvander(_NODES, NODE
 
 
 class DriveTable:
-    """Equilibria of a held (or, with `angle_rad` None, of a free) chain over its drive.
+    """Equilibria of a held (or, with `angle_rad` None, of a free) chain over its drive."""
 
-    `give_rad_m2`: how far the object gives way along the arc per force over B.
-    """
-
-    def __init__(self, contact: Contact, angle_rad: float | None, give_rad_m2: float = 0.0) -> None:
+    def __init__(self, contact: Contact, angle_rad: float | None) -> None:
         from sim_hardware.world import signal_kernels
 
         self._chebyshev = signal_kernels.chebyshev
         self._contact = contact
         self._angle_rad = angle_rad
-        self._give = give_rad_m2
         self._panels: dict[int, FloatArray] = {}
         self._edges: dict[int, Equilibrium] = {}  # at drive = key * PANEL
         # Drives between these two are held; the chain slips out at the first and beyond.
@@ -135,20 +129,8 @@ class DriveTable:
         states, state = [], self._edges[near]
         for drive in nodes if upward else nodes[::-1]:
             state, _ = self._contact.drive_to(state, float(drive), self._angle_rad)
-            states.append(self._given_way(state))
+            states.append(self._contact.yielded(state, self._angle_rad))
         self._panels[k] = self._through(states if upward else states[::-1])
-
-    def _given_way(self, state: Equilibrium) -> Equilibrium:
-        """The state when the object has moved by what the force makes it give way."""
-        if self._give == 0.0 or self._angle_rad is None:
-            return state
-        moved = state
-        for _ in range(_GIVE_ROUNDS):
-            there = self._contact.push_to(moved, self._angle_rad + self._give * moved.along_per_m2)
-            if there is None:
-                return moved
-            moved = there
-        return moved
 
     def _nodes_of(self, k: int) -> FloatArray:
         low, high = self._span(k)

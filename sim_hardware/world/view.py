@@ -18,10 +18,8 @@ _SPACING_M = 0.5e-3
 def state_of(moment: Moment, k: int = -1) -> Equilibrium:
     """The chain at one of the times."""
     setup, drive = moment.stage.setup, float(moment.drive[k])
-    held = setup.position_m is not None and not (
-        moment.stage.slip.happened(moment.times[k : k + 1] if k >= 0 else moment.times[-1:])[0]
-        or setup.slipped(np.array([drive]))[0]
-    )
+    out = bool(moment.stage.out(moment.times, moment.drive)[k])
+    held = setup.position_m is not None and not out
     return setup.held.state(drive) if held else setup.free.state(drive)
 
 

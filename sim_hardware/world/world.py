@@ -45,7 +45,7 @@ class World:
         self._clock = clock
         self._lock = threading.RLock()
         self._render_lock = threading.Lock()
-        self._renderer: Renderer | None = None
+        self._renderer = Renderer(settings.camera, settings.seed)
         self._record: Record | None = None
         self._recorded_s = -np.inf
         self._drawn = 0
@@ -55,6 +55,7 @@ class World:
         self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
         first = Stage(clock.now(), self._new_setup(next(iter(settings.configurations)), None))
         self._history = History(settings, self._amplifier, self._cell, first, self._watch)
+        self._warm_up()
 
     # ---------------------------------------------------------------------------------- hands
 
@@ -79,11 +80,13 @@ class World:
 
     def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
         """Put the load cell to a position along the arc, from below or above; None: away."""
-        self._set_up(self.configuration, position_m, moved_up=approach == "up")
+        with self._lock:
+            self._set_up(self.configuration, position_m, moved_up=approach == "up")
 
     def remount(self) -> None:
         """Take the sheet out and put it back, the load cell to where it was."""
-        self._set_up(self.configuration, self.position_m)
+        with self._lock:
+            self._set_up(self.configuration, self.position_m)
 
     def moisten(self) -> None:
         """Moisten the sheet."""
@@ -170,8 +173,6 @@ class World:
             contact = contact_of(moments[-1])
             length_m = moments[-1].stage.setup.chain.sheet.free_length_m
         with self._render_lock:
-            if self._renderer is None:
-                self._renderer = Renderer(camera, self.settings.seed)
             return self._renderer.render(
                 shapes, contact, number, sheet_length_m=length_m, time_s=when
             )
@@ -195,6 +196,16 @@ class World:
                 self._record = None
 
     # ------------------------------------------------------------------------------ internals
+
+    def _warm_up(self) -> None:
+        """Compile what a session needs: on the real clock there is no time for it later."""
+        now = np.array([self._history.start_s])
+        setup = Setup(self.settings, self.configuration, 0.0, Scatter())
+        stage = Stage(float(now[0]), setup)
+        stage.moved(now, np.zeros(1), np.zeros(1))
+        for channel in (FORCE, CURRENT, READBACK):
+            self.read("", channel, now)
+        self.picture(float(now[0]), 0)
 
     def _now(self) -> float:
         """The clock's time, the state made up to it; what is done now cannot act earlier."""

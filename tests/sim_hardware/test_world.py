@@ -472,6 +472,12 @@ def test_the_record_holds_every_change_and_the_force_while_driven(tmp_path: Path
     assert len(rows) < 130
 
 
+def test_a_record_that_cannot_be_written_is_refused_in_words(tmp_path: Path) -> None:
+    world, _ = quiet_world()
+    with pytest.raises(WorldError, match=r"nowhere.*cannot be written"):
+        world.record_to(tmp_path / "nowhere" / "record.csv")
+
+
 def test_the_person_does_what_is_asked() -> None:
     world, clock = quiet_world()
     person = SimulatedPerson(world)

@@ -70,7 +70,14 @@ def test_a_file_that_is_not_there_is_named_with_the_shipped_ones(tmp_path: Path)
     with pytest.raises(WorldError, match=r"nowhere\.toml: no such file.*paper_scatter\.toml"):
         load_world(tmp_path / "nowhere.toml")
     with pytest.raises(WorldError, match="no such file"):
-        load_world(tmp_path / "paper_scatter.toml")
+        load_world(tmp_path / "no_folder" / "paper_scatter.toml")
+
+
+def test_a_shipped_world_is_meant_by_its_name_unless_the_folder_has_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "paper_scatter.toml"
+    assert load_world(path) == load_world(Path("paper_scatter.toml"))
+    path.write_text("seed = 5")
+    assert load_world(path) == load_world(None, seed=5)
 
 
 def test_every_key_of_the_shipped_world_is_explained() -> None:
