@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-POSITIVE, ZERO, NEGATIVE = "#D55E00", "#555555", "#0072B2"  # Okabe and Ito's palette
-MEASURED, SIMULATED = "#222222", "#009E73"
+POSITIVE, ZERO, NEGATIVE = "#D55E00", "#767676", "#0072B2"  # Okabe and Ito's palette
+VARYING, CONSTANT = "#009E73", "#CC79A7"  # the two simulations, where colour is free for them
+# Text, axes and neutral lines. A colour of its own, so that the page can turn it with its theme.
+INK = "#1b1f24"
 
 _SETTINGS = {
     "figure.dpi": 110,
@@ -23,10 +26,16 @@ _SETTINGS = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.alpha": 0.25,
+    "grid.alpha": 0.12,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "lines.linewidth": 1.4,
+    "text.color": INK,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "grid.color": INK,
     "svg.hashsalt": "labrig",  # the same figure gives the same file
 }
 
@@ -56,15 +65,29 @@ def figure(width_in: float, height_in: float) -> Iterator[Figure]:
         yield fig
 
 
+def letter(axes: Axes, name: str, title: str) -> None:
+    """A panel's letter and what it shows, above its left edge."""
+    axes.set_title(f"({name}) {title}", loc="left")
+
+
+def save_pair(fig: Figure, folder: Path, name: str) -> None:
+    """Write NAME.png and NAME.svg."""
+    for ending in ("png", "svg"):
+        save(fig, folder / f"{name}.{ending}")
+
+
 def save(fig: Figure, path: Path) -> None:
     """Write a figure beside its place and rename it; the ending chooses png, svg or pdf."""
+    import matplotlib as mpl
+
     ending = path.suffix.lower().lstrip(".")
     if ending not in {"png", "svg", "pdf"}:
         raise BadInputError(f"{path}: a picture's name must end in .png, .svg or .pdf.")
     part = path.with_name(path.name + ".part")
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
     try:
-        fig.savefig(part, format=ending, metadata=metadata)
+        with mpl.rc_context(_SETTINGS):
+            fig.savefig(part, format=ending, metadata=metadata, transparent=ending == "svg")
         part.replace(path)
     except OSError as error:
         part.unlink(missing_ok=True)

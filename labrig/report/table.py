@@ -13,6 +13,7 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = field(default="")
+    quoted: frozenset[int] = frozenset()  # columns that are the paper's, not this session's
 
 
 def number(value: float | None, digits: int = 3) -> str:

@@ -1,0 +1,60 @@
+"""A `SheetModel` as a TOML file: what `labrig fit` writes and `labrig simulate` reads."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from labrig.config.base import parse_toml, read_text
+from labrig.errors import BadInputError
+from model import ModelError, SheetModel
+
+_HEADER = (
+    "The model of a sheet, written by labrig fit: each parameter with its standard uncertainty",
+    "and unit, SI throughout. labrig simulate reads it.",
+)
+
+
+def load_model(path: Path) -> SheetModel:
+    """Read a model file. Raises BadInputError naming file and key."""
+    data = parse_toml(read_text(path), str(path))
+    try:
+        return SheetModel.from_dict(data)
+    except ModelError as error:
+        raise BadInputError(f"{path}: {error}.") from None
+
+
+def save_model(model: SheetModel, path: Path) -> None:
+    """Write a model file beside its place and rename it."""
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_text(model_text(model), encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+
+
+def model_text(model: SheetModel) -> str:
+    """The text of a model file."""
+    document = tomlkit.document()
+    for line in _HEADER:
+        document.add(tomlkit.comment(line))
+    for key, value in _plain(model.to_dict()).items():
+        document.add(key, value)
+    return tomlkit.dumps(document)
+
+
+def _plain(value: Any) -> Any:
+    """Without what TOML has no word for: keys whose value is None or not a number are left out."""
+    if isinstance(value, dict):
+        known = {str(key): _plain(item) for key, item in value.items()}
+        return {key: item for key, item in known.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
