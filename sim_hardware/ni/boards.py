@@ -65,7 +65,7 @@ class Board:
     """A model of board."""
 
     product_type: str
-    product_number: int
+    product_number: int | None  # None: not known to us, and so not told
     category: int  # nidaqmx.constants.ProductCategory
     bus: int  # nidaqmx.constants.BusType
     analog_in: AnalogIn | None
@@ -127,7 +127,7 @@ BOARDS = {
         ),
         Board(
             "USB-6211",
-            0x7270,
+            None,
             _M_SERIES,
             _USB,
             AnalogIn(

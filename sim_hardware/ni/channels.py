@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 
 from sim_hardware.ni.boards import AnalogIn, AnalogOut
@@ -112,7 +112,6 @@ class DigitalChannel:
     lines: tuple[str, ...]  # port0/line0, ...
     output: bool
     description: str = ""
-    inverted: bool = field(default=False)
 
     @property
     def type(self) -> ChannelType:

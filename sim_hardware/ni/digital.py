@@ -20,8 +20,8 @@ from sim_hardware.ni.task_calls import task_of
 from sim_hardware.ni.tasks import Task
 from sim_hardware.ni.timing import TimingType
 
-_ONE_PER_LINE, _ALL_IN_ONE = 0, 1  # constants.LineGrouping
-_BY_CHANNEL = 0
+_ALL_IN_ONE = 1  # constants.LineGrouping.CHAN_FOR_ALL_LINES
+_BY_CHANNEL = 0  # constants.FillMode.GROUP_BY_CHANNEL
 _PORT = re.compile(r"^port\d+$")
 Words = npt.NDArray[np.uint32]  # one bit for each line, or one word for each
 Handler = Callable[[Engine, Message, Call], Message]
@@ -44,6 +44,8 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
     groups = [_find(engine.devices, name, output) for name in split_some(request.lines)]
     if raw_enum(request, "line_grouping") == _ALL_IN_ONE:
         device = groups[0][0]
+        if any(other is not device for other, _ in groups):
+            raise NotSimulatedError("a channel of lines of several boards is not simulated")
         lines = [line for _, group in groups for line in group]
         first, *others = split_some(request.lines)
         name = assigned or (f"{first}..." if others else first)  # as the driver names it

@@ -35,7 +35,7 @@ def enumerate_devices(engine: Engine, _request: Message, _call: Call) -> Message
             model=device.board.product_type,
             vendor="National Instruments",
             serial_number=f"{device.serial_number:08X}",
-            product_id=device.board.product_number,
+            product_id=device.board.product_number or 0,
         )
         for device in engine.devices
     ]

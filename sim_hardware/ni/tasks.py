@@ -112,6 +112,8 @@ class Task:
         """Check every setting against the boards; the plan of a clocked acquisition."""
         if not self.channels:
             raise StatusError(Code.NO_CHANNELS, task=self.name)
+        if self.inputs and len(self.device_names) > 1:
+            raise NotSimulatedError("a task of inputs of several boards is not simulated")
         for output in self.outputs:
             output.verify()
         for channel in self.inputs:

@@ -305,6 +305,8 @@ def test_a_failed_read_tells_how_many_samples_it_got(ni: Any) -> None:
         lambda ni: ni.system.devices["PCI6034E"].ai_current_rngs,
         lambda ni: ni.input().ai_channels[0].ai_lowpass_enable,
         lambda ni: ni.input().timing.samp_clk_timebase_src,
+        lambda ni: ni.input("PCI6034E/ai0", "M/ai0").start(),
+        lambda ni: ni.task().do_channels.add_do_chan("PCI6703/port0/line0, X/port0/line0"),
     ],
 )
 def test_what_is_not_simulated_is_not_made_up(ni: Any, ask: Callable[[Any], Any]) -> None:
