@@ -26,7 +26,7 @@ class Amplifier:
         level = self._level(0.0)
         # One entry a write: time, level aimed at, output and its integral at that time.
         self._history: list[tuple[float, float, float, float]] = [(start_s, level, level, 0.0)]
-        self._table: FloatArray | None = None  # the history as an array (4, writes)
+        self._table: FloatArray | None = None  # the history as an array (writes, 4)
         self._board_V = 0.0
 
     @property
@@ -74,7 +74,5 @@ class Amplifier:
     def _at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Output, and its integral since the beginning."""
         if self._table is None:
-            self._table = np.array(self._history).T.copy()
-        when, level, output, integral = self._table
-        k = np.maximum(np.searchsorted(when, times, side="right") - 1, 0)
-        return self._settling(times - when[k], self._lag_s, level[k], output[k], integral[k])
+            self._table = np.array(self._history)
+        return self._settling(times, self._table, self._lag_s)

@@ -6,6 +6,7 @@ time depends on that time and on what was written before it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -110,10 +111,9 @@ class History:
 
     def advance(self, when: float) -> None:
         """Make the grid up to the last step not after `when`."""
-        target = self._step_of(np.array([when]))[0]
+        target = math.floor((when - self.start_s) / self._step_s)
         while self._track.last < target:
-            until = min(int(target), self._track.last + _MOST_STEPS)
-            self._make(until)
+            self._make(min(target, self._track.last + _MOST_STEPS))
         self._amplifier.forget(self._oldest_s)
 
     def at(self, times: FloatArray) -> list[Moment]:
@@ -122,6 +122,8 @@ class History:
         self.advance(float(times[-1]))
         starts = [stage.start_s for stage in self._stages]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        if which[0] == which[-1]:
+            return [self._moment(self._stages[which[0]], times)]
         return [self._moment(self._stages[k], times[which == k]) for k in np.unique(which)]
 
     def states(self, times: FloatArray) -> FloatArray:
@@ -159,7 +161,7 @@ class History:
         moved = stage.moved(times, drive, dry)
         reach = self._reach(stage)
         turned = rows[:, _TURNED] + _hung(moved) - _hung(rows[:, _MOVED])
-        turned = np.clip(turned, -reach, reach)
+        turned = np.minimum(np.maximum(turned, -reach), reach)
         true_N = moved[:, 0] + stage.friction_N(times, drive, dry, turned[:, 2])
         return Moment(stage, times, states, drive, true_N, self._cell.felt_N(true_N, turned))
 

@@ -66,14 +66,14 @@ class Stage:
 
         Without what lags behind. Once out of the rolls: only what hangs on the cell.
         """
-        out = self.out(times, drive)
         result = np.zeros((times.size, 2))
-        held, B = drive[~out], self.setup.stiffness_Nm2 * self.stiffening(dry_s[~out])
-        result[~out, 0] = B * self.setup.cell_force_per_m2(held)
         if self.setup.position_m is not None:
-            result[~out, 0] += self.setup.settings.rolls.meniscus_mN * 1e-3
-        if self.setup.rubs:
-            result[~out, 1] = self.setup.sliding_m(held)
+            held = ~self.out(times, drive)
+            B = self.setup.stiffness_Nm2 * self.stiffening(dry_s[held])
+            force_N = B * self.setup.cell_force_per_m2(drive[held])
+            result[held, 0] = force_N + self.setup.settings.rolls.meniscus_mN * 1e-3
+            if self.setup.rubs:
+                result[held, 1] = self.setup.sliding_m(drive[held])
         result[:, 0] += self.load_N
         return result
 

@@ -146,8 +146,6 @@ class Setup:
 
     def cell_force_per_m2(self, drive: FloatArray) -> FloatArray:
         """Force along the load cell's axis over B, without friction; the sheet must be held."""
-        if self.position_m is None:
-            return np.zeros_like(drive)
         return self.along_axis(self.held.forces_per_m2(drive))
 
     def along_axis(self, forces: FloatArray) -> FloatArray:

@@ -51,16 +51,25 @@ def waves(times: Floats, omega: Floats, phase: Floats) -> Floats:
 
 
 @compiled
-def settling(
-    since: Floats, lag: float, level: Floats, start: Floats, area: Floats
-) -> tuple[Floats, Floats]:
-    """Value and integral, a time after both were known, of what goes to its level with a lag."""
-    value, integral = np.empty_like(since), np.empty_like(since)
-    for k in range(since.shape[0]):
-        left = start[k] - level[k]
-        gone = math.exp(-since[k] / lag)
-        value[k] = level[k] + left * gone
-        integral[k] = area[k] + level[k] * since[k] + left * lag * (1.0 - gone)
+def settling(times: Floats, moves: Floats, lag: float) -> tuple[Floats, Floats]:
+    """Value and integral, at times, of what goes to its level with a lag.
+
+    `moves` (n, 4), one for each change of the level: its time, the level from then on, value and
+    integral then. Times before the first go on from the first.
+    """
+    value, integral = np.empty_like(times), np.empty_like(times)
+    last = moves.shape[0] - 1
+    move = 0
+    for k in range(times.shape[0]):
+        if times[k] < moves[move, 0]:
+            move = 0
+        while move < last and moves[move + 1, 0] <= times[k]:
+            move += 1
+        since, level = times[k] - moves[move, 0], moves[move, 1]
+        left = moves[move, 2] - level
+        gone = math.exp(-since / lag)
+        value[k] = level + left * gone
+        integral[k] = moves[move, 3] + level * since + left * lag * (1.0 - gone)
     return value, integral
 
 

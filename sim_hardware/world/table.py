@@ -39,6 +39,7 @@ class DriveTable:
         self._angle_rad = angle_rad
         self._panels: dict[int, FloatArray] = {}
         self._edges: dict[int, Equilibrium] = {}  # at drive = key * PANEL
+        self._covered = (0.0, 0.0)  # between these two all panels are made
         # Drives between these two are held; the chain slips out at the first and beyond.
         self.lowest, self.highest = -math.inf, math.inf
         if angle_rad is not None:
@@ -81,35 +82,35 @@ class DriveTable:
         )
 
     def _values(self, drive: FloatArray, rows: slice) -> FloatArray:
-        self._cover(drive)
         if drive.size == 0:
             return np.empty((2, 0))
-        panel = np.floor(drive / PANEL).astype(int)
-        first = next(iter(self._panels.values()))
-        result = np.empty((first[rows].shape[0], drive.size))
-        for k in np.unique(panel):
-            mine = panel == k
-            low, high = self._span(int(k))
+        first, last = self._cover(drive)
+        result = np.empty((self._panels[first][rows].shape[0], drive.size))
+        for k in range(first, last + 1):
+            low, high = self._span(k)
+            # An edge that two panels share has the same value in both.
+            mine = np.flatnonzero((drive >= low) & (drive <= high))
             x = (2 * drive[mine] - low - high) / (high - low)
-            self._chebyshev(self._panels[int(k)][rows], x, result, np.flatnonzero(mine))
+            self._chebyshev(self._panels[k][rows], x, result, mine)
         return result
 
     def _span(self, k: int) -> tuple[float, float]:
         return max(k * PANEL, self.lowest), min((k + 1) * PANEL, self.highest)
 
-    def _cover(self, drive: FloatArray) -> None:
-        """Make the panels that these drives need, from 0 outward."""
+    def _cover(self, drive: FloatArray) -> tuple[int, int]:
+        """Make the panels that these drives need, from 0 outward; the first and the last needed."""
         if drive.size == 0 or not self.reachable:
-            return
-        low, high = float(drive.min()), float(drive.max())
-        k = 0
-        while k * PANEL <= high and k * PANEL < self.highest:
-            self._make(k, upward=True)
-            k += 1
-        k = -1
-        while (k + 1) * PANEL > low and (k + 1) * PANEL > self.lowest:
-            self._make(k, upward=False)
-            k -= 1
+            return 0, 0
+        first, last = (math.floor(float(d) / PANEL) for d in (drive.min(), drive.max()))
+        if first in self._panels and last in self._panels:
+            return first, last
+        for k in range(max(last, 0) + 1):
+            if k * PANEL < self.highest:
+                self._make(k, upward=True)
+        for k in range(-1, first - 1, -1):
+            if (k + 1) * PANEL > self.lowest:
+                self._make(k, upward=False)
+        return first, last
 
     def _make(self, k: int, *, upward: bool) -> None:
         if k in self._panels:

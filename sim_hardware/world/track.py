@@ -37,7 +37,7 @@ class Track:
 
     def at(self, steps: npt.NDArray[np.int64]) -> FloatArray:
         """Rows of steps; a forgotten one is answered with the oldest known."""
-        return self._rows[np.clip(steps - self._base, 0, self._used - 1)]
+        return self._rows[np.minimum(np.maximum(steps - self._base, 0), self._used - 1)]
 
     def _make_room(self, wanted: int) -> None:
         drop = self._used - self._keep if self._used >= 2 * self._keep else 0
