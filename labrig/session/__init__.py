@@ -2,9 +2,11 @@
 
 from labrig.session.compare import compare_sessions
 from labrig.session.derived import drop_measurements, load_measurements, store_measurements
+from labrig.session.exchange import export_session, import_session
 from labrig.session.recover import RecoverReport, recover
 from labrig.session.run_record import RunRecord
 from labrig.session.session import LoggedEvent, Session, open_session
+from labrig.session.tables import read_tables, write_tables
 from labrig.session.verify import Check, verify
 from labrig.session.writer import SessionWriter, WriterError
 
@@ -18,9 +20,13 @@ __all__ = [
     "WriterError",
     "compare_sessions",
     "drop_measurements",
+    "export_session",
+    "import_session",
     "load_measurements",
     "open_session",
+    "read_tables",
     "recover",
     "store_measurements",
     "verify",
+    "write_tables",
 ]

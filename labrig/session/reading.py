@@ -12,8 +12,7 @@ import numpy as np
 from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.layout import Array
-from labrig.session.setup import Setup
-from protocols import schedule_from_dict
+from labrig.session.setup import Setup, schedule_back
 from protocols.errors import ScheduleError
 
 
@@ -88,7 +87,7 @@ def read_setup(file: Any, path: Path) -> Setup:
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
         return Setup(
-            schedule=schedule_from_dict(_json(file, "schedule", path)),
+            schedule=schedule_back(_json(file, "schedule", path)),
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
             resolved=_json(file, "resolved", path),
             channels=tuple(str(name) for name in signals["name"]),

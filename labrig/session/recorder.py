@@ -28,6 +28,8 @@ class _Growing:
     """A dataset that grows, and the rows that wait to be added to it."""
 
     dataset: Any
+    row_type: np.dtype[Any]
+    row_shape: tuple[int, ...]
     length: int  # with those that wait
     waiting: list[Array] = field(default_factory=list)
 
@@ -58,7 +60,7 @@ class Recorder:
             )
         if rows.count == 0:
             return
-        values = rows.array(dataset.dtype, dataset.shape[1:])
+        values = rows.array(growing.row_type, growing.row_shape)
         if rows.packed:
             # Deflated already, outside of the library and its lock: goes to the disk as it is.
             dataset.resize(rows.at + 1, axis=0)
@@ -85,7 +87,9 @@ class Recorder:
         found = self._growing.get(path)
         if found is None:
             dataset = self._file[path]
-            found = self._growing[path] = _Growing(dataset, dataset.shape[0])
+            length, *row_shape = dataset.shape
+            found = _Growing(dataset, dataset.dtype, tuple(row_shape), length)
+            self._growing[path] = found
         return found
 
     def let_go(self) -> None:

@@ -30,6 +30,20 @@ def present_versions() -> dict[str, str]:
     return found
 
 
+def schedule_back(plain: Any) -> Schedule:
+    """The schedule that `schedule_to_dict` was given; unlike one to be run it may have no runs.
+
+    Raises ScheduleError.
+    """
+    if isinstance(plain, dict) and plain == schedule_to_dict(_imported(plain)):
+        return _imported(plain)
+    return schedule_from_dict(plain)
+
+
+def _imported(plain: Mapping[str, Any]) -> Schedule:
+    return Schedule(str(plain.get("protocol")), (), 25.0)
+
+
 @dataclass(frozen=True)
 class Setup:
     """Everything the file is created from."""
@@ -85,7 +99,7 @@ class Setup:
         plain = json.loads(text)
         shape = plain.pop("frame_shape")
         return cls(
-            schedule=schedule_from_dict(plain.pop("schedule")),
+            schedule=schedule_back(plain.pop("schedule")),
             channels=tuple(plain.pop("channels")),
             ranges_V=tuple(plain.pop("ranges_V")),
             frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
