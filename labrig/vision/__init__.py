@@ -1,7 +1,37 @@
 """From images to the sheet's neutral curve, and the camera's calibration."""
 
+from labrig.vision.batch import BatchOptions, BatchResult, extract_curves
+from labrig.vision.board import Board, write_board_pdf
+from labrig.vision.calibration import Calibration, calibrate_camera, calibrate_ruler
+from labrig.vision.compare import Comparison, compare_with_frames
+from labrig.vision.contact import Contact, contact_from_picture
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
+from labrig.vision.files import curve_json, load_strip, read_image, write_overlay
 from labrig.vision.optics import Optics, load_optics
+from labrig.vision.tracker import Tracker
 
-__all__ = ["NeutralCurve", "Optics", "StripGeometry", "load_optics", "neutral_curve"]
+__all__ = [
+    "BatchOptions",
+    "BatchResult",
+    "Board",
+    "Calibration",
+    "Comparison",
+    "Contact",
+    "NeutralCurve",
+    "Optics",
+    "StripGeometry",
+    "Tracker",
+    "calibrate_camera",
+    "calibrate_ruler",
+    "compare_with_frames",
+    "contact_from_picture",
+    "curve_json",
+    "extract_curves",
+    "load_optics",
+    "load_strip",
+    "neutral_curve",
+    "read_image",
+    "write_board_pdf",
+    "write_overlay",
+]

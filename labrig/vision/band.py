@@ -53,10 +53,10 @@ def collect(
     cos, sin = np.cos(phi), np.sin(phi)
     for i in range(cells):
         first[i] = many
-        low_v = max(0, int(math.floor(min(node_v[i], node_v[i + 1]) - margin)))
-        high_v = min(rows - 1, int(math.ceil(max(node_v[i], node_v[i + 1]) + margin)))
-        low_u = max(0, int(math.floor(min(node_u[i], node_u[i + 1]) - margin)))
-        high_u = min(columns - 1, int(math.ceil(max(node_u[i], node_u[i + 1]) + margin)))
+        low_v = max(0, math.floor(min(node_v[i], node_v[i + 1]) - margin))
+        high_v = min(rows - 1, math.ceil(max(node_v[i], node_v[i + 1]) + margin))
+        low_u = max(0, math.floor(min(node_u[i], node_u[i + 1]) - margin))
+        high_u = min(columns - 1, math.ceil(max(node_u[i], node_u[i + 1]) + margin))
         for row in range(low_v, high_v + 1):
             for column in range(low_u, high_u + 1):
                 px, py = plane[row, column, 0], plane[row, column, 1]
@@ -120,6 +120,23 @@ def _solve3(n: FloatArray, r0: float, r1: float, r2: float) -> tuple[float, floa
 
 
 @jit
+def _templates(
+    distance: FloatArray, first: IntArray, half_width: FloatArray, blur: float, widen: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """P, P' and the derivative for the look (blur or half width) of each pixel."""
+    p, slope, look_slope = np.empty_like(distance), np.empty_like(distance), np.empty_like(distance)
+    unit = math.sqrt(2 * math.pi) * blur
+    for i in range(len(first) - 1):
+        for q in range(first[i], first[i + 1]):
+            p[q], slope[q] = template(distance[q], half_width[i], blur)
+            up, low = distance[q] + half_width[i], distance[q] - half_width[i]
+            high = math.exp(-0.5 * up * up / (blur * blur)) / unit
+            deep = math.exp(-0.5 * low * low / (blur * blur)) / unit
+            look_slope[q] = high + deep if widen[i] > 0 else -(up * high - low * deep) / blur
+    return p, slope, look_slope
+
+
+@jit
 def measure(
     value: FloatArray,
     distance: FloatArray,
@@ -142,22 +159,8 @@ def measure(
     """
     cells = len(first) - 1
     pixels = len(value)
-    p, slope, look_slope, weight = (
-        np.empty(pixels),
-        np.empty(pixels),
-        np.empty(pixels),
-        np.ones(pixels),
-    )
-    for i in range(cells):
-        for q in range(first[i], first[i + 1]):
-            p[q], slope[q] = template(distance[q], half_width[i], blur)
-            up, low = distance[q] + half_width[i], distance[q] - half_width[i]
-            high = math.exp(-0.5 * up * up / (blur * blur)) / (math.sqrt(2 * math.pi) * blur)
-            deep = math.exp(-0.5 * low * low / (blur * blur)) / (math.sqrt(2 * math.pi) * blur)
-            if widen[i] > 0:
-                look_slope[q] = high + deep
-            else:
-                look_slope[q] = -(up * high - low * deep) / blur
+    p, slope, look_slope = _templates(distance, first, half_width, blur, widen)
+    weight = np.ones(pixels)
     out = np.zeros((cells, 10))
     sums = np.empty((cells, 15))
     for turn in range(rounds):
@@ -247,7 +250,7 @@ def ridge_offsets(
         inside = True
         for q in range(-r, r + 1):
             a, b = u[i] + q * along_u[i], v[i] + q * along_v[i]
-            col, row = int(math.floor(a)), int(math.floor(b))
+            col, row = math.floor(a), math.floor(b)
             if row < 0 or col < 0 or row >= rows - 1 or col >= columns - 1:
                 inside = False
                 break

@@ -16,9 +16,11 @@ from labrig.vision._jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
+IntArray = npt.NDArray[np.int64]
 
 TURN = 0.012  # rad: bends come in this quantum a step
 PER_STEP = 3  # samples of the maps a step
+U, V, ANGLE, SCORE, FIRST, GAIN = 0, 1, 2, 3, 4, 5  # columns of a state
 
 
 @jit
@@ -53,6 +55,121 @@ def ridge_score(
 
 
 @jit
+def _walk(
+    maps: MapArray,
+    sign: float,
+    u: float,
+    v: float,
+    angle: float,
+    turn: float,
+    length: float,
+    layers: int,
+    half: float,
+) -> tuple[float, float, float]:
+    """One step: where it ends, and how ridge-like it was."""
+    gain = 0.0
+    for q in range(PER_STEP):
+        part = angle + turn * (q + 0.5) / PER_STEP
+        c, s = math.cos(part), math.sin(part)
+        u += c * length / PER_STEP
+        v += s * length / PER_STEP
+        gain += ridge_score(maps, sign, u, v, c, s, layers, half)
+    return u, v, gain / PER_STEP
+
+
+@jit
+def _start(
+    state: FloatArray,
+    bend: IntArray,
+    u0: float,
+    v0: float,
+    heading: float,
+    spread: FloatArray,
+    most_bend: int,
+) -> int:
+    """Fill in every start with every bend; their number."""
+    alive = 0
+    for a in range(len(spread)):
+        for b in range(-most_bend, most_bend + 1):
+            state[alive, U] = u0 - math.sin(heading) * spread[a, 0]
+            state[alive, V] = v0 + math.cos(heading) * spread[a, 0]
+            state[alive, ANGLE] = heading + spread[a, 1]
+            state[alive, SCORE] = -0.02 * abs(spread[a, 0])
+            state[alive, FIRST] = heading + spread[a, 1]
+            bend[alive] = b
+            alive += 1
+    return alive
+
+
+@jit
+def _expand(
+    maps: MapArray,
+    sign: float,
+    state: FloatArray,
+    bend: IntArray,
+    alive: int,
+    child: FloatArray,
+    child_bend: IntArray,
+    child_of: IntArray,
+    changes: int,
+    straight: bool,
+    layers: int,
+    length: float,
+    most_bend: int,
+    most_turn: float,
+    half: float,
+) -> int:
+    """All children of the living states; their number."""
+    many = 0
+    cost = 0.002 if straight else 0.01
+    for a in range(alive):
+        for change in range(-changes, changes + 1):
+            # a straight rest has no bend, but room to correct the quantum of the angles before
+            b = 0 if straight else bend[a] + change
+            turn = 0.4 * change * TURN if straight else b * TURN
+            angle = state[a, ANGLE] + turn
+            if abs(b) > most_bend or abs(angle - state[a, FIRST]) > most_turn:
+                continue
+            u, v, gain = _walk(
+                maps, sign, state[a, U], state[a, V], state[a, ANGLE], turn, length, layers, half
+            )
+            gain -= cost * change * change
+            child[many, U], child[many, V], child[many, ANGLE] = u, v, angle
+            child[many, SCORE] = state[a, SCORE] + gain
+            child[many, FIRST] = state[a, FIRST]
+            child[many, GAIN] = gain
+            child_bend[many], child_of[many] = b, a
+            many += 1
+    return many
+
+
+@jit
+def _select(
+    child: FloatArray, child_bend: IntArray, many: int, width: int, fine: float
+) -> IntArray:
+    """The best children, few of one place, direction and bend, so that the beam stays broad."""
+    order = np.argsort(-child[:many, SCORE])
+    taken = np.zeros(8192, dtype=np.int64)
+    chosen = np.empty(width, dtype=np.int64)
+    kept = 0
+    for o in range(many):
+        t = order[o]
+        key = (
+            int(child[t, U] // 2.0) * 73856093
+            ^ int(child[t, V] // 2.0) * 19349663
+            ^ int(child[t, ANGLE] // fine) * 83492791
+            ^ int(child_bend[t] // 3) * 49979687
+        ) & 8191
+        if taken[key] < 2:
+            taken[key] += 1
+            chosen[kept] = t
+            kept += 1
+            if kept == width:
+                break
+    return chosen[:kept]
+
+
+@jit
 def search(
     maps: MapArray,
     sign: float,
@@ -69,123 +186,44 @@ def search(
     width: int,
     half: float,
 ) -> tuple[FloatArray, FloatArray, float]:
-    """The best path of `steps` steps: nodes (steps + 1, 2) and the score of each step (steps,), and their mean.
+    """The best path: nodes (steps + 1, 2), the score of each step (steps,), and their mean.
 
     `spread` (n, 2): offsets along the normal and angles at which paths may start. `most_bend` in
-    quanta a step, `most_turn` in rad from the start; `width` states are kept after each step.
+    quanta a step, `most_turn` in rad from the start; `width` states are kept after each step. From
+    step `straight_from` on there is no bend, from `wide_from` on all layers of the maps count.
     """
-    starts = len(spread)
-    capacity = max(width, starts * (2 * most_bend + 1))
-    state = np.empty((capacity, 5))  # u, v, angle, score, start angle
-    bend = np.zeros(capacity, dtype=np.int64)
+    capacity = max(width, len(spread) * (2 * most_bend + 1))
+    state, bend = np.empty((capacity, 5)), np.zeros(capacity, dtype=np.int64)
+    child = np.empty((5 * capacity, 6))
+    child_bend = np.zeros(5 * capacity, dtype=np.int64)
+    child_of = np.zeros(5 * capacity, dtype=np.int64)
     parent = np.zeros((steps, width), dtype=np.int64)
-    log_u = np.empty((steps + 1, width))
-    log_v = np.empty((steps + 1, width))
-    log_gain = np.zeros((steps + 1, width))
-    child = np.empty((capacity * 5 + 5, 5))
-    child_bend = np.zeros(capacity * 5 + 5, dtype=np.int64)
-    child_of = np.zeros(capacity * 5 + 5, dtype=np.int64)
-    child_gain = np.zeros(capacity * 5 + 5)
-    alive = 0
-    for a in range(starts):
-        angle = heading + spread[a, 1]
-        for b in range(-most_bend, most_bend + 1):
-            if straight_from == 0 and b != 0:
-                continue
-            state[alive, 0] = u0 - math.sin(heading) * spread[a, 0]
-            state[alive, 1] = v0 + math.cos(heading) * spread[a, 0]
-            state[alive, 2] = angle
-            state[alive, 3] = -0.02 * abs(spread[a, 0])
-            state[alive, 4] = angle
-            bend[alive] = b
-            alive += 1
-    step_back = np.zeros(capacity, dtype=np.int64)
-    first_u = state[:alive, 0].copy()
-    first_v = state[:alive, 1].copy()
-    first_of = np.zeros((width,), dtype=np.int64)
+    log = np.empty((steps, width, 3))
+    alive = _start(state, bend, u0, v0, heading, spread, most_bend)
+    first = state[:alive, :2].copy()
     for j in range(steps):
+        straight = j >= straight_from
         layers = maps.shape[0] if j >= wide_from else 1
-        many = 0
-        for a in range(alive):
-            for change in range(-2, 3):
-                b = bend[a] + change
-                turn = b * TURN
-                if j == 0 and change != 0:
-                    continue
-                if j >= straight_from:
-                    # no bend, but room to correct the quantum of the angles before
-                    b = 0
-                    turn = 0.4 * change * TURN
-                if abs(b) > most_bend:
-                    continue
-                angle = state[a, 2] + turn
-                if abs(angle - state[a, 4]) > most_turn:
-                    continue
-                gain = 0.0
-                u, v = state[a, 0], state[a, 1]
-                for q in range(PER_STEP):
-                    part = state[a, 2] + turn * (q + 0.5) / PER_STEP
-                    c, s = math.cos(part), math.sin(part)
-                    u += c * length / PER_STEP
-                    v += s * length / PER_STEP
-                    gain += ridge_score(maps, sign, u, v, c, s, layers, half)
-                gain = gain / PER_STEP - (0.01 if j < straight_from else 0.002) * change * change
-                child[many, 0] = u
-                child[many, 1] = v
-                child[many, 2] = angle
-                child[many, 3] = state[a, 3] + gain
-                child[many, 4] = state[a, 4]
-                child_bend[many] = b
-                child_of[many] = a
-                child_gain[many] = gain
-                many += 1
+        changes = 0 if j == 0 else 2
+        many = _expand(
+            maps, sign, state, bend, alive, child, child_bend, child_of, changes, straight,
+            layers, length, most_bend, most_turn, half,
+        )  # fmt: skip
         if many == 0:
             return np.empty((0, 2)), np.empty(0), -1.0
         # a straight rest differs in little but its angle
-        fine = 0.1 if j < straight_from else 0.006
-        order = np.argsort(-child[:many, 3])
-        kept = 0
-        cells = np.zeros(8192, dtype=np.int64)
-        for o in range(many):
-            if kept >= width:
-                break
-            t = order[o]
-            # few states of one place and direction, so that the beam stays broad
-            key = (
-                int(child[t, 0] // 2.0) * 73856093
-                ^ int(child[t, 1] // 2.0) * 19349663
-                ^ int(child[t, 2] // fine) * 83492791
-                ^ int(child_bend[t] // 3) * 49979687
-            ) & 8191
-            if cells[key] >= 2:
-                continue
-            cells[key] += 1
-            for q in range(5):
-                state[kept, q] = child[t, q]
-            step_back[kept] = child_of[t]
-            bend[kept] = child_bend[t]
-            log_u[j + 1, kept] = child[t, 0]
-            log_v[j + 1, kept] = child[t, 1]
-            log_gain[j + 1, kept] = child_gain[t]
-            kept += 1
-        if j == 0:
-            for a in range(kept):
-                first_of[a] = step_back[a]
-                parent[j, a] = a
-        else:
-            for a in range(kept):
-                parent[j, a] = step_back[a]
-        alive = kept
-    path = np.empty((steps + 1, 2))
-    gains = np.empty(steps)
+        chosen = _select(child, child_bend, many, width, 0.006 if straight else 0.1)
+        alive = len(chosen)
+        for i in range(alive):
+            t = chosen[i]
+            state[i] = child[t, :5]
+            bend[i], parent[j, i] = child_bend[t], child_of[t]
+            log[j, i, 0], log[j, i, 1], log[j, i, 2] = child[t, U], child[t, V], child[t, GAIN]
+    path, gains = np.empty((steps + 1, 2)), np.empty(steps)
     at = 0
-    for j in range(steps, 0, -1):
-        path[j, 0] = log_u[j, at]
-        path[j, 1] = log_v[j, at]
-        gains[j - 1] = log_gain[j, at]
-        if j > 1:
-            at = parent[j - 1, at]
-        else:
-            path[0, 0] = first_u[first_of[at]]
-            path[0, 1] = first_v[first_of[at]]
+    for j in range(steps - 1, -1, -1):
+        path[j + 1] = log[j, at, :2]
+        gains[j] = log[j, at, 2]
+        at = parent[j, at]
+    path[0] = first[at]
     return path, gains, float(gains.mean())

@@ -45,6 +45,7 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
     reach = round(2 * half + 3 * fit.band.blur + 5)
     across = np.arange(-reach, reach + 1, dtype=float)
     strip = straightened(fit, setting, across)
+    own = float(np.median(np.abs(fit.contrast[fit.used]))) if fit.used.any() else 0.0
     votes = 0
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
@@ -53,7 +54,6 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
         profile = np.median(rows, axis=0)
         # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
         ground = float(np.percentile(profile, 60 if setting.sign < 0 else 40))
-        own = float(np.median(np.abs(fit.contrast[piece[:-1]])))
         opposite = float((-setting.sign * (profile - ground)).max())
         votes += opposite > STRONGER * own
     return votes >= PIECES // 2

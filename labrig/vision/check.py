@@ -38,7 +38,7 @@ def judge(fit: Fit, setting: Setting, tip: Tip) -> Verdict:
     faults = [fault for fault in _faults(fit, setting, tip, covered, residual) if fault]
     return Verdict(
         why=faults[0] if faults else "",
-        warnings=tuple(_warnings(fit, setting, tip, covered)),
+        warnings=tuple(_warnings(setting, tip, covered)),
         covered=covered,
         residual_px=residual,
         worth=worth * (0.3 if faults else 1.0),
@@ -110,14 +110,14 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     ]
 
 
-def _warnings(fit: Fit, setting: Setting, tip: Tip, covered: float) -> list[str]:
+def _warnings(setting: Setting, tip: Tip, covered: float) -> list[str]:
     out = []
     if covered < 0.85:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
     clipped = setting.picture.grey >= setting.picture.full_scale
     if setting.sign > 0 and clipped.mean() > 0.005:
         out.append("parts of the picture are saturated")
-    if tip.beyond_px is not None and 4 < abs(tip.beyond_px):
+    if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
         out.append(
             f"the sheet's end is seen {tip.beyond_px / setting.optics.px_per_mm:+.2f} mm from "
             "where length and scale put it"

@@ -23,6 +23,7 @@ from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, tra
 FloatArray = npt.NDArray[np.float64]
 
 WELL_COVERED = 0.95
+LONGEST_STEP_M = 0.45e-3  # between the points of a curve
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
 
@@ -83,7 +84,10 @@ class _Job:
         self.thickness_px = strip.thickness_m * optics.px_per_m
         free_px = strip.free_length_m * optics.px_per_m
         self.basis: ShapeBasis = make_basis(
-            free_px, strip.length_m * optics.px_per_m, coefficients_for(free_px)
+            free_px,
+            strip.length_m * optics.px_per_m,
+            coefficients_for(free_px),
+            LONGEST_STEP_M * optics.px_per_m,
         )
         self.mask = roll_mask(optics, picture.grey.shape)
 
@@ -154,7 +158,7 @@ class _Job:
             if trace is not None:
                 found.append(self.refine(trace, sign))
                 if not found[-1].confirmed:
-                    enough = 0.85 if found[-1].verdict.why else 0.7
+                    enough = 0.75 if found[-1].verdict.why else 0.7
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
 

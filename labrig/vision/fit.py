@@ -62,6 +62,12 @@ def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:
     return full
 
 
+def solved(full: FloatArray, pull: FloatArray) -> FloatArray:
+    """The parameters."""
+    answer: FloatArray = np.linalg.solve(full, pull)
+    return answer
+
+
 def information(
     shape: Shape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -102,7 +108,7 @@ def fit_points(
             weight / POINT_NOISE_PX**2 / 3,  # neighbours share their noise
             setting.prior,
         )
-        shape = shape.moved(np.linalg.solve(penalised(normal, shape, setting.spectral), pull))
+        shape = shape.moved(solved(penalised(normal, shape, setting.spectral), pull))
     return shape
 
 
@@ -210,7 +216,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     modes = shape.normal_modes()
     middle = 0.5 * (modes[1:] + modes[:-1])
     normal, pull = information(shape, middle, offset, weight, setting.prior)
-    wanted = np.linalg.solve(penalised(normal, shape, setting.spectral), pull)
+    wanted = solved(penalised(normal, shape, setting.spectral), pull)
     moved = middle @ (wanted - shape.parameters)
     return Fit(
         shape=shape.moved(wanted),
@@ -229,7 +235,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
 def usable_cells(
     cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
 ) -> BoolArray:
-    """Where the sheet is really seen: contrast of the right sign and usual size, pixels that fit."""
+    """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
     there = present > 0.6
     edge = round(2.5 * band.blur) + 1
     there[:edge] = False  # the clamp's blurred edge

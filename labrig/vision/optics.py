@@ -45,6 +45,11 @@ class Optics(Closed):
     distortion: tuple[float, ...] | None = Field(
         None, min_length=4, max_length=8, description="k1, k2, p1, p2[, k3[, k4, k5, k6]]"
     )
+    homography: tuple[Row, Row, Row] | None = Field(
+        None,
+        description="world (x, y) in mm -> undistorted pixels, where the camera is not quite "
+        "square to the plane; it then stands instead of px_per_mm, roll_rad and origin_px",
+    )
     clamp_angle_rad: float = Field(0.0, ge=-math.pi, le=math.pi)
     clamp_sigma_px: float = Field(1.0, gt=0, description="how well clamp_px is known")
     clamp_angle_sigma_rad: float = Field(0.015, gt=0)
@@ -120,21 +125,32 @@ class Optics(Closed):
     def world_to_pixel(self, points_m: npt.ArrayLike) -> FloatArray:
         """World points (n, 2) in m -> raw pixels (n, 2)."""
         points = np.asarray(points_m, dtype=float).reshape(-1, 2)
+        if self.homography is not None:
+            return self.distorted(_project(np.array(self.homography), points * 1000))
         flipped = points * (self.px_per_m, -self.px_per_m)
         return self.distorted(flipped @ self._rotation().T + self.origin_undistorted_px)
 
     def pixel_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
         """Raw pixels (n, 2) -> world points (n, 2) in m."""
+        if self.homography is not None:
+            back = np.linalg.inv(np.array(self.homography))
+            return _project(back, self.undistorted(pixels)) / 1000
         ideal = self.undistorted(pixels) - self.origin_undistorted_px
         return (ideal @ self._rotation()) / (self.px_per_m, -self.px_per_m)
 
     def clamp_m(self) -> FloatArray:
         """Where the sheet leaves the clamp, world, shape (2,)."""
-        return self.pixel_to_world([self.clamp_px])[0]
+        where: FloatArray = self.pixel_to_world([self.clamp_px])[0]
+        return where
 
     def _rotation(self) -> FloatArray:
         c, s = math.cos(self.roll_rad), math.sin(self.roll_rad)
         return np.array([[c, -s], [s, c]])
+
+
+def _project(homography: FloatArray, points: FloatArray) -> FloatArray:
+    lifted = points @ homography[:, :2].T + homography[:, 2]
+    return np.asarray(lifted[:, :2] / lifted[:, 2:])
 
 
 def load_optics(path: Path) -> Optics:

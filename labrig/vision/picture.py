@@ -64,6 +64,8 @@ def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
     if image.ndim == 3 and image.shape[2] in (3, 4):
+        if (image[:, :, 0] == image[:, :, 1]).all() and (image[:, :, 1] == image[:, :, 2]).all():
+            return np.ascontiguousarray(image[:, :, 0], dtype=np.float32), []
         # OpenCV's order: blue, green, red
         grey = image[:, :, :3].astype(np.float32) @ np.array([0.114, 0.587, 0.299], np.float32)
         return np.ascontiguousarray(grey), ["the picture is in colour; its grey values were used"]
@@ -98,7 +100,7 @@ def pixel_noise(grey: MapArray, full_scale: float) -> float:
 def plane_map(optics: Optics, shape: tuple[int, int]) -> MapArray:
     """(rows, columns, 2): each pixel's place in the sheet's plane, world times px_per_m, y up."""
     rows, columns = shape
-    if not optics.has_lens:
+    if not optics.has_lens and optics.homography is None:
         return _affine(optics, shape)
     # the lens is smooth: every fourth pixel, linear between, is good to 0.002 pixels
     step = 4

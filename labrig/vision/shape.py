@@ -35,7 +35,7 @@ class ShapeBasis:
     @property
     def size(self) -> int:
         """Number of parameters."""
-        return 2 + self.curvature.shape[1]
+        return 2 + int(self.curvature.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,13 +116,15 @@ def _integral(nodes: FloatArray, middles: FloatArray, sixth: float) -> FloatArra
 
 
 @lru_cache(maxsize=16)
-def make_basis(free_px: float, total_px: float, coefficients: int) -> ShapeBasis:
+def make_basis(
+    free_px: float, total_px: float, coefficients: int, longest_step_px: float = 1.0
+) -> ShapeBasis:
     """The basis for a sheet of `free_px` and a straight rest up to `total_px`."""
     from scipy.interpolate import BSpline
 
-    cells = max(16, math.ceil(total_px))
+    cells = max(16, math.ceil(total_px / min(1.0, longest_step_px)))
     step = total_px / cells
-    s = np.arange(cells + 1) * step
+    s: FloatArray = np.arange(cells + 1) * step
     pieces = coefficients - 3
     knots = np.linspace(0, free_px, pieces + 1)
     t = np.concatenate([np.zeros(3), knots, np.full(3, free_px)])
@@ -161,4 +163,5 @@ def fit_angles(basis: ShapeBasis, phi: FloatArray, weight: FloatArray, smooth: f
     a = basis.angle
     normal = (a * weight[:, None]).T @ a + smooth * basis.penalty
     ridge = 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))
-    return np.linalg.solve(normal + ridge, a.T @ (weight * phi))
+    c: FloatArray = np.linalg.solve(normal + ridge, a.T @ (weight * phi))
+    return c

@@ -1,0 +1,142 @@
+"""`labrig curves`: pictures, folders and videos in, curves with their uncertainty out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
+
+from labrig.errors import BadInputError
+from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.extract import neutral_curve
+from labrig.vision.files import (
+    PICTURES,
+    VIDEOS,
+    load_strip,
+    read_image,
+    read_video,
+    write_json,
+    write_overlay,
+    write_table,
+)
+from labrig.vision.optics import Optics, load_optics
+from labrig.vision.tracker import Tracker
+
+Progress = Callable[[str, NeutralCurve], None]
+
+
+@dataclass(frozen=True)
+class BatchOptions:
+    """What `extract_curves` uses where a picture has no files of its own beside it."""
+
+    optics: Path | None = None
+    sheet: Path | None = None
+    configuration: str | None = None  # which table of the sheet.toml
+    overlays: bool = True
+
+
+@dataclass
+class BatchResult:
+    """What came of a batch: the curves by name, in the order of the pictures."""
+
+    curves: dict[str, NeutralCurve] = field(default_factory=dict)
+
+    @property
+    def failed(self) -> dict[str, str]:
+        """The names without a curve, and why."""
+        return {name: c.why for name, c in self.curves.items() if not c.ok}
+
+
+def extract_curves(
+    sources: Sequence[Path],
+    output: Path,
+    options: BatchOptions | None = None,
+    *,
+    progress: Progress | None = None,
+) -> BatchResult:
+    """Curves of all pictures and videos in `sources`, written into the folder `output`.
+
+    A picture NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
+    `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
+    for each picture (NAME_000012 for a video's frame), and curves.csv. A picture that cannot be
+    read or holds no sheet is a result (`ok` false), not an error.
+    """
+    options = options or BatchOptions()
+    files = list(_files(sources))
+    if not files:
+        raise BadInputError(
+            "no picture or video was found; give files or a folder with "
+            f"{', '.join(PICTURES)} files in it."
+        )
+    _refuse_twins(files)
+    output.mkdir(parents=True, exist_ok=True)
+    result = BatchResult()
+    for path in files:
+        for name, image, curve in _curves_of(path, options):
+            result.curves[name] = curve
+            write_json(output / f"{name}.json", curve)
+            if options.overlays and image is not None:
+                write_overlay(output / f"{name}_curve.png", image, curve)
+            if progress is not None:
+                progress(name, curve)
+    write_table(output / "curves.csv", result.curves)
+    return result
+
+
+def _files(sources: Sequence[Path]) -> Iterator[Path]:
+    for source in sources:
+        if source.is_dir():
+            inside = sorted(p for p in source.iterdir() if p.suffix.lower() in PICTURES + VIDEOS)
+            yield from (p for p in inside if not p.stem.endswith("_curve"))
+        elif source.exists():
+            yield source
+        else:
+            raise BadInputError(f"{source}: there is no such file or folder.")
+
+
+def _refuse_twins(files: list[Path]) -> None:
+    seen: dict[str, Path] = {}
+    for path in files:
+        if path.stem in seen:
+            raise BadInputError(
+                f"{seen[path.stem]} and {path} would both be written to {path.stem}.json; "
+                "rename one, or run them into different folders."
+            )
+        seen[path.stem] = path
+
+
+def _curves_of(
+    path: Path, options: BatchOptions
+) -> Iterator[tuple[str, npt.NDArray[Any] | None, NeutralCurve]]:
+    optics, strip = _beside(path, options)
+    if path.suffix.lower() in VIDEOS:
+        tracker = Tracker(optics, strip)
+        for number, frame in enumerate(read_video(path)):
+            yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
+        return
+    try:
+        image = read_image(path)
+    except BadInputError as error:
+        yield path.stem, None, NeutralCurve(ok=False, why=str(error))
+        return
+    yield path.stem, image, neutral_curve(image, optics, strip)
+
+
+def _beside(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
+    optics = _first(path, "optics.json", options.optics)
+    sheet = _first(path, "sheet.toml", options.sheet)
+    return load_optics(optics), load_strip(sheet, options.configuration)
+
+
+def _first(path: Path, kind: str, given: Path | None) -> Path:
+    own = path.with_name(f"{path.stem}.{kind}")
+    common = path.with_name(kind)
+    for candidate in (own, given, common):
+        if candidate is not None and (candidate.exists() or candidate is given):
+            return candidate
+    raise BadInputError(
+        f"{path}: there is neither {own.name} nor {kind} beside it; name one for all pictures."
+    )

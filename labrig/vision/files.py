@@ -1,0 +1,154 @@
+"""Pictures and the little files beside them, read; one curve's results, written."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import Field
+
+from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.sheet import Sheet
+from labrig.errors import BadInputError
+from labrig.vision.curve import NeutralCurve, StripGeometry
+
+PICTURES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
+VIDEOS = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
+COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm")
+
+
+class _Strip(Closed):
+    """What the extraction needs of a sheet.toml."""
+
+    free_length_mm: float = Field(gt=0, le=1000)
+    elongation_mm: float = Field(0.0, ge=0, le=1000)
+    thickness_mm: float = Field(0.21, gt=0, le=10)
+
+
+def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
+    """The strip of a sheet.toml, which may be as little as `free_length_mm = 50`."""
+    data = parse_toml(read_text(path), str(path))
+    data.pop("arc", None)
+    table = data if "free_length_mm" in data else _chosen(data, configuration, path)
+    known = {key: value for key, value in table.items() if key in _Strip.model_fields}
+    odd = [key for key in table if key not in Sheet.model_fields]
+    strip = validate(_Strip, known | {key: table[key] for key in odd}, str(path))
+    return StripGeometry(
+        strip.free_length_mm / 1000, strip.elongation_mm / 1000, strip.thickness_mm / 1000
+    )
+
+
+def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict[str, Any]:
+    tables = {key: value for key, value in data.items() if isinstance(value, dict)}
+    if configuration is None and len(tables) == 1:
+        return dict(next(iter(tables.values())))
+    if configuration in tables:
+        return dict(tables[configuration])
+    if not tables:
+        raise BadInputError(f"{path}: free_length_mm is missing; it is required.")
+    asked = f"there is no [{configuration}]" if configuration else "it holds several configurations"
+    raise BadInputError(f"{path}: {asked}; choose one of {', '.join(sorted(tables))}.")
+
+
+def read_image(path: Path) -> npt.NDArray[Any]:
+    """A picture as it is stored: 8 or 16 bit, grey or colour."""
+    import cv2
+
+    try:
+        data = np.fromfile(path, dtype=np.uint8)
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+    image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
+    if image is None:
+        raise BadInputError(f"{path}: not an image, or damaged.")
+    return np.asarray(image)
+
+
+def read_video(path: Path) -> Iterator[npt.NDArray[Any]]:
+    """The frames of a video."""
+    import cv2
+
+    video = cv2.VideoCapture(str(path))
+    try:
+        if not video.isOpened():
+            raise BadInputError(f"{path}: not a video that OpenCV can open.")
+        while True:
+            good, frame = video.read()
+            if not good:
+                return
+            yield np.asarray(frame)
+    finally:
+        video.release()
+
+
+def curve_json(curve: NeutralCurve) -> dict[str, Any]:
+    """One curve as the JSON object that `labrig curves` writes."""
+
+    def rounded(values: npt.NDArray[np.float64], digits: int) -> list[Any]:
+        out: list[Any] = np.round(values, digits).tolist()
+        return out
+
+    return {
+        "ok": curve.ok,
+        "x_mm": rounded(curve.x_m * 1000, 6),
+        "y_mm": rounded(curve.y_m * 1000, 6),
+        "s_mm": rounded(curve.s_m * 1000, 6),
+        "curvature_per_m": rounded(curve.curvature_per_m, 5),
+        "sigma_mm": rounded(curve.sigma_m * 1000, 7),
+        "curvature_sigma_per_m": rounded(curve.curvature_sigma_per_m, 5),
+        "points_px": rounded(curve.points_px, 5),
+        "covered": round(curve.covered, 4),
+        "residual_px": round(curve.residual_px, 5),
+        "warnings": list(curve.warnings),
+        "why": curve.why,
+    }
+
+
+def write_json(path: Path, curve: NeutralCurve) -> None:
+    """`curve_json` into a file."""
+    path.write_text(json.dumps(curve_json(curve), allow_nan=False) + "\n", encoding="utf-8")
+
+
+def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
+    """All curves in one CSV."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(COLUMNS)
+        for name, c in curves.items():
+            table = zip(c.s_m, c.x_m, c.y_m, c.sigma_m, c.curvature_per_m, strict=True)
+            for point, (s, x, y, sigma, k) in enumerate(table):
+                mm = [f"{value * 1000:.6f}" for value in (s, x, y)]
+                rows.writerow([name, point, *mm, f"{k:.5f}", f"{sigma * 1000:.7f}"])
+
+
+def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
+    """The picture, twice its size, with the curve on it: red where seen, yellow where not."""
+    import cv2
+
+    picture = cv2.resize(_colour(image), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
+    if curve.ok:
+        nodes = np.round(((curve.points_px + 0.5) * 2 - 0.5) * 16).astype(np.int32)
+        for first, second, seen in zip(nodes[:-1], nodes[1:], curve.seen, strict=False):
+            colour = (40, 40, 255) if seen else (0, 220, 255)
+            cv2.line(picture, tuple(map(int, first)), tuple(map(int, second)), colour, 1, 16, 4)
+        said = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
+    else:
+        said = curve.why
+    cv2.putText(picture, said[:110], (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 3, 16)
+    cv2.putText(picture, said[:110], (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
+    good, data = cv2.imencode(".png", picture)
+    if good:
+        path.write_bytes(data.tobytes())
+
+
+def _colour(image: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    grey = image if image.ndim == 2 else image[:, :, :3].mean(axis=2)
+    if grey.dtype != np.uint8:
+        low, high = float(grey.min()), float(grey.max())
+        grey = ((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
+    return np.ascontiguousarray(np.repeat(grey[:, :, None], 3, axis=2))
