@@ -25,7 +25,6 @@ import numpy as np
 Array = np.ndarray[Any, Any]
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-POSITION, FORCE, CONTACT = 0, 1, 2  # what is given: the position; nu; s_hat (the last two free it)
 SOLVED, SLIPPED, FAILED = 0, 1, 2
 MOST_STEPS = 25
 SMALL_STEP = 1e-6
@@ -320,24 +319,19 @@ def sweep(
 
 @compiled
 def closure(
-    given: int, R: float, angle: float, ends: tuple[float, float, float], w: Work, column: int
+    R: float, angle: float, ends: tuple[float, float, float], w: Work, column: int
 ) -> tuple[float, float]:
     """How the two closure equations answer to a column."""
-    psi, a, b = ends
-    if given == POSITION:
-        turn = R * w.ends[0, column]
-        return (
-            w.ends[1, column] + np.sin(angle + psi) * turn,
-            w.ends[2, column] - np.cos(angle + psi) * turn,
-        )
-    distance = 2.0 * (a * w.ends[1, column] + b * w.ends[2, column]) / R
-    unit = 1.0 if (given == FORCE) == (column == 0) and column < 2 else 0.0
-    return distance, unit
+    turn = R * w.ends[0, column]
+    return (
+        w.ends[1, column] + np.sin(angle + ends[0]) * turn,
+        w.ends[2, column] - np.cos(angle + ends[0]) * turn,
+    )
 
 
 @compiled
 def newton(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float, given: int,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
 ) -> tuple[int, float]:  # fmt: skip
     """Improve psi (P, n) and x = (nu, s_hat, phi_hat, polar angle of the contact) in place.
@@ -350,16 +344,11 @@ def newton(
         ends = sweep(
             breaks, kappa, soft, rule, psi, x[0], x[1], none, none, nothing, True, columns, w
         )
-        if given == POSITION:
-            r1 = ends[1] - R * np.cos(angle + ends[0])
-            r2 = ends[2] - R * np.sin(angle + ends[0])
-        else:
-            r1, r2 = (ends[1] * ends[1] + ends[2] * ends[2] - R * R) / R, 0.0
-        n1, n2 = closure(given, R, angle, ends, w, 0)
-        s1, s2 = closure(given, R, angle, ends, w, 1)
-        g1, g2 = closure(given, R, angle, ends, w, 2)
-        if given != POSITION:
-            g2 = 0.0
+        r1 = ends[1] - R * np.cos(angle + ends[0])
+        r2 = ends[2] - R * np.sin(angle + ends[0])
+        n1, n2 = closure(R, angle, ends, w, 0)
+        s1, s2 = closure(R, angle, ends, w, 1)
+        g1, g2 = closure(R, angle, ends, w, 2)
         determinant = n1 * s2 - n2 * s1
         dnu = -((r1 + g1) * s2 - (r2 + g2) * s1) / determinant
         ds = -(n1 * (r2 + g2) - n2 * (r1 + g1)) / determinant
@@ -469,7 +458,7 @@ def march(
                 x[i] += (kept_x[i] - before[i]) * abs(aim - at) / last
             x[1] = max(x[1], 0.98 * R)
         steps, found = newton(
-            breaks, kappa, soft, rule, R, aim, POSITION, psi, x, columns, w
+            breaks, kappa, soft, rule, R, aim, psi, x, columns, w
         )  # fmt: skip
         turned = determinant != 0.0 and found * determinant <= 0.0
         if steps == 0 or turned or abs(x[1] - kept_x[1]) > 0.1 * R:
@@ -494,7 +483,7 @@ def from_free(
     s_free, free = free_crossing(breaks, kappa, rule, R)
     x[0], x[1] = 0.0, s_free
     free_start(breaks, kappa, rule, s_free, psi)
-    steps, _ = newton(breaks, kappa, soft, rule, R, free, POSITION, psi, x, columns, w)
+    steps, _ = newton(breaks, kappa, soft, rule, R, free, psi, x, columns, w)
     if steps == 0:
         return 0
     return march(breaks, kappa, soft, rule, R, free, angle, psi, x, columns, w)[0]
@@ -516,7 +505,7 @@ def from_straight(
     while at < 1.0:
         aim = min(at + step, 1.0)
         scaled[:] = aim * kappa
-        steps, _ = newton(breaks, scaled, soft, rule, R, angle, POSITION, psi, x, columns, w)
+        steps, _ = newton(breaks, scaled, soft, rule, R, angle, psi, x, columns, w)
         if steps == 0 or abs(x[1] - kept_x[1]) > 0.1 * R:
             psi[:], x[:] = kept, kept_x
             step *= 0.4
@@ -540,7 +529,7 @@ def cold(
     x[1] = s_free
     x[0] = 3.0 * (free - angle) / (R * R * (1.0 - max(0.0, 1.0 - length / R) ** 3))
     free_start(breaks, kappa, rule, s_free, psi)
-    steps, determinant = newton(breaks, kappa, soft, rule, R, angle, POSITION, psi, x, columns, w)
+    steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
     if x[1] <= length:  # on the sheet there is never a second one
         return steps
     return steps if determinant > 0.0 and steps < 9 and abs(free - angle) < 1.0 else 0
@@ -554,7 +543,7 @@ def solve_one(
     """The equilibrium on the physical branch; psi and x are the start where `warm`, and the result."""
     if warm:
         steps, determinant = newton(
-            breaks, kappa, soft, rule, R, angle, POSITION, psi, x, columns, w
+            breaks, kappa, soft, rule, R, angle, psi, x, columns, w
         )
         if steps > 0 and determinant > 0.0 and x[1] <= reach:
             return SOLVED
@@ -586,18 +575,6 @@ def solve_many(
         status[k] = solve_one(
             breaks, kappa[k], c, rule, R, reach, angles[k], warm[k], psi[k], x[k], columns, w
         )
-
-
-@compiled
-def solve_given(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, given: int,
-    psi: Array, x: Array, status: Array,
-) -> None:  # fmt: skip
-    """One problem whose nu (FORCE) or s_hat (CONTACT) is given, from the start in psi and x."""
-    w = new_work(len(rule.c), 3)
-    columns = np.zeros((len(breaks) - 1, len(rule.c), 3))
-    steps, _ = newton(breaks, kappa, soft, rule, R, 0.0, given, psi, x, columns, w)
-    status[0] = SOLVED if steps > 0 else FAILED
 
 
 @compiled
@@ -786,12 +763,12 @@ def answers(
     ends = sweep(
         breaks, kappa, soft, rule, psi, x[0], x[1], to.kappa, to.soft, to.length, False, columns, w
     )
-    n1, n2 = closure(POSITION, R, angle, ends, w, 0)
-    s1, s2 = closure(POSITION, R, angle, ends, w, 1)
+    n1, n2 = closure(R, angle, ends, w, 0)
+    s1, s2 = closure(R, angle, ends, w, 1)
     determinant = n1 * s2 - n2 * s1
     cos, sin = np.cos(angle + ends[0]), np.sin(angle + ends[0])
     for q in range(len(dx)):
-        r1, r2 = closure(POSITION, R, angle, ends, w, 2 + q)
+        r1, r2 = closure(R, angle, ends, w, 2 + q)
         r1 += R * sin * to.angle[q] - cos * to.radius[q]
         r2 -= R * cos * to.angle[q] + sin * to.radius[q]
         dx[q, 0] = -(r1 * s2 - r2 * s1) / determinant

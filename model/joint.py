@@ -117,7 +117,7 @@ class Joint:
             rest = system.layout.rest_slice
             row[rest] = B * means[: system.layout.rest]
             # a shape at 0 V other than stated: was the sheet bent, or was there a moment?
-            doubt = float(row[rest] @ theta[rest]) / np.sqrt(3.0)
+            doubt = float(row[rest] @ theta[rest]) / np.sqrt(12.0)
         return row, doubt
 
     def _eibm(self, n: int, row: FloatArray, doubt: float) -> Parameter:
