@@ -146,6 +146,11 @@ class World:
         with self._lock:
             return float(self._moment(when).true_N[0])
 
+    def true_shape(self, when: float) -> FloatArray:
+        """The neutral curve (n, 2) in m, from the clamp's end to the visible end."""
+        with self._lock:
+            return shape_of(self._moment(when), 0)
+
     # --------------------------------------------------------------------------------- camera
 
     @property

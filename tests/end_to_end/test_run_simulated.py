@@ -90,7 +90,7 @@ def test_check_finds_the_simulated_rig_ready(rig: Path, capsys: pytest.CaptureFi
         ("protocol.toml", '"short"', '"tall"', 2, "tall"),
         ("sheet.toml", "width_mm = 11.0", "width_mm = -11.0", 2, "greater than 0"),
         ("load_cell.toml", "0.15296", "0.0", 2, "must not be 0"),
-        ("optics.json", "7.301", '"wide"', 2, "px_per_mm"),
+        ("optics.json", "7.001", '"wide"', 2, "px_per_mm"),
     ],
 )
 def test_a_fault_in_a_file_is_one_sentence_and_leaves_no_session(
