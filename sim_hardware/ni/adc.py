@@ -28,7 +28,7 @@ class Converter:
         """The converter's codes; beyond the range it saturates. Takes samples in their order."""
         noisy = volts + self._noise_V * self._random.standard_normal(volts.shape)
         exact = np.rint(noisy / self.step_V)
-        return np.clip(exact, _LOWEST, _HIGHEST).astype(np.int16)
+        return np.minimum(np.maximum(exact, _LOWEST), _HIGHEST).astype(np.int16)
 
     def volts(self, codes: npt.NDArray[np.int16]) -> FloatArray:
         """What the driver makes of codes."""

@@ -39,7 +39,6 @@ class DriveTable:
         self._angle_rad = angle_rad
         self._panels: dict[int, FloatArray] = {}
         self._edges: dict[int, Equilibrium] = {}  # at drive = key * PANEL
-        self._covered = (0.0, 0.0)  # between these two all panels are made
         # Drives between these two are held; the chain slips out at the first and beyond.
         self.lowest, self.highest = -math.inf, math.inf
         if angle_rad is not None:
