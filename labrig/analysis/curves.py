@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
 HOPELESS = 2  # frames without a curve, after a mean image without one
-# Mean image and single frames may differ by this much before the sheet is taken to have moved.
+MOVED_PX = 1.0  # scatter of the frames' curves, from which on a mean image is blurred by motion
+# Mean image and single frames may differ by this much: their noise, and what both leave over.
 AGREE_SIGMAS = 4.0
 AGREE_M = 20e-6
 
@@ -151,7 +152,7 @@ def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
         )
     if mean is not None and mean.ok:
         single = [by_reading[r] for r in job.in_mean if r in by_reading]
-        warnings += [f"{label}: {text}" for text in _disagreement(mean, single)]
+        warnings += [f"{label}: {text}" for text in _movement(mean, single, job.optics.px_per_m)]
     return ConditionCurves(
         run=job.run,
         voltage_V=job.voltage_V,
@@ -190,22 +191,26 @@ def _full_scale(job: CurveJob, session: Session) -> float:
     return float(2 ** (job.optics.bits if job.optics.bits > 8 else 16) - 1)
 
 
-def _disagreement(mean: NeutralCurve, single: Sequence[Curve]) -> Iterator[str]:
-    """A warning when the mean image shows another curve than its frames do: the sheet moved."""
+def _movement(mean: NeutralCurve, single: Sequence[Curve], px_per_m: float) -> Iterator[str]:
+    """A warning when frames show different curves, or the mean image another one than they do."""
     if len(single) < 2:
         return
-    at = mean.s_m[(mean.s_m <= min(curve.s_m[-1] for curve in single))]
+    at = mean.s_m[mean.s_m <= min(curve.s_m[-1] for curve in single)]
     x = np.array([np.interp(at, curve.s_m, curve.x_m) for curve in single])
     y = np.array([np.interp(at, curve.s_m, curve.y_m) for curve in single])
-    dx = x.mean(axis=0) - mean.x_m[: at.size]
-    dy = y.mean(axis=0) - mean.y_m[: at.size]
+    scatter_m = float(np.sqrt(np.mean(x.var(axis=0, ddof=1) + y.var(axis=0, ddof=1))))
+    if scatter_m * px_per_m > MOVED_PX:
+        yield (
+            f"the curves of the single frames scatter by {scatter_m * 1e3:.3f} mm (RMS), so the "
+            "sheet moved between them; trust their mean more than the mean image"
+        )
+        return
+    dx, dy = x.mean(axis=0) - mean.x_m[: at.size], y.mean(axis=0) - mean.y_m[: at.size]
     apart_m = float(np.sqrt(np.mean(dx**2 + dy**2)))
-    scatter_m = float(np.sqrt(np.mean(x.var(axis=0) + y.var(axis=0)) / len(single)))
-    allowed_m = AGREE_M + AGREE_SIGMAS * scatter_m
-    if apart_m > allowed_m:
+    if apart_m > AGREE_M + AGREE_SIGMAS * scatter_m / len(single) ** 0.5:
         yield (
             f"the mean image's curve lies {apart_m * 1e3:.3f} mm (RMS) from the mean of the curves "
-            "of its frames; the sheet moved between them, so trust those of the frames"
+            "of its frames; look at both"
         )
 
 

@@ -13,6 +13,7 @@ SEEN_FROM_V = 0.1  # a smaller step is not looked for; its time is that of its w
 SEARCH_S = 0.05  # to either side of the write
 LEVEL_S = 0.02  # over which the level before and after an edge is taken
 SETTLE_S = 0.003  # next to the edge, left out of that
+AGREES_SAMPLES = 0.25  # the two clocks are not one: a write this far outside is taken as inside
 _LEFT = 0.05  # of the step: beyond it the level before has been left
 
 
@@ -29,8 +30,8 @@ def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, Edge]:
     """The run's steps by their number, as far as they were written.
 
     An edge lies between the last sample at the level before and the first one beyond it. Where in
-    between is known better from the write's own time; so that stands, unless it lies outside, when
-    the middle of the two samples does.
+    between is known better from the write's own time; so that stands, unless it lies clearly
+    outside, when the middle of the two samples does.
     """
     writes = run.writes
     rate_hz = run.sample_clock.rate_hz
@@ -52,8 +53,9 @@ def _edge(step: int, written: float, left: int | None) -> Edge:
     if left is None:
         reach_ms = SEARCH_S * 1e3
         return Edge(step, written, f"the drive shows no edge within {reach_ms:g} ms of the write")
-    inside = left <= written <= left + 1
-    return Edge(step, written if inside else left + 0.5, "")
+    nearest = min(max(written, float(left)), left + 1.0)
+    agrees = abs(nearest - written) <= AGREES_SAMPLES
+    return Edge(step, nearest if agrees else left + 0.5, "")
 
 
 def _last_before(

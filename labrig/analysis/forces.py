@@ -84,10 +84,11 @@ class _Maker:
             reasons.append("the samples of its window were not recorded")
         else:
             volts, noise_factor = self._filtered(centre, half)
-            force_N = float(self._calibration.newtons(volts[self._force]))
-            drive_V = float(volts[self._drive])
-            noise_N = noise_factor * self._scatter_N(first, last)
-            reasons += self._faults(first, last, drive_V, planned, edge)
+            reasons += self._faults(first, last, float(volts[self._drive]), planned, edge)
+            if np.isfinite(volts).all():  # else some were lost, and the value of then stands
+                force_N = float(self._calibration.newtons(volts[self._force]))
+                drive_V = float(volts[self._drive])
+                noise_N = noise_factor * self._scatter_N(first, last)
         return ForceReading(
             index=planned.index,
             kind=planned.kind,

@@ -20,6 +20,7 @@ RATE_HZ = 1000.0
 FRAME_SHAPE = (24, 32)
 SENSITIVITY_V_PER_N = 0.15
 OFFSET_V = 1e-4
+LATE_S = 1.4e-3  # every edge, between two samples
 
 SHEET = """\
 [long]
@@ -70,8 +71,8 @@ def session_events(schedule: Schedule, block: int = 50, seed: int = 1) -> Iterat
 
 
 def drive_V(run, time_s):
-    """The voltage at the sheet, the edges 1 ms after the planned time."""
-    steps = np.array([step.time_s for step in run.steps]) + 1e-3
+    """The voltage at the sheet."""
+    steps = np.array([step.time_s for step in run.steps]) + LATE_S
     volts = np.array([0.0, *(step.voltage_V for step in run.steps)])
     return volts[np.searchsorted(steps, time_s, side="right")]
 
@@ -100,10 +101,12 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
         at(read_s, ev.SignalsArrived(read_s, run.index, SignalBlock(first, part, read_s)))
     for number, step in enumerate(run.steps):
         due = start_s + step.time_s
-        write = VoltageWrite(step.voltage_V, step.voltage_V / 10, due + 0.9e-3, due + 1.1e-3)
-        at(due + 1.1e-3, ev.VoltageSet(due + 1.1e-3, run.index, number, due, write))
+        write = VoltageWrite(
+            step.voltage_V, step.voltage_V / 10, due + LATE_S - 1e-4, due + LATE_S + 1e-4
+        )
+        at(write.after_s, ev.VoltageSet(write.after_s, run.index, number, due, write))
     for reading in run.readings:
-        sample_s = start_s + run.time_of(reading) + 1e-3
+        sample_s = start_s + run.time_of(reading) + LATE_S
         image = rng.integers(0, 255, FRAME_SHAPE, dtype=np.uint8)
         frame = Frame(reading.index * 15, sample_s + 4e-3, None, image)
         index = clock.index_at(sample_s)

@@ -11,8 +11,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import session_recording
-from session_recording import session_events, settings, small_schedule
 
 from labrig.errors import BadInputError, ExitCode
 from labrig.session import SessionWriter, WriterError, open_session, recover
@@ -21,6 +19,8 @@ from labrig.session.journal import Journal, journal_path, read_journal
 from labrig.session.rows import Rows, Translator
 from labrig.session.setup import Setup
 from protocols import events as ev
+from tests.labrig.session import session_recording
+from tests.labrig.session.session_recording import session_events, settings, small_schedule
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,6 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-import session_recording
-from session_recording import record, session_events, settings, small_schedule
 
 from labrig.errors import BadInputError
 from labrig.session import (
@@ -25,6 +23,8 @@ from labrig.session import (
 )
 from labrig.session.journal import journal_path
 from protocols import events as ev
+from tests.labrig.session import session_recording
+from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 
 
 def until_reading(schedule, run, index):

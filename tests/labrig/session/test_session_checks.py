@@ -7,10 +7,10 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-from session_recording import record, small_schedule
 
 from labrig.errors import BadInputError
 from labrig.session import compare_sessions, open_session, verify
+from tests.labrig.session.session_recording import record, small_schedule
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,6 @@ import shutil
 
 import h5py
 import pytest
-from measured import measurements, same
-from session_recording import record, small_schedule
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.session import (
@@ -20,6 +18,8 @@ from labrig.session import (
 )
 from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
 from model.measurements import Measurements
+from tests.labrig.session.measured import measurements, same
+from tests.labrig.session.session_recording import record, small_schedule
 
 
 @pytest.fixture(scope="module")

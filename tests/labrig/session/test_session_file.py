@@ -5,9 +5,14 @@ from __future__ import annotations
 import h5py
 import numpy as np
 import pytest
-from session_recording import (
+
+from labrig.errors import BadInputError
+from labrig.session import SessionWriter, open_session
+from protocols import events as ev
+from tests.labrig.session.session_recording import (
     CHANNELS,
     FRAME_SHAPE,
+    LATE_S,
     OFFSET_V,
     SENSITIVITY_V_PER_N,
     TEXTS,
@@ -18,10 +23,6 @@ from session_recording import (
     settings,
     small_schedule,
 )
-
-from labrig.errors import BadInputError
-from labrig.session import SessionWriter, open_session
-from protocols import events as ev
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +77,7 @@ def test_readings_and_their_frames_come_back(recorded):
             assert row["kind"] == event.planned.kind
             assert row["force_N"] == event.force_N
             assert row["sample_index"] == event.sample_index
-            assert row["time_s"] == pytest.approx(row["planned_s"] + 1e-3, abs=1e-9)
+            assert row["time_s"] == pytest.approx(row["planned_s"] + LATE_S, abs=1e-9)
             np.testing.assert_array_equal(run.frame(event.planned.index), event.frame.image)
             assert run.frame_offset_s(event.planned.index) == 4e-3
         assert run.image(0).shape == FRAME_SHAPE
@@ -85,10 +86,12 @@ def test_readings_and_their_frames_come_back(recorded):
 def test_writes_carry_their_lateness_and_sample_index(recorded):
     with open_session(recorded) as session:
         writes = session.runs[0].writes
-        np.testing.assert_allclose(writes["lateness_s"], 1e-3, atol=1e-9)
+        np.testing.assert_allclose(writes["lateness_s"], LATE_S, atol=1e-9)
         planned = [step.time_s for step in session.runs[0].planned.steps]
         np.testing.assert_array_equal(writes["planned_s"], planned)
-        np.testing.assert_allclose(writes["sample_index"], np.array(planned) * 1e3 + 201, atol=1e-6)
+        np.testing.assert_allclose(
+            writes["sample_index"], np.array(planned) * 1e3 + 201.4, atol=1e-6
+        )
 
 
 def test_the_log_has_one_line_for_each_event_in_order(recorded):

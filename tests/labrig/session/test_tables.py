@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from measured import measurements, same
-from session_recording import SHEET
 
 from labrig.config import parse_sheet
 from labrig.errors import BadInputError
@@ -34,6 +32,8 @@ from labrig.session.decimals import (
 )
 from model.measurements import Measurements
 from protocols.events import Outcome
+from tests.labrig.session.measured import measurements, same
+from tests.labrig.session.session_recording import SHEET
 
 SHEETS = parse_sheet(SHEET, "sheet.toml")
 FORCES = """configuration,position_mm,voltage_V,reading,force_mN
