@@ -63,7 +63,7 @@ def smooth_polyline(shape_m: npt.ArrayLike, spacing_m: float) -> tuple[FloatArra
     The samples may be as coarse as the links of a chain; the spacing wanted is about a pixel, so
     that straight pieces between the points are good to a thousandth of one.
     """
-    from scipy.interpolate import CubicSpline
+    from sim_hardware.optics.spline import spline
 
     shape = np.asarray(shape_m, dtype=np.float64)
     if shape.ndim != 2 or shape.shape[1] != 2 or not np.all(np.isfinite(shape)):
@@ -74,4 +74,4 @@ def smooth_polyline(shape_m: npt.ArrayLike, spacing_m: float) -> tuple[FloatArra
         raise ValueError("a shape needs at least two different points")
     length = np.concatenate(([0.0], np.cumsum(steps[steps > 0])))
     at = np.linspace(0.0, length[-1], max(2, math.ceil(length[-1] / spacing_m) + 1))
-    return np.asarray(CubicSpline(length, shape)(at)), at
+    return spline(length, np.ascontiguousarray(shape), at), at

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from sim_hardware.optics import Jaws, Lens, Light, Noise, OpticsSettings, Renderer, Rolls
 from sim_hardware.optics.geometry import Geometry, smooth_polyline
@@ -146,6 +147,17 @@ def test_perfect_calibration_tells_where_the_sheet_leaves_the_clamp() -> None:
     assert content["clamp_px"] == pytest.approx(Geometry(settings).to_pixels([[0, 0]])[0])
     assert content["polarity"] == "bright"
     assert content["camera_matrix"][0] == [4200, 0, 310]
+
+
+@pytest.mark.parametrize("samples", [2, 3, 4, 5, 60])
+def test_curve_between_its_samples_is_the_spline_that_scipy_makes(samples: int) -> None:
+    random = np.random.default_rng(samples)
+    shape = np.cumsum(random.uniform(0.2e-3, 1e-3, (samples, 2)), axis=0)
+    points, at = smooth_polyline(shape, 1e-4)
+    known = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(shape, axis=0).T))))
+    assert at[-1] == pytest.approx(known[-1])
+    assert np.max(np.diff(at)) <= 1e-4
+    np.testing.assert_allclose(points, CubicSpline(known, shape)(at), rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize(
