@@ -1,20 +1,30 @@
-"""Calibrations: the load cell."""
+"""Calibrations: load cell and camera, and the board for the latter."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
 
+if TYPE_CHECKING:
+    from labrig.vision import Board, Calibration
+
+Columns = Annotated[int, typer.Option(help="squares across the board")]
+Rows = Annotated[int, typer.Option(help="squares down the board")]
+SquareMm = Annotated[float, typer.Option("--square-mm", help="side of a square, as printed")]
+MarkerMm = Annotated[float, typer.Option("--marker-mm", help="side of a marker; 0: checkerboard")]
+
 
 def add_to(app: typer.Typer) -> None:
     """Add these commands."""
     room = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
     room.command(name="load-cell")(load_cell)
+    room.command()(camera)
+    room.command()(board)
     app.add_typer(room, name="calibrate")
 
 
@@ -58,3 +68,96 @@ def load_cell(
     path = output or plan.rig.load_cell.calibration
     write_calibration(made, path)
     say(f"wrote {path}")
+
+
+def camera(
+    pictures: Annotated[
+        list[Path], typer.Argument(help="of the board; the first one flat in the sheet's plane")
+    ],
+    clamp_px: Annotated[
+        str, typer.Option("--clamp-px", help="U,V: the pixel where the sheet leaves the clamp")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="the optics.json to make")],
+    along_px: Annotated[
+        str | None, typer.Option("--along-px", help="U,V: a second pixel on the clamped sheet")
+    ] = None,
+    ruler_px: Annotated[
+        str | None, typer.Option("--ruler-px", help="U1,V1,U2,V2: no board, two points of a ruler")
+    ] = None,
+    ruler_mm: Annotated[
+        float, typer.Option("--ruler-mm", help="distance of the ruler's two points")
+    ] = 0.0,
+    columns: Columns = 12,
+    rows: Rows = 9,
+    square_mm: SquareMm = 5.0,
+    marker_mm: MarkerMm = 3.6,
+) -> None:
+    """Calibrate the camera: scale, axes and lens, from pictures of a board, or from a ruler.
+
+    Print the board with `labrig calibrate board`. One picture of it, flat in the sheet's plane, is
+    enough; three or more fix the lens better.
+    """
+    from labrig.vision import calibrate_camera, calibrate_ruler, read_image
+
+    images = [read_image(path) for path in pictures]
+    clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
+    if ruler_px is not None:
+        u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
+        size = (images[0].shape[1], images[0].shape[0])
+        found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=(clamp_u, clamp_v))
+    else:
+        along = None if along_px is None else _numbers(along_px, "--along-px", 2)
+        found = calibrate_camera(
+            images,
+            _board(columns, rows, square_mm, marker_mm),
+            clamp_px=(clamp_u, clamp_v),
+            along_px=None if along is None else (along[0], along[1]),
+        )
+    _tell(found, output)
+
+
+def board(
+    output: Annotated[Path, typer.Option("--output", "-o", help="the PDF to make")],
+    columns: Columns = 12,
+    rows: Rows = 9,
+    square_mm: SquareMm = 5.0,
+    marker_mm: MarkerMm = 3.6,
+) -> None:
+    """Write the calibration board as a PDF of its true size, with a ruler to check the print."""
+    from labrig.vision import write_board_pdf
+
+    write_board_pdf(output, _board(columns, rows, square_mm, marker_mm))
+    say(f"wrote {output}; print it at 100 % and measure the ruler on it")
+
+
+def _board(columns: int, rows: int, square_mm: float, marker_mm: float) -> Board:
+    from labrig.vision import Board
+
+    return Board(columns, rows, square_mm, marker_mm)
+
+
+def _numbers(text: str, option: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise BadInputError(f"{option} {text!r}: {count} numbers with commas between are needed.")
+    return values
+
+
+def _tell(found: Calibration, output: Path) -> None:
+    optics = found.optics
+    say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
+    if found.residual_px:
+        say(
+            f"corners fit with {found.residual_px:.3f} pixels RMS ({found.residual_um:.1f} µm; at "
+            f"most {found.largest_um:.1f} µm)"
+        )
+    for text in found.warnings:
+        warn(f"warning: {text}")
+    try:
+        output.write_text(optics.model_dump_json(indent=2, exclude_none=True) + "\n", "utf-8")
+    except OSError as error:
+        raise BadInputError(f"{output}: cannot be written ({error.strerror}).") from None
+    say(f"wrote {output}")

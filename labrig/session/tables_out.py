@@ -38,6 +38,13 @@ def write_tables(measurements: Measurements, folder: Path) -> list[Path]:
     return written
 
 
+def write_curves(measurements: Measurements, path: Path) -> None:
+    """Write curves.csv alone, in place of one that is there."""
+    cells = list(_curves(measurements))
+    used = [column for column in columns.CURVES_OPTIONAL if any(row.get(column) for row in cells)]
+    _write(path, [*columns.CURVES, *used], cells)
+
+
 def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)

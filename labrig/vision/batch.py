@@ -26,6 +26,7 @@ from labrig.vision.optics import Optics, load_optics
 from labrig.vision.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
+NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,25 @@ def extract_curves(
     read or holds no sheet is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
+    found = curves_of(sources, options)
+    output.mkdir(parents=True, exist_ok=True)
+    result = BatchResult()
+    for name, image, curve in found:
+        result.curves[name] = curve
+        write_json(output / f"{name}.json", curve)
+        if options.overlays and image is not None:
+            write_overlay(output / f"{name}_curve.png", image, curve)
+        if progress is not None:
+            progress(name, curve)
+    write_table(output / "curves.csv", result.curves)
+    return result
+
+
+def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
+    """Name, picture (None: unreadable) and curve of each picture and frame, one after the other.
+
+    Raises BadInputError at once when there is none, or two of the same name.
+    """
     files = list(_files(sources))
     if not files:
         raise BadInputError(
@@ -72,18 +92,7 @@ def extract_curves(
             f"{', '.join(PICTURES)} files in it."
         )
     _refuse_twins(files)
-    output.mkdir(parents=True, exist_ok=True)
-    result = BatchResult()
-    for path in files:
-        for name, image, curve in _curves_of(path, options):
-            result.curves[name] = curve
-            write_json(output / f"{name}.json", curve)
-            if options.overlays and image is not None:
-                write_overlay(output / f"{name}_curve.png", image, curve)
-            if progress is not None:
-                progress(name, curve)
-    write_table(output / "curves.csv", result.curves)
-    return result
+    return (named for path in files for named in _curves_of(path, options))
 
 
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
@@ -108,9 +117,7 @@ def _refuse_twins(files: list[Path]) -> None:
         seen[path.stem] = path
 
 
-def _curves_of(
-    path: Path, options: BatchOptions
-) -> Iterator[tuple[str, npt.NDArray[Any] | None, NeutralCurve]]:
+def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
     optics, strip = _beside(path, options)
     if path.suffix.lower() in VIDEOS:
         tracker = Tracker(optics, strip)

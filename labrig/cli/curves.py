@@ -1,0 +1,156 @@
+"""Pictures of a clamped strip to neutral curves, with a session or without: curves."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from labrig.cli.screen import finite, say, warn
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from labrig.vision import BatchOptions, NeutralCurve
+    from model import Curve
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add this command."""
+    app.command()(curves)
+
+
+def curves(
+    sources: Annotated[
+        list[Path] | None, typer.Argument(help="pictures, videos, folders, or one session.h5")
+    ] = None,
+    optics: Annotated[Path | None, typer.Option(help="optics.json")] = None,
+    sheet: Annotated[Path | None, typer.Option(help="sheet.toml")] = None,
+    configuration: Annotated[
+        str | None, typer.Option(help="which table of sheet.toml, when it has several")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="curves.csv; with --batch a folder")
+    ] = None,
+    overlay: Annotated[
+        Path | None, typer.Option(help="the picture with the curve on it (png; one picture)")
+    ] = None,
+    batch: Annotated[
+        Path | None, typer.Option(help="every picture of this folder; NAME.json for each")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="print one JSON object for each picture, a line each")
+    ] = False,
+) -> None:
+    """Find the neutral curve of a clamped strip in pictures.
+
+    NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
+    what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
+    """
+    from labrig.vision import BatchOptions
+
+    options = BatchOptions(optics, sheet, configuration)
+    if batch is not None:
+        if sources or output is None:
+            raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
+        _batch(batch, output, options)
+        return
+    if not sources:
+        raise BadInputError("no picture was given; give files, a folder, or --batch FOLDER.")
+    if [path.suffix.lower() for path in sources] == [".h5"]:
+        _session(sources[0], output, as_json=as_json)
+        return
+    _pictures(sources, options, output, overlay, as_json=as_json)
+
+
+def _pictures(
+    sources: list[Path],
+    options: BatchOptions,
+    output: Path | None,
+    overlay: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    from labrig.vision import curve_json, write_overlay
+    from labrig.vision.batch import curves_of
+    from labrig.vision.files import write_table
+
+    found: dict[str, NeutralCurve] = {}
+    for name, image, curve in curves_of(sources, options):
+        found[name] = curve
+        if as_json:
+            sys.stdout.write(json.dumps(finite(curve_json(curve)), allow_nan=False) + "\n")
+        else:
+            say(f"{name}: {_summary(curve)}")
+        if overlay is not None and image is not None:
+            if len(found) > 1:
+                raise BadInputError("--overlay takes one picture; use --batch for many.")
+            write_overlay(overlay, image, curve)
+    if output is not None:
+        write_table(output, found)
+        warn(f"wrote {output}")
+
+
+def _summary(curve: NeutralCurve) -> str:
+    if not curve.ok:
+        return f"no curve: {curve.why}"
+    told = "; ".join(curve.warnings)
+    return (
+        f"{1e3 * curve.s_m[-1]:.1f} mm, tip at ({1e3 * curve.x_m[-1]:+.2f}, "
+        f"{1e3 * curve.y_m[-1]:+.2f}) mm, covered {curve.covered:.0%}, "
+        f"residual {curve.residual_px:.3f} px{'; ' + told if told else ''}"
+    )
+
+
+def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
+    from labrig.vision import extract_curves
+
+    if not folder.is_dir():
+        raise BadInputError(f"{folder}: there is no such folder.")
+    count = 0
+
+    def progress(name: str, curve: NeutralCurve) -> None:
+        nonlocal count
+        count += 1
+        warn(f"{count}: {name}: {_summary(curve)}")
+
+    result = extract_curves([folder], output, options, progress=progress)
+    say(f"{len(result.curves)} pictures, {len(result.failed)} without a curve; wrote {output}")
+
+
+def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
+    from labrig.analysis import measure
+    from labrig.cli.screen import progress
+    from labrig.session import open_session
+    from labrig.session.tables_out import write_curves
+
+    with open_session(path) as session, progress("curves") as advance:
+        measurements = measure(session, advance)
+    for c in measurements.conditions:
+        where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
+        name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
+        if as_json:
+            line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
+            sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
+        else:
+            say(f"{name}: {'no curve' if c.curve is None else f'{len(c.curve.s_m)} points'}")
+    for text in measurements.warnings:
+        warn(f"warning: {text}")
+    if output is not None:
+        write_curves(measurements, output)
+        warn(f"wrote {output}")
+
+
+def _curve_json(curve: Curve | None) -> dict[str, Any]:
+    if curve is None:
+        return {}
+    return {
+        "s_mm": 1e3 * curve.s_m,
+        "x_mm": 1e3 * curve.x_m,
+        "y_mm": 1e3 * curve.y_m,
+        "curvature_per_m": curve.curvature_per_m,
+        "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
+        "curvature_sigma_per_m": curve.curvature_sigma_per_m,
+    }
