@@ -86,12 +86,8 @@ class System:
         self.free = [i for i, o in enumerate(observed.observations) if o.position_m is None]
         self._angles = np.array([self._angle(i) for i in self.touching])
         self._points = [self._curve(o) for o in observed.observations]
-        longest = max((len(s) for s, *_ in self._points), default=1)
-        self._s = np.stack(
-            [np.resize(self._points[i][0], longest) for i in self.touching] or [np.zeros(1)]
-        )
-        for row, i in zip(self._s, self.touching, strict=False):
-            row[len(self._points[i][0]) :] = self._points[i][0][-1]
+        longest = max(1, *(len(s) for s, *_ in self._points))
+        self._s = np.array([_stretched(self._points[i][0], longest) for i in self.touching])
         self._last: Equilibria | None = None
         self._directions = {i: self._change(o) for i, o in enumerate(observed.observations)}
         self._moved = self._all_directions()
@@ -236,3 +232,10 @@ def legendre_field(degree: int, length_m: float) -> Field:
     """A Legendre polynomial over the sheet; its mean is 0 but for degree 0."""
     powers = legendre.leg2poly(np.eye(degree + 1)[degree])
     return Field(np.array([0.0, length_m]), np.asarray(powers, dtype=float)[None, :])
+
+
+def _stretched(s_m: FloatArray, count: int) -> FloatArray:
+    """Points with the last one repeated, so that curves of all lengths make one array."""
+    if not len(s_m):
+        return np.zeros(max(count, 1))
+    return np.append(s_m, np.full(count - len(s_m), s_m[-1]))

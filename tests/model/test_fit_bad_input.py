@@ -1,0 +1,149 @@
+"""Data that cannot be fitted end in one clear sentence, never in a wrong number."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import Curve, FitOptions, Measurements, ModelError, fit
+
+
+def changed(data: Measurements, index: int, **fields: object) -> Measurements:
+    conditions = list(data.conditions)
+    conditions[index] = replace(conditions[index], **fields)
+    return replace(data, conditions=tuple(conditions))
+
+
+def with_sheet(data: Measurements, **fields: object) -> Measurements:
+    return replace(data, sheets={n: replace(s, **fields) for n, s in data.sheets.items()})
+
+
+@pytest.fixture(scope="module")
+def data(measure) -> Measurements:
+    return measure(names=("long",))
+
+
+def curve(data: Measurements, **fields: object) -> Curve:
+    found = data.conditions[4].curve
+    assert found is not None
+    return replace(found, **fields)
+
+
+def test_nothing_measured(data):
+    with pytest.raises(ModelError, match="no measurements"):
+        fit(replace(data, conditions=()))
+
+
+def test_unknown_configuration(data):
+    with pytest.raises(ModelError, match=r"no configuration 'wide' \(known: long\)"):
+        fit(data, FitOptions(configurations=("wide",)))
+
+
+def test_a_force_that_is_not_a_number(data):
+    readings = list(data.conditions[4].readings)
+    readings[3] = replace(readings[3], force_N=np.nan)
+    with pytest.raises(ModelError, match=r"long, 5 mm, \+2 V is not a finite number"):
+        fit(changed(data, 4, readings=tuple(readings)))
+
+
+def test_a_curve_with_a_hole(data):
+    x = curve(data).x_m.copy()
+    x[7] = np.inf
+    with pytest.raises(ModelError, match="holds a number that is not finite"):
+        fit(changed(data, 4, curve=curve(data, x_m=x)))
+
+
+def test_a_curve_whose_s_does_not_ascend(data):
+    s = curve(data).s_m.copy()
+    s[5] = s[8]
+    with pytest.raises(ModelError, match="s must ascend"):
+        fit(changed(data, 4, curve=curve(data, s_m=s)))
+
+
+def test_a_curve_of_unequal_columns(data):
+    with pytest.raises(ModelError, match="unequal numbers"):
+        fit(changed(data, 4, curve=curve(data, y_m=curve(data).y_m[:-1])))
+
+
+def test_a_curve_of_two_points(data):
+    short = Curve(*(np.array([0.0, 0.01]) for _ in range(3)))
+    with pytest.raises(ModelError, match="at least 4"):
+        fit(changed(data, 4, curve=short))
+
+
+@pytest.mark.parametrize("position", [np.nan, 0.2, -0.3])
+def test_a_position_off_the_arc(data, position):
+    with pytest.raises(ModelError, match="not on the arc"):
+        fit(changed(data, 4, position_m=position))
+
+
+def test_all_readings_invalid_is_said_with_the_reason(data):
+    conditions = tuple(
+        replace(c, readings=tuple(replace(r, valid=False, why="stuck") for r in c.readings))
+        for c in data.conditions
+    )
+    with pytest.raises(ModelError, match=r"no valid readings at all \(stuck\)"):
+        fit(replace(data, conditions=conditions))
+
+
+def test_invalid_conditions_are_left_out_and_noted(measure):
+    data = measure(names=("short",))
+    last = data.conditions[-1]
+    bad = tuple(replace(r, valid=False, why="the sheet stuck in the rolls") for r in last.readings)
+    found = fit(changed(data, len(data.conditions) - 1, readings=bad))
+    assert len(found.residuals) == 20
+    assert "short, 30 mm, -2 V was left out: the sheet stuck in the rolls" in found.notes
+
+
+def test_fewer_conditions_than_parameters(data):
+    with pytest.raises(ModelError, match=r"cannot fix 3 parameters"):
+        fit(replace(data, conditions=data.conditions[1:3]))
+
+
+def test_shapes_without_forces_do_not_give_a_stiffness(measure):
+    data = measure(names=("long",), positions_mm=(), free=True)
+    with pytest.raises(ModelError, match="shapes fix only Me/B"):
+        fit(data)
+
+
+def test_forces_of_the_wrong_sign(data):
+    conditions = tuple(
+        replace(c, readings=tuple(replace(r, force_N=-r.force_N) for r in c.readings))
+        for c in data.conditions
+    )
+    with pytest.raises(ModelError, match="opposite sign"):
+        fit(replace(data, conditions=conditions))
+
+
+def test_an_initial_curvature_that_makes_a_loop(data):
+    loop = (np.zeros(1), np.array([24000.0]))
+    with pytest.raises(ModelError, match=r"makes the sheet a loop .* check its unit"):
+        fit(with_sheet(data, initial_curvature=loop))
+
+
+def test_an_initial_curvature_to_be_measured_without_curves(measure):
+    data = measure(names=("long",), curves=False)
+    with pytest.raises(ModelError, match="no curve at 0 V"):
+        fit(with_sheet(data, initial_curvature=None))
+
+
+@pytest.mark.parametrize("name", ["free_length_m", "width_m", "thickness_m", "arc_radius_m"])
+def test_a_geometry_that_is_not_positive(data, name):
+    with pytest.raises(ModelError, match="must be positive"):
+        fit(with_sheet(data, **{name: 0.0}))
+
+
+def test_a_sheet_too_short_for_the_arc(data):
+    with pytest.raises(ModelError, match="cannot reach the arc"):
+        fit(with_sheet(data, free_length_m=0.03))
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{"weight_exponent": -1.0}, {"initial_curvature_sigma_per_m": -1.0}, {"bootstrap": -1}],
+)
+def test_meaningless_options(fields):
+    with pytest.raises(ModelError, match="must not be negative"):
+        FitOptions(**fields)

@@ -1,0 +1,208 @@
+"""What a model says of a condition, and what it says when there is no answer."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import Along, ConfiguredSheet, ModelError, Parameter, SheetModel, predict
+from model.beam import problems, solve
+from model.field import Field
+from model.reach import limit_m, other_solutions, places_for_force, stable
+from model.setup import ActiveEffect
+
+R = 0.04
+
+
+@pytest.mark.parametrize(("curvature", "limit_mm"), [(0, 54.1), (20, 49.3), (40, 45.85), (60, 44.3)])
+def test_the_limit_of_reach_is_where_the_sheet_slips_out(curvature, limit_mm):
+    limit, slips = limit_m(problems(Field.constant(curvature, 0.05), 1.5, R))
+    assert slips
+    assert limit * 1e3 == pytest.approx(limit_mm, abs=0.05)
+
+
+def test_an_unreachable_position_is_an_answer(truth: SheetModel):
+    found = predict(truth, "long", 0.052, 2.0)
+    assert not found.reachable
+    assert found.why.startswith("not reachable: the sheet slips out at 4")
+    assert np.isnan(found.F_N)
+    answer = found.to_json()
+    assert answer["F_N"] is None
+    assert answer["x_mm"] == []
+    json.dumps(answer, allow_nan=False)
+
+
+def test_a_prediction_holds_what_simulate_prints(truth: SheetModel):
+    found = truth.predict("short", 0.005, 2.0)
+    answer = found.to_json()
+    assert set(answer) == {
+        "configuration", "position_mm", "voltage_V", "reachable", "why", "F_N", "N_N", "s_hat_mm",
+        "phi_hat_rad", "x_mm", "y_mm", "curvature_per_m",
+    }  # fmt: skip
+    assert answer["reachable"]
+    assert answer["why"] == ""
+    x, y = np.array(answer["x_mm"]), np.array(answer["y_mm"])
+    assert np.hypot(x[-1], y[-1]) > 40.0
+    assert np.max(np.hypot(np.diff(x), np.diff(y))) <= 0.5 + 1e-9
+    angle, i = 5.0 / 40.0, int(np.argmin(abs(found.s_m - found.s_hat_m)))
+    assert np.hypot(x[i] - 40 * np.cos(angle), y[i] - 40 * np.sin(angle)) < 0.3
+
+
+def test_the_rest_positions_are_where_the_force_changes_sign(truth: SheetModel):
+    for name, low, high in (("long", 0.013, 0.016), ("short", 0.004, 0.0055)):
+        assert predict(truth, name, low, 0.0).F_N > 0.0 > predict(truth, name, high, 0.0).F_N
+
+
+def test_a_voltage_between_those_fitted_gives_a_moment_in_proportion(truth: SheetModel):
+    one = truth.sheet("long")
+    assert one.mean_eibm(1.0) == pytest.approx(0.5 * one.mean_eibm(2.0), rel=1e-12)
+    with pytest.raises(ModelError, match=r"knows -2 V to \+2 V; \+3 V is outside"):
+        predict(truth, "long", 0.0, 3.0)
+
+
+def test_a_model_survives_being_written_and_read(truth: SheetModel):
+    effect = ActiveEffect("gravity", {"load_N_per_m": Parameter(1e-3, 1e-4, "N/m")})
+    model = replace(
+        truth.with_effects(effect), source="a.h5", checksum="ff", held_out=("long, 5 mm, +2 V",),
+        merit={"force_rmse_N": 1e-4},
+    )  # fmt: skip
+    data = json.loads(json.dumps(model.to_dict()))
+    again = SheetModel.from_dict(data)
+    assert again.to_dict() == model.to_dict()
+    assert again.effects == (effect,)
+    plain = SheetModel.from_dict(truth.to_dict())
+    one, two = (predict(m, "long", 0.01, -2.0) for m in (truth, plain))
+    assert one.F_N == pytest.approx(two.F_N, rel=1e-13)
+
+
+def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
+    with pytest.raises(ModelError, match="unknown to this version"):
+        predict(truth.with_effects(ActiveEffect("magnetism")), "long", 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "text"),
+    [
+        (("labrig_model",), 7, "not a model file"),
+        (("configurations", "long", "B_Nm2", "value"), -1.0, "must be positive"),
+        (("configurations", "long", "B_Nm2", "value"), "many", "finite number is wanted"),
+        (("configurations", "long", "B_Nm2", "sigma"), float("nan"), "finite number is wanted"),
+        (("configurations", "long", "geometry", "free_length_mm"), 0.0, "free_length_mm"),
+        (("configurations", "long", "eibm"), {"two": {}}, "not a voltage"),
+        (("configurations", "long", "initial_curvature", "value"), [1.0], "equally long"),
+        (("effects",), [{"parameters": {}}], "a table with a name"),
+        (("configurations",), 3, "a table is wanted"),
+    ],
+)
+def test_a_broken_model_file_is_refused_with_its_key(truth: SheetModel, path, value, text):
+    data = json.loads(json.dumps(truth.to_dict()))
+    place = data
+    for key in path[:-1]:
+        place = place[key]
+    place[path[-1]] = value
+    with pytest.raises(ModelError, match=text):
+        SheetModel.from_dict(data)
+
+
+def test_the_branch_continued_from_the_free_shape_is_stable():
+    for length, curvature, beta in ((0.05, 20, 0.3), (0.0045, 28, 0.2), (0.05, 60, 0.5)):
+        assert stable(solve(problems(Field.constant(curvature, length), beta, R, 0.05)))
+
+
+def test_a_long_elongation_can_be_wound_round_and_that_is_said():
+    batch = problems(Field.constant(60.0, 0.05), 0.5, R, 0.05)
+    others = other_solutions(solve(batch))
+    assert any(nu * R * R == pytest.approx(-3.29, abs=0.01) for nu in others)
+    assert other_solutions(solve(problems(Field.constant(60.0, 0.05), 0.5, R))) == []
+
+
+@pytest.mark.parametrize(("length", "curvature"), [(0.05, 20.0), (0.02, 60.0)])
+def test_every_neighbouring_shape_through_the_contact_has_more_energy(length, curvature):
+    """The elastic energy itself, by brute force, where `stable` looks at its second variation."""
+    beta = 0.6
+    found = solve(problems(Field.constant(curvature, length), beta, R, 10.0, accuracy="reference"))
+    top, beyond = float(found.l_hat_m[0]), float(found.s_hat_m[0] - found.l_hat_m[0])
+    s = np.linspace(0.0, top, 1501)
+    middle, h = 0.5 * (s[1:] + s[:-1]), s[1]
+    phi = found.shapes(middle).phi_rad[0]
+    modes = np.stack([np.sin((m - 0.5) * np.pi * middle / top) for m in range(1, 9)])
+    slopes = np.stack(
+        [(m - 0.5) * np.pi / top * np.cos((m - 0.5) * np.pi * middle / top) for m in range(1, 9)]
+    )
+    bent = found.shapes(middle).curvature_per_m[0] - curvature
+
+    def misses(free, c):
+        eta = np.array([*free[:2], *c]) @ modes
+        end = phi[-1] + eta[-1]
+        x = h * np.sum(np.cos(phi + eta)) + (beyond + free[2]) * np.cos(end)
+        y = h * np.sum(np.sin(phi + eta)) + (beyond + free[2]) * np.sin(end)
+        return np.array([x, y])
+
+    def energy(free, c):
+        return 0.5 * h * np.sum((bent + np.array([*free[:2], *c]) @ slopes) ** 2)
+
+    random = np.random.default_rng(0)
+    aim, at_rest = misses(np.zeros(3), np.zeros(6)), energy(np.zeros(3), np.zeros(6))
+    assert stable(found)
+    for _ in range(20):
+        c = 0.03 * random.standard_normal(6)
+        lowest = np.inf
+        for slide in np.linspace(-2e-3, 2e-3, 9):
+            free = np.array([0.0, 0.0, slide])
+            for _ in range(20):
+                miss = misses(free, c) - aim
+                J = np.stack([misses(free + d, c) - aim - miss for d in np.eye(3)[:2] * 1e-7]).T / 1e-7
+                free[:2] -= np.linalg.solve(J, miss)
+            lowest = min(lowest, energy(free, c))
+        assert lowest > at_rest
+
+
+def test_a_given_force_is_met_at_every_place_that_has_it():
+    batch = problems(Field.constant(0.0, 0.05), 0.0, R, 10.0)
+    places = places_for_force(batch, -2.0 / R**2)  # F(p) has its extreme of 2.4 B/R^2 near 1.2 rad
+    assert len(places) == 2
+    for angle, s_hat in places:
+        again = solve(problems(Field.constant(0.0, 0.05), angle, R, 10.0))
+        assert again.force(1.0)[0] * R * R == pytest.approx(-2.0, rel=1e-9)
+        assert again.s_hat_m[0] == pytest.approx(s_hat, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kappa", "angle", "radius", "text"),
+    [
+        (Field.constant(np.nan, 0.05), 0.1, R, "not finite"),
+        (Field.constant(1.0, 0.05), np.nan, R, "not a finite number"),
+        (Field.constant(1.0, 0.05), 0.1, -R, "radius must be positive"),
+    ],
+)
+def test_a_meaningless_problem_is_refused(kappa, angle, radius, text):
+    with pytest.raises(ModelError, match=text):
+        problems(kappa, angle, radius)
+
+
+def test_a_stiffness_that_is_not_positive_is_refused():
+    soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, -0.2]), 0.05)
+    with pytest.raises(ModelError, match="stiffness must be positive"):
+        problems(Field.constant(1.0, 0.05), 0.1, R, 0.0, soft)
+
+
+def test_places_along_the_sheet_must_ascend():
+    with pytest.raises(ModelError, match="must ascend"):
+        Field.linear(np.array([0.0, 0.02, 0.01]), np.ones(3), 0.05)
+
+
+def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel):
+    from model.predict import free_curvature
+    from model.setup import Setup
+
+    one: ConfiguredSheet = truth.sheet("long")
+    soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, 3.0]), 0.05)
+    setup = Setup(
+        one.sheet, 2.0, 0.1, one.B.value, Field.constant(5.0, 0.05), one.eibm_at(2.0), soft
+    )
+    kappa, s = free_curvature(setup), np.linspace(0.0, 0.05, 11)
+    np.testing.assert_allclose(kappa(s), 5.0 + 25.0 * soft(s), rtol=1e-12)
+    assert isinstance(one.eibm[2.0], Along)
