@@ -71,8 +71,12 @@ def _condition(
 
 
 def distance_m(curve: Curve, found: Prediction, length_m: float) -> tuple[FloatArray, FloatArray]:
-    """S of the sheet's bending part, and how far its measured points are from the simulated."""
-    s_m = curve.s_m[curve.s_m <= length_m + 1e-9]
-    x = np.interp(s_m, found.s_m, found.x_m) - curve.x_m[: len(s_m)]
-    y = np.interp(s_m, found.s_m, found.y_m) - curve.y_m[: len(s_m)]
-    return s_m, np.hypot(x, y)
+    """S of the bending part's measured points, and how far each is from the simulated curve."""
+    bends = curve.s_m <= length_m + 1e-9
+    points = np.column_stack([curve.x_m, curve.y_m])[bends]
+    line = np.column_stack([found.x_m, found.y_m])
+    start, along = line[:-1], np.diff(line, axis=0)
+    to = points[:, None, :] - start
+    share = np.clip(np.sum(to * along, axis=2) / np.sum(along**2, axis=1), 0.0, 1.0)
+    away = np.linalg.norm(to - share[:, :, None] * along, axis=2)
+    return curve.s_m[bends], np.min(away, axis=1)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.report.chosen import configurations, place
-from labrig.report.style import label_of
-from labrig.report.table import Table, fixed, number
+from labrig.report.chosen import configurations, place, voltages
+from labrig.report.table import Table, fixed, number, volts
 from labrig.session import RunRecord, Session
 from model import Condition, Measurements
 from model.measurements import FloatArray
@@ -91,10 +90,10 @@ def _saturation(runs: list[RunRecord]) -> Quality:
     for channel in runs[0].channels if runs else ():
         limit, largest, hit = runs[0].ranges_V[channel], 0.0, 0
         for run in runs:
-            volts = np.abs(run.signal_V(channel))
-            if np.isfinite(volts).any():
-                largest = max(largest, float(np.nanmax(volts)))
-                hit += int(np.count_nonzero(volts >= _RAIL * limit))
+            size_V = np.abs(run.signal_V(channel))
+            if np.isfinite(size_V).any():
+                largest = max(largest, float(np.nanmax(size_V)))
+                hit += int(np.count_nonzero(size_V >= _RAIL * limit))
         share = f"{100 * largest / limit:.0f} %"
         rows.append((channel, f"± {limit:g}", number(largest, 3), share, str(hit)))
         if hit:
@@ -106,7 +105,7 @@ def _saturation(runs: list[RunRecord]) -> Quality:
 
 def _invalid(measurements: Measurements) -> Quality:
     found = Counter(
-        (c.configuration, place(c.position_m), label_of(c.voltage_V), reading.why or "not stated")
+        (c.configuration, place(c.position_m), volts(c.voltage_V), reading.why or "not stated")
         for c in measurements.conditions
         for reading in c.readings
         if not reading.valid
@@ -134,16 +133,15 @@ def _missing_curves(session: Session, measurements: Measurements) -> Quality:
 
 
 def _name(condition: Condition) -> str:
-    volts = label_of(condition.voltage_V)
-    return f"{condition.configuration} at {place(condition.position_m)} and {volts}"
+    at = f"{place(condition.position_m)} and {volts(condition.voltage_V)}"
+    return f"{condition.configuration} at {at}"
 
 
 def _noise(measurements: Measurements) -> Table:
     """Scatter and drift of the force readings, the middle of all conditions of a voltage."""
     rows = []
     for name in configurations(measurements):
-        volts = sorted({c.voltage_V for c in measurements.conditions if c.configuration == name})
-        for voltage in reversed(volts):
+        for voltage in voltages(measurements, name):
             found = [
                 scatter_and_drift(c)
                 for c in measurements.conditions
@@ -154,7 +152,7 @@ def _noise(measurements: Measurements) -> Table:
                 worst = drift_mN[np.argmax(np.abs(drift_mN))]
                 cells = (np.median(scatter_mN), np.max(scatter_mN), np.median(drift_mN), worst)
                 texts = (fixed(float(cell), 3) for cell in cells)
-                rows.append((f"{name}, {label_of(voltage)}", *texts))
+                rows.append((f"{name}, {volts(voltage)}", *texts))
     columns = ("force, mN", "scatter, median", "largest", "drift in a run, median", "largest")
     note = (
         "Scatter: standard deviation of a condition's readings about their straight line in time. "

@@ -46,8 +46,13 @@ def readings_of(measurements: Measurements, series: TimeSeries) -> list[tuple[fl
     return sorted(found, key=lambda pair: pair[1].index)
 
 
-def voltage_figure(measurements: Measurements, series: TimeSeries) -> Figure:
-    """Figure 5: the sheet's voltage as read back, and the sampling points; a close-up below."""
+def voltage_figure(
+    measurements: Measurements, series: TimeSeries, half_window_s: float = 0.0
+) -> Figure:
+    """Figure 5: the sheet's voltage as read back, and the sampling points; a close-up below.
+
+    `half_window_s`: how far a reading's filter reaches to either side of its sampling point.
+    """
     readings = readings_of(measurements, series)
     with figure(7.2, 4.6) as fig:
         whole, close = fig.subplots(2, 1, height_ratios=[1.0, 1.0])
@@ -55,6 +60,10 @@ def voltage_figure(measurements: Measurements, series: TimeSeries) -> Figure:
             axes.plot(series.time_s, series.drive_V, color=INK, linewidth=0.9, label="voltage")
             _mark(axes, readings)
             axes.set_ylabel("sheet voltage (V)")
+        for _, reading in readings:
+            if reading.time_s is not None and half_window_s > 0:
+                reach = (reading.time_s - half_window_s, reading.time_s + half_window_s)
+                close.axvspan(*reach, color=INK, alpha=0.08, linewidth=0)
         letter(whole, "a", f"{series.configuration} sheet, {place(series.position_m)}")
         letter(close, "b", "the same, close up")
         whole.set_xlim(*_whole(series))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 
@@ -28,3 +29,26 @@ def fixed(value: float | None, decimals: int) -> str:
     if value is None or value != value:
         return "-"
     return f"{value:.{decimals}f}"
+
+
+def with_sigma(value: float, sigma: float) -> str:
+    """A number and its standard uncertainty, to two digits of the latter."""
+    if not math.isfinite(value):
+        return "-"
+    if not math.isfinite(sigma) or sigma <= 0:
+        return number(value, 4)
+    decimals = min(12, max(0, 1 - math.floor(math.log10(sigma))))
+    return f"{value:.{decimals}f} ± {sigma:.{decimals}f}"
+
+
+def interval(low: float, high: float) -> str:
+    """An interval, to two digits of its width's tenth."""
+    if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
+        return "-"
+    decimals = min(12, max(0, 1 - math.floor(math.log10((high - low) / 3.3))))
+    return f"{low:.{decimals}f} to {high:.{decimals}f}"
+
+
+def volts(voltage_V: float) -> str:
+    """A voltage with its sign, in characters that every console has."""
+    return f"{voltage_V:+g} V" if voltage_V else "0 V"

@@ -1,0 +1,150 @@
+"""What comes of a session: analyze, fit, simulate, report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.errors import BadInputError
+
+Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    for command in (analyze, fit, simulate, report):
+        app.command()(command)
+
+
+def analyze(session: Recorded, as_json: Json = False) -> None:
+    """Measure forces and neutral curves, and keep them in the session.
+
+    Measurements that it holds already are replaced; what was recorded is never changed.
+    """
+    from labrig.analysis import analyze as analyze_session
+    from labrig.report.findings import workers
+    from labrig.report.measured_tables import measurements_as_dict, measurements_tables
+
+    with progress("analyze") as advance:
+        found = analyze_session(session, advance, workers=workers())
+    if as_json:
+        print_json(measurements_as_dict(found))
+        return
+    for table in measurements_tables(found):
+        print_table(table.title, table.columns, table.rows)
+    for text in found.warnings:
+        warn(text)
+
+
+def fit(
+    session: Recorded,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
+    varying: Annotated[
+        bool, typer.Option("--varying", help="write the model whose EIBM varies along the sheet")
+    ] = False,
+    q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
+    as_json: Json = False,
+) -> None:
+    """Identify bending stiffness and electrically induced bending moment of a session's sheets.
+
+    The model file holds the model with constant EIBM unless --varying is given.
+    """
+    from labrig.model_file import save_model
+    from labrig.report.findings import measured
+    from labrig.report.fit_tables import scatter_table, trust
+    from labrig.report.fitted import fit_what_can_be
+    from labrig.report.paper_tables import table_4, table_6
+    from model import FitOptions
+
+    if output is not None and output.exists() and not force:
+        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    options = FitOptions(weight_exponent=q)
+    with progress("analyze") as advance:
+        measurements = measured(session, advance, warn)
+    fitted = fit_what_can_be(measurements, options)
+    for name, why in fitted.missing.items():
+        warn(f"{name}: could not be fitted: {why.rstrip('.')}.")
+    found = fitted.fit
+    if found is None:
+        raise BadInputError(f"{session}: no configuration can be fitted; see above.")
+    if output is not None:
+        save_model(found.varying_model if varying else found.model, output)
+    if as_json:
+        print_json(found.to_json())
+        return
+    for table in (table_4(found), table_6(found), scatter_table(found)):
+        print_table(table.title, table.columns, table.rows)
+    for text in trust(found):
+        say(text)
+    if output is not None:
+        say(f"wrote {output}")
+
+
+def simulate(
+    model: Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")],
+    configuration: Annotated[
+        list[str] | None, typer.Option(help="repeatable; by default all that the model has")
+    ] = None,
+    position_mm: Annotated[
+        list[float] | None, typer.Option(help="along the arc; repeatable")
+    ] = None,
+    voltage: Annotated[list[float] | None, typer.Option(help="in V; repeatable")] = None,
+    as_json: Json = False,
+) -> None:
+    """Force and shape that a model predicts, for all combinations of what is given."""
+    from labrig.model_file import load_model
+    from model import predict
+
+    if not position_mm or not voltage:
+        raise BadInputError("give at least one --position-mm and one --voltage.")
+    known = load_model(model)
+    found = [
+        predict(known, name, 1e-3 * position, volts)
+        for name in configuration or known.sheets
+        for position in position_mm
+        for volts in voltage
+    ]
+    if as_json:
+        print_json([one.to_json() for one in found])
+        return
+    columns = ["sheet", "p mm", "V", "F mN", "N mN", "contact at mm", "angle deg", "remark"]
+    print_table(f"{model}", columns, [_prediction_row(one) for one in found])
+
+
+def _prediction_row(found: Any) -> list[str]:
+    import math
+
+    from labrig.report.table import fixed
+
+    return [
+        found.configuration,
+        f"{1e3 * found.position_m:g}",
+        f"{found.voltage_V:+g}",
+        fixed(1e3 * found.F_N, 3),
+        fixed(1e3 * found.N_N, 3),
+        fixed(1e3 * found.s_hat_m, 2),
+        fixed(math.degrees(found.phi_hat_rad), 2),
+        found.why or "-",
+    ]
+
+
+def report(
+    session: Recorded,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="the folder to write into; default NAME-report"),
+    ] = None,
+) -> None:
+    """Write tables, figures and one self-contained page about a session."""
+    from labrig.report.write import write_report
+
+    with progress("report") as advance:
+        page = write_report(session, output, progress=advance, tell=warn)
+    say(f"wrote {page}")
