@@ -14,6 +14,7 @@ importing numba takes the best part of a second.
 A panel runs backward from `top` to `bottom` = top - h, theta = 0 .. 1, nodes s_j = top - h c_j.
 """
 
+# ruff: noqa: C901, FBT003  (calls that numba does not inline cost more than they explain)
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -35,7 +36,7 @@ def compiled(function: _Function) -> _Function:
     make = numba.njit(
         cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"}
     )
-    return cast(_Function, make(function))
+    return cast("_Function", make(function))
 
 
 class Work(NamedTuple):
@@ -141,7 +142,7 @@ def matrix(rule: Any, uniform: bool, scale: float, w: Work) -> None:
 
 @compiled
 def moving_top(rule: Any, nu: float, h: float, a_top: float, k_top: float, w: Work) -> float:
-    """How the equations change with the top, the bottom held; returns the same for psi at the end."""
+    """How the equations change with the top, the bottom held; returned: psi at the end."""
     n = len(rule.c)
     end = -k_top
     for i in range(n):
@@ -380,7 +381,7 @@ def newton(
 
 @compiled
 def free_angle(breaks: Array, kappa: Array, p: int, s: float, phi: float) -> float:
-    """phi of the free shape at s in panel p, phi being that at the panel's beginning."""
+    """Phi of the free shape at s in panel p, phi being that at the panel's beginning."""
     half = 0.5 * (breaks[p + 1] - breaks[p])
     _, low, _ = polynomial(kappa[p], -1.0, half)
     _, high, _ = polynomial(kappa[p], (s - breaks[p]) / half - 1.0, half)
@@ -447,7 +448,7 @@ def march(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, start: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
 ) -> tuple[int, float]:  # fmt: skip
-    """Follow the branch from the equilibrium at `start` to `angle`, in steps as long as Newton likes."""
+    """Follow the branch from the equilibrium at `start` to `angle`, as fast as Newton likes."""
     kept, kept_x, before = psi.copy(), x.copy(), x.copy()
     at, last, step, determinant = start, 0.0, 0.1, 0.0
     while at != angle:
@@ -540,11 +541,9 @@ def solve_one(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angle: float,
     warm: bool, psi: Array, x: Array, columns: Array, w: Work,
 ) -> int:  # fmt: skip
-    """The equilibrium on the physical branch; psi and x are the start where `warm`, and the result."""
+    """On the physical branch; psi and x are the start where `warm`, and the result."""
     if warm:
-        steps, determinant = newton(
-            breaks, kappa, soft, rule, R, angle, psi, x, columns, w
-        )
+        steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
         if steps > 0 and determinant > 0.0 and x[1] <= reach:
             return SOLVED
     if cold(breaks, kappa, soft, rule, R, angle, psi, x, columns, w) > 0 and x[1] <= reach:
@@ -596,7 +595,7 @@ def legendre_weights(rule: Any, theta: float, out: Array, low: Array) -> None:
 
 
 class Strip(NamedTuple):
-    """The sheet from the clamp to its end in ascending panels: one more where the contact cuts one."""
+    """The sheet from the clamp on in ascending panels: one more where the contact cuts one."""
 
     edges: Array  # (P + 2,)
     of: Array  # (P + 1,) the panel of the problem each lies in
@@ -686,11 +685,13 @@ def lever_integral(rule: Any, strip: Strip, count: int) -> float:
 @compiled
 def points(
     breaks: Array, kappa: Array, soft: Array, rule: Any, nu: float, top: float, phi_hat: float,
-    x_hat: float, y_hat: float, strip: Strip, count: int, s: Array, dphi: Array, dphi_hat: Array, out: Array, dout: Array, weights: Array,
+    x_hat: float, y_hat: float, strip: Strip, count: int, s: Array, dphi: Array, dphi_hat: Array,
+    out: Array, dout: Array, weights: Array,
 ) -> None:  # fmt: skip
-    """x, y, phi, k at each s into out (S, 4), answers of x, y to parameters into dout (Q, S, 2).
+    """x, y, phi, k at each s into out (S, 4), answers of x, y into dout (Q, S, 2).
 
-    dphi (P + 1, n, Q) is how phi at the strip's nodes answers, at fixed s; weights (2, n) is scratch.
+    dphi (P + 1, n, Q) is how phi at the strip's nodes answers, at fixed s; weights (2, n) is
+    scratch.
     """
     n, Q, length = len(rule.c), dphi.shape[2], breaks[-1]
     dr = np.zeros((count + 1, Q, 2))
@@ -745,7 +746,7 @@ def points(
 
 
 class Directions(NamedTuple):
-    """Parameters to differentiate by, Q of them; arrays of no rows where none acts on a quantity."""
+    """Parameters to differentiate by, Q of them."""
 
     kappa: Array  # (Q, P, D) change of k*(s)
     soft: Array  # (Q, P, Dc) change of c(s)
@@ -759,7 +760,7 @@ def answers(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float, psi: Array,
     x: Array, to: Directions, columns: Array, w: Work, dx: Array,
 ) -> None:  # fmt: skip
-    """How nu, s_hat, phi_hat answer to the parameters: dx (Q, 3). `columns` is filled as by sweep."""
+    """How nu, s_hat, phi_hat answer to the parameters: dx (Q, 3); `columns` as by sweep."""
     ends = sweep(
         breaks, kappa, soft, rule, psi, x[0], x[1], to.kappa, to.soft, to.length, False, columns, w
     )

@@ -1,13 +1,14 @@
 """The equilibrium in NumPy: the same equations as `_kernel.py`, written another way.
 
-One function gives the residuals of all nodes and of the closure for whole batches; its derivatives
-are taken by complex step, so none of the compiled engine's algebra is repeated here. It cross-checks
-that engine and stands in for it where numba is missing; it is some fifty times slower.
+One function gives the residuals of all nodes and of the closure for whole batches; derivatives
+are taken by complex step, so none of the compiled engine's algebra is repeated here. It checks
+that engine and stands in for it where numba is missing; it is some hundred times slower.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -150,9 +151,9 @@ def _free(case: Case, r: Rule) -> tuple[Numbers, Numbers]:
     K, P, n = len(case.angle), len(case.breaks) - 1, len(r.c)
     u, polar = np.zeros((K, P * n + 2)), np.zeros(K)
     for k in range(K):
-        one, l, R = case.pick(np.array([k])), case.length[k], case.R[k]
-        s = np.linspace(0.0, max(l, 1.0001 * R), 2001)
-        inside = np.minimum(s, l)
+        one, length, R = case.pick(np.array([k])), case.length[k], case.R[k]
+        s = np.linspace(0.0, max(length, 1.0001 * R), 2001)
+        inside = np.minimum(s, length)
         panel = np.clip(np.searchsorted(case.breaks, inside) - 1, 0, P - 1)
         phi = _polynomial(one.breaks, one.kappa, panel[None], inside[None])[1][0]
         middle = 0.5 * (phi[1:] + phi[:-1])
@@ -182,8 +183,8 @@ def _follow(case: Case, u: Numbers, start: Case, r: Rule) -> tuple[Numbers, Numb
 
 
 def solve_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float, angles: Numbers,
-    warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
+    angles: Numbers, warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> None:  # fmt: skip
     """As `_kernel.solve_many`."""
     case, shape = _case(breaks, kappa, soft, R, angles), psi.shape[1:]
@@ -256,7 +257,7 @@ def _tail(case: Case, x: Any, y: Any, phi: Any, top: Any, place: float, r: Rule)
     end = case.length[0] if place > case.length[0].real else place
     edges = [top, *inner, end]
     k: Any = np.zeros(1)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         s = low + (high - low) * np.concatenate([[0.0], r.c, [1.0]])
         last = len(case.breaks) - 2
         middle = 0.5 * (low + high).real
@@ -273,14 +274,14 @@ def _tail(case: Case, x: Any, y: Any, phi: Any, top: Any, place: float, r: Rule)
 
 
 def describe_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, angles: Numbers, psi: Numbers,
-    x: Numbers, good: Numbers, s: Numbers, to: Any, out: Numbers, lever: Numbers, dx: Numbers,
-    dout: Numbers,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, angles: Numbers,
+    psi: Numbers, x: Numbers, good: Numbers, s: Numbers, to: Any,
+    out: Numbers, lever: Numbers, dx: Numbers, dout: Numbers,
 ) -> None:  # fmt: skip
     """As `_kernel.describe_many`; derivatives by a complex step along solution and parameter."""
     case = _case(breaks, kappa, soft, R, angles)
     u = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * R * R, x[:, 1:2] / R], axis=1)
-    for k in np.flatnonzero(good):
+    for k in np.flatnonzero(good).tolist():
         rows, places = np.array([k]), s[min(k, len(s) - 1)]
         one = case.pick(rows)
         values, lever[k] = _points(one, u[rows], places, r)

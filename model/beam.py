@@ -2,7 +2,7 @@
 
 A sheet is clamped at the origin along x and touches, without friction, an object at polar angle
 beta on the arc of radius R. In arc length s, with phi the tangential angle and k = dphi/ds:
-    (1)  k(s) = k*(s) - nu c(s) a(s)   for s <= min(l, s_hat),   k* = k0 + Me/B(s)  beyond,  0 for s > l
+    (1)  k(s) = k*(s) - nu c(s) a(s) for s <= min(l, s_hat), k* = k0 + Me/B(s) beyond, 0 for s > l
 with a = (p_hat - r(s)).t_hat the lever of the contact force, nu = N/B, c(s) = B/B(s), and B a
 reference stiffness. Only k* and the geometry enter the shape; the force scales with B.
 `solve` takes a batch of such problems that share geometry and panels.
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -90,7 +91,7 @@ def finer(
     widest = min(_SHARE[accuracy] * radius_m, _TURN[accuracy] / max(curvature_per_m, 1e-9))
     pieces = [
         np.linspace(low, high, int(np.ceil((high - low) / widest - 1e-9)) + 1)[:-1]
-        for low, high in zip(breaks_m[:-1], breaks_m[1:], strict=True)
+        for low, high in pairwise(breaks_m)
     ]
     return np.concatenate([*pieces, breaks_m[-1:]])
 
@@ -220,7 +221,7 @@ def solve(
     accuracy: Accuracy = "normal",
     engine: Engine = "auto",
 ) -> Equilibria:
-    """The equilibrium of each problem on its physical branch, the one continued from the free shape.
+    """The equilibrium of each problem on its physical branch: that continued from the free shape.
 
     `start`: solutions of the same batch with other numbers, to begin from.
     """

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -33,7 +34,7 @@ class Field:
 
     @staticmethod
     def linear(s_m: FloatArray, values: FloatArray, length_m: float) -> Field:
-        """Straight lines between nodes, as sheet.toml means them; constant beyond the outer nodes."""
+        """Straight lines between nodes, as sheet.toml means them; constant beyond the outer."""
         s, v = np.asarray(s_m, dtype=float), np.asarray(values, dtype=float)
         if (
             len(s) != len(v)
@@ -63,7 +64,7 @@ class Field:
         """A function of s; panels are halved until polynomials follow it to `tolerance`."""
         inner = sorted(k for k in kinks_m if 0.0 < k < length_m)
         edges = [0.0, *inner, float(length_m)]
-        todo, done = list(zip(edges[:-1], edges[1:], strict=True))[::-1], []
+        todo, done = list(pairwise(edges))[::-1], []
         while todo:
             low, high = todo.pop()
             coefficients, good = _interpolate(function, low, high, tolerance)
@@ -98,9 +99,10 @@ class Field:
         ends = np.ones(len(anti))
         whole = widths * (_horner(anti, ends) - _horner(anti, -ends))
         before = np.concatenate([[0.0], np.cumsum(whole)])[panel]
-        return before + half * (
+        value: FloatArray = before + half * (
             _horner(anti[panel], t) - _horner(anti[panel], np.full_like(t, -1.0))
         )
+        return value
 
     def mean(self, end_m: float) -> float:
         """Mean over [0, end_m]."""
@@ -151,7 +153,8 @@ def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:
     keep = np.concatenate([[True], np.diff(every) > SMALLEST_SHARE * (every[-1] - every[0])])
     kept = every[keep]
     kept[-1] = every[-1]
-    return kept
+    result: FloatArray = kept
+    return result
 
 
 def padded(coefficients: FloatArray, degree: int) -> FloatArray:
@@ -175,7 +178,7 @@ def _horner(coefficients: FloatArray, t: FloatArray) -> FloatArray:
 def _chebyshev(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Chebyshev points on [-1, 1]; values there -> Chebyshev coefficients -> powers of t."""
     x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
-    to_chebyshev = np.linalg.inv(chebyshev.chebvander(x, count - 1))
+    to_chebyshev = np.asarray(np.linalg.inv(chebyshev.chebvander(x, count - 1)), dtype=float)
     to_powers = np.zeros((count, count))
     for k in range(count):
         powers = chebyshev.cheb2poly(np.eye(count)[k])

@@ -199,7 +199,8 @@ def _notes(
         if c.position_m is not None and c.configuration in parts and not c.used():
             why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
             notes.append(
-                f"{c.configuration}, {c.position_m * 1e3:g} mm, {c.voltage_V:+g} V was left out: {why}"
+                f"{c.configuration}, {c.position_m * 1e3:g} mm, {c.voltage_V:+g} V was left out:"
+                f" {why}"
             )
     for name, one in configurations.items():
         if one.B.sigma > POOR * one.B.value:

@@ -1,4 +1,4 @@
-"""Gauss-Legendre collocation on one panel: nodes, weights and matrices, kept for each number of nodes.
+"""Gauss-Legendre collocation on one panel: nodes, weights, matrices, for each number of nodes.
 
 A panel runs over theta in [0, 1]. Nodes are ascending.
 """
@@ -39,10 +39,10 @@ def rule(nodes: int) -> Rule:
 
 
 def integrated_legendre(t: FloatArray, count: int) -> FloatArray:
-    """Integrals of the Legendre polynomials P_0 .. P_(count-1) from -1 to t; shape (len(t), count)."""
+    """Integrals of the first Legendre polynomials from -1 to t; shape (len(t), count)."""
     P = legendre.legvander(np.asarray(t), count)
     values = np.empty_like(P[:, :count])
     values[:, 0] = P[:, 1] + 1.0
     for k in range(1, count):
         values[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
-    return values
+    return np.asarray(values)

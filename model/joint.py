@@ -86,10 +86,11 @@ class Joint:
 
     def mean_abs_eibm(self, n: int, voltages_V: list[float]) -> Parameter:
         """Mean of the absolute values of the constant EIBMs."""
-        direction, unsure = np.zeros(self.pool.systems[n].layout.size), 0.0
+        direction: FloatArray = np.zeros(self.pool.systems[n].layout.size)
+        unsure = 0.0
         for voltage in voltages_V:
             row, doubt = self._mean(n, voltage, self._loaded(n, voltage))
-            sign = np.sign(row @ self.pool.part(self.theta, n)) / len(voltages_V)
+            sign = float(np.sign(row @ self.pool.part(self.theta, n))) / len(voltages_V)
             direction, unsure = direction + sign * row, unsure + sign * doubt
         return self._eibm(n, direction, unsure)
 
@@ -176,7 +177,8 @@ class Joint:
         start = int(self.pool.offsets[n])
         own = slice(start + where.start, start + where.stop)
         C = self.solution.covariance[own, own]
-        return np.sqrt(np.einsum("si,ij,sj->s", by, C, by))
+        variance: FloatArray = np.einsum("si,ij,sj->s", by, C, by)
+        return np.sqrt(variance)
 
     def rest(self, n: int) -> Field:
         """k0 as the shapes have it."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from model.measurements import FloatArray
 
+Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 PRIOR_WIDTH = 1.5  # standard deviation of ln sigma about its guess
 
 
@@ -79,10 +80,8 @@ def _stacked(X: FloatArray) -> FloatArray:
 def inverse_symmetric(A: FloatArray) -> FloatArray:
     """Inverse of a positive matrix of badly scaled rows."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(A), 1e-300))
-    inner: FloatArray = np.linalg.pinv(
-        A * scale[:, None] * scale[None, :], rcond=1e-14, hermitian=True
-    )
-    return inner * scale[:, None] * scale[None, :]
+    inner = np.linalg.pinv(A * scale[:, None] * scale[None, :], rcond=1e-14, hermitian=True)
+    return np.asarray(inner * scale[:, None] * scale[None, :], dtype=np.float64)
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
@@ -114,10 +113,15 @@ def estimate(data: Data, guess: FloatArray, start: FloatArray | None = None) -> 
     """REML: the scatter that explains the misfit, and beta weighed with it."""
     from scipy.optimize import minimize  # slow to import
 
+    def cost(log_sigma: Vector) -> tuple[float, Vector]:
+        value, gradient = deviance(data, log_sigma, guess)
+        return value, gradient.reshape(log_sigma.shape)
+
+    begin: Vector = (guess if start is None else start).reshape(len(guess))
+    bounds = [(float(g) - 7.0, float(g) + 6.0) for g in guess]
     found = minimize(
-        lambda v: deviance(data, v, guess), guess if start is None else start, jac=True,
-        method="L-BFGS-B", bounds=[(g - 7.0, g + 6.0) for g in guess], options={"maxiter": 80},
-    )  # fmt: skip
+        cost, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 80}
+    )
     return weigh(data, np.asarray(found.x))
 
 

@@ -83,8 +83,8 @@ def check_sheet(sheet: SheetGeometry) -> None:
     if sheet.free_length_m + sheet.elongation_m <= sheet.arc_radius_m:
         raise ModelError(
             f"sheet and elongation of configuration '{name}' are"
-            f" {(sheet.free_length_m + sheet.elongation_m) * 1e3:g} mm long and cannot reach the arc"
-            f" of {sheet.arc_radius_m * 1e3:g} mm"
+            f" {(sheet.free_length_m + sheet.elongation_m) * 1e3:g} mm long and cannot reach"
+            f" the arc of {sheet.arc_radius_m * 1e3:g} mm"
         )
 
 

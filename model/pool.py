@@ -46,7 +46,7 @@ class Pool:
         return theta[self.offsets[n] : self.offsets[n + 1]]
 
     def data(self, predictions: list[Prediction], precision: FloatArray, away: FloatArray) -> Data:
-        """Residuals and derivatives of all runs; rows are force, modes of each condition in turn."""
+        """Residuals and derivatives of all runs; rows: force, modes of each condition in turn."""
         width = 1 + self.modes
         R, longest = len(self.runs), max(len(c) for c in self.runs.values())
         n, p = longest * width, int(self.offsets[-1])
@@ -101,7 +101,7 @@ class Pool:
         groups["registration"][r, rows] = by[:, 3:5]
 
     def guess(self, predictions: list[Prediction]) -> FloatArray:
-        """ln of the scatter's prior centres; shape noise is guessed from the misfit."""
+        """Ln of the scatter's prior centres; shape noise is guessed from the misfit."""
         values = list(SCATTER.values())
         for found in predictions:
             values.append(FORCE_GUESS_N)
@@ -110,7 +110,7 @@ class Pool:
                 column = column[np.isfinite(column)]
                 size = 1.5 * np.median(np.abs(column)) if len(column) else 1e-5
                 values.append(float(np.clip(size, 2e-6, 1e-3)))
-        return np.log(np.array(values))
+        return np.log(np.array(values, dtype=np.float64))
 
 
 def pooled_variance(system: System) -> float:

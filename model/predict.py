@@ -99,17 +99,29 @@ def predict(
     if found.status[0] != Status.SOLVED:
         nothing = np.zeros(0)
         why = "not reachable: " + _why_not(setup, found)
-        return Prediction(*names, False, why, *[np.nan] * 4, nothing, nothing, nothing, nothing)
+        gone = np.nan
+        return Prediction(
+            *names, reachable=False, why=why, F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
+            s_m=nothing, x_m=nothing, y_m=nothing, curvature_per_m=nothing,
+        )  # fmt: skip
     s = sampled_s(setup)
     shape = found.shapes(s)
     cos, sin = np.cos(setup.clamp_rad), np.sin(setup.clamp_rad)
     x, y = shape.x_m[0], shape.y_m[0]
     why = "; ".join(_remarks(found, setup))
     return Prediction(
-        *names, True, why, float(found.force(setup.B_Nm2)[0]), float(setup.B_Nm2 * found.nu[0]),
-        float(found.s_hat_m[0]), float(found.phi_hat_rad[0] + setup.clamp_rad), s,
-        cos * x - sin * y, sin * x + cos * y, shape.curvature_per_m[0],
-    )  # fmt: skip
+        *names,
+        reachable=True,
+        why=why,
+        F_N=float(found.force(setup.B_Nm2)[0]),
+        N_N=float(setup.B_Nm2 * found.nu[0]),
+        s_hat_m=float(found.s_hat_m[0]),
+        phi_hat_rad=float(found.phi_hat_rad[0] + setup.clamp_rad),
+        s_m=s,
+        x_m=cos * x - sin * y,
+        y_m=sin * x + cos * y,
+        curvature_per_m=shape.curvature_per_m[0],
+    )
 
 
 def predict_free(model: SheetModel, configuration: str, voltage_V: float) -> tuple[FloatArray, ...]:

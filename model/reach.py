@@ -1,4 +1,4 @@
-"""Where a sheet can be held, whether it stays there by itself, and whether it could also be elsewhere."""
+"""Where a sheet can be held, whether it stays there by itself, and where else it could be."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def _softness(p: Problems, index: int, s: FloatArray) -> FloatArray:
 
 
 def other_solutions(found: Equilibria) -> list[float]:
-    """N/B of further equilibria of the first problem; there are none while the sheet itself touches."""
+    """N/B of further equilibria of the first problem; there are none without an elongation."""
     p = found.problems
     if p.reach_m <= p.length_m * (1.0 + 1e-9):
         return []

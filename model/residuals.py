@@ -64,7 +64,7 @@ def residuals(
                     {k: a[i].force_N for k, a in answers.items()},
                     {k: a[i].curve_m for k, a in answers.items()},
                     {k: a[i].why for k, a in answers.items() if a[i].why},
-                )  # fmt: skip
+                )
             )
     return tuple(rows)
 

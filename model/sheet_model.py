@@ -1,4 +1,4 @@
-"""`SheetModel`: what a fit hands back - a sheet's parameters with their uncertainty; it predicts."""
+"""`SheetModel`: what a fit hands back, a sheet's parameters with their uncertainty; it predicts."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class Along:
-    """A quantity along the sheet at nodes, straight lines between; one node: the same everywhere."""
+    """A quantity along the sheet: nodes, straight lines between; one node: the same everywhere."""
 
     s_m: FloatArray
     values: FloatArray
@@ -84,7 +84,8 @@ class ConfiguredSheet:
         volts = sorted(known)
         if not volts[0] <= voltage_V <= volts[-1]:
             raise ModelError(
-                f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to {volts[-1]:+g} V;"
+                f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to"
+                f" {volts[-1]:+g} V;"
                 f" {voltage_V:+g} V is outside"
             )
         if voltage_V in known:

@@ -34,7 +34,8 @@ class SmoothCurve:
         by = np.stack(
             [legendre_field(i, self.curvature.length_m)(s_m) for i in range(len(self.coefficients))]
         )
-        return np.sqrt(np.einsum("is,ij,js->s", by, self.covariance, by))
+        variance: FloatArray = np.einsum("is,ij,js->s", by, self.covariance, by)
+        return np.sqrt(variance)
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,8 @@ def smooth(curve: Curve, sheet: SheetGeometry, where: str, terms: int | None = N
         raise ModelError(f"the curve of condition {where} is no smooth curve from the clamp")
     variance = float(distance @ distance) / max(len(curve.s_m) - count, 1)
     field = sum((k * b for k, b in zip(c[1:], basis[1:], strict=True)), c[0] * basis[0])
-    return SmoothCurve(field, variance * np.linalg.pinv(A), c, distance)
+    covariance = variance * np.asarray(np.linalg.pinv(A), dtype=np.float64)
+    return SmoothCurve(field, covariance, c, distance)
 
 
 def touch(curve: SmoothCurve, sheet: SheetGeometry, where: str) -> Touch:

@@ -1,4 +1,4 @@
-"""Where a fit begins: rest curvature, layout of the parameters, rough values from curves and forces."""
+"""Where a fit begins: rest curvature, layout of the parameters, rough values of them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ def rest_field(sheet: SheetGeometry, observed: Observed) -> tuple[Field, bool]:
     if abs(float(field.integral(length))) > LOOP_RAD:
         raise ModelError(
             f"the initial curvature of configuration '{sheet.configuration}' makes the sheet a loop"
-            f" ({float(field.integral(length)):.1f} rad over {length * 1e3:g} mm); check its unit (per m)"
+            f" ({float(field.integral(length)):.1f} rad over {length * 1e3:g} mm);"
+            " check its unit (per m)"
         )
     return field, True
 
@@ -42,8 +43,8 @@ def _measured_curvature(observed: Observed, voltage_V: float) -> float:
     ]
     if not curves:
         raise ModelError(
-            f"the initial curvature of configuration '{observed.sheet.configuration}' is to be measured,"
-            " but there is no curve at 0 V"
+            f"the initial curvature of configuration '{observed.sheet.configuration}' is to be"
+            " measured, but there is no curve at 0 V"
         )
     return float(np.mean([c.coefficients[0] for c in curves]))
 
@@ -66,8 +67,8 @@ def layout(observed: Observed, options: FitOptions, rest_known: bool) -> Layout:
     wanted = 1 + len(result.groups) + (0 if rest_known else 1)
     if forces == 0:
         raise ModelError(
-            f"configuration '{sheet.configuration}' has no valid force: shapes fix only Me/B, so B and"
-            " the EIBM cannot be found"
+            f"configuration '{sheet.configuration}' has no valid force: shapes fix only Me/B,"
+            " so B and the EIBM cannot be found"
         )
     if forces < wanted:
         raise ModelError(
@@ -110,7 +111,7 @@ def first_guess(system: System) -> FloatArray:
         if layout.rest:
             row[layout.rest_slice.start] = 1.0
     turns = np.array([s.turn_rad / s.l_hat_m for s in samples])
-    theta = np.linalg.lstsq(A, turns, rcond=1e-10)[0]
+    theta = np.asarray(np.linalg.lstsq(A, turns, rcond=1e-10)[0], dtype=np.float64)
     if theta[0] <= 0.0:
         raise _wrong_sign(observed)
     theta[0] = -np.log(theta[0]) - 6.0 * np.log(10.0)

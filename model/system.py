@@ -104,7 +104,7 @@ class System:
         return row
 
     def predict(self, theta: FloatArray) -> Prediction:
-        """Predictions and derivatives at a parameter vector; an error where one is not reachable."""
+        """Predictions and derivatives at a parameter vector; an error where one has no answer."""
         K, M, size = len(self.observed.observations), self.modes, self.layout.size
         result = Prediction(
             np.full(K, np.nan), np.full((K, M), np.nan), np.zeros((K, size)),
@@ -182,7 +182,7 @@ class System:
         result.modes_at[i, :, 2:] = project @ np.stack([tilt, along_x, along_y], axis=1)
 
     def _eibm_derivative(self, theta: FloatArray, i: int, by: FloatArray) -> FloatArray:
-        """Derivative by a relative change of the EIBM; `by` leads with the parameters after ln B."""
+        """By a relative change of the EIBM; `by` leads with the parameters after ln B."""
         voltage = self.observed.observations[i].voltage_V
         if voltage == 0.0:
             return np.zeros(by.shape[1:])

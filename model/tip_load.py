@@ -1,4 +1,4 @@
-"""The free-ended sheet with a force at its tip: one that keeps its direction, or turns with the tip.
+"""The free-ended sheet with a force at its tip: of fixed direction, or turning with the tip.
 
 Collocation as in `_twin.py`, backward from the tip in the tip's frame. With (t, n) the components
 of the force on the sheet over B in that frame: k = k* + c (a n - b t), where a and b are the tip's
@@ -8,6 +8,7 @@ distance along and across. The load grows in steps, so that the shape is the one
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -87,11 +88,12 @@ class _TipProblem:
         """For unknowns (..., nodes + 1), real or complex."""
         psi, tip = u[..., :-1].reshape(*u.shape[:-1], *self.s.shape), u[..., -1, None, None]
         along, across = self.force[0] * share, self.force[1] * share
+        load: tuple[Any, Any] = (along, across)
         if not self.follows:
             cos, sin = np.cos(tip), np.sin(tip)
-            along, across = along * cos + across * sin, across * cos - along * sin
+            load = (along * cos + across * sin, across * cos - along * sin)
         a, b = self._integral(np.cos(psi))[0], self._integral(np.sin(psi))[0]
-        bent, all_bent = self._integral(self.c * (a * across - b * along))
+        bent, all_bent = self._integral(self.c * (a * load[1] - b * load[0]))
         inner = psi + self.turn + bent
         end = u[..., -1] - self.turned - all_bent
         return np.concatenate([inner.reshape(*u.shape[:-1], -1), end[..., None]], axis=-1)
@@ -106,7 +108,7 @@ class _TipProblem:
             u = u + step * min(1.0, 0.5 / max(size, 1e-12))
             if size < 1e-9:
                 return u
-        raise ModelError("no equilibrium was found under this tip load: it is too large for the sheet")
+        raise ModelError("no equilibrium was found under this tip load: it is too large")
 
     def result(self, u: FloatArray) -> TipLoaded:
         """The shape in the clamp's frame."""

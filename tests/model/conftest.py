@@ -1,4 +1,4 @@
-"""Sheets and measurements made with the base model itself, so that what a fit must find is known."""
+"""Sheets and measurements made with the base model itself: what a fit must find is known."""
 
 from __future__ import annotations
 
@@ -8,8 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model import Along, Condition, ConfiguredSheet, Curve, Measurements, Parameter
-from model import Reading, SheetGeometry, SheetModel, predict
+from model import (
+    Along,
+    Condition,
+    ConfiguredSheet,
+    Curve,
+    Measurements,
+    Parameter,
+    Reading,
+    SheetGeometry,
+    SheetModel,
+    predict,
+)
 from model.predict import predict_free
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
@@ -52,7 +62,7 @@ MakeMeasurements = Callable[..., Measurements]
 
 @pytest.fixture(scope="session")
 def measure(truth: SheetModel) -> MakeMeasurements:
-    """Measurements of `truth`: noise of forces and curves, scatter of B and EIBM between set-ups."""
+    """Measurements of `truth`: noise of forces and curves, B and EIBM scatter between set-ups."""
 
     def make(
         seed: int = 0,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -89,7 +91,7 @@ def test_work_along_the_arc_is_the_change_of_elastic_energy(length):
         found = equilibrium(kappa, p, soft)
         s, w = np.polynomial.legendre.leggauss(40)
         total, edges = 0.0, np.append(np.arange(0, 2) * length / 2, found.l_hat_m[0])
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for low, high in pairwise(edges):
             at = 0.5 * (low + high) + 0.5 * (high - low) * s
             bent = found.shapes(at).curvature_per_m[0] - kappa(at)
             total += 0.5 * (high - low) * float(w @ (0.5 * bent**2 / soft(at)))

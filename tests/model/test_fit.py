@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -149,11 +150,8 @@ def test_measured_rest_curvature_is_found_from_the_curves(truth, measure):
 def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth, measure):
     data = measure(seed=8, names=("short",))
     sheet = data.sheets["short"]
-    wrong = type(data)(
-        {"short": type(sheet)(**{**sheet.__dict__, "initial_curvature": (np.zeros(1), np.array([26.5]))})},
-        data.conditions,
-    )  # fmt: skip
-    found = fit(wrong)
+    wrong = replace(sheet, initial_curvature=(np.zeros(1), np.array([26.5])))
+    found = fit(replace(data, sheets={"short": wrong}))
     assert found.configurations["short"].B.value == pytest.approx(SHORT_B, rel=0.03)
     assert any("differ from the stated initial curvature" in note for note in found.notes)
 

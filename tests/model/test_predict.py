@@ -17,7 +17,9 @@ from model.setup import ActiveEffect
 R = 0.04
 
 
-@pytest.mark.parametrize(("curvature", "limit_mm"), [(0, 54.1), (20, 49.3), (40, 45.85), (60, 44.3)])
+@pytest.mark.parametrize(
+    ("curvature", "limit_mm"), [(0, 54.1), (20, 49.3), (40, 45.85), (60, 44.3)]
+)
 def test_the_limit_of_reach_is_where_the_sheet_slips_out(curvature, limit_mm):
     limit, slips = limit_m(problems(Field.constant(curvature, 0.05), 1.5, R))
     assert slips
@@ -75,7 +77,7 @@ def test_a_model_survives_being_written_and_read(truth: SheetModel):
     assert again.effects == (effect,)
     plain = SheetModel.from_dict(truth.to_dict())
     one, two = (predict(m, "long", 0.01, -2.0) for m in (truth, plain))
-    assert one.F_N == pytest.approx(two.F_N, rel=1e-13)
+    assert pytest.approx(two.F_N, rel=1e-13) == one.F_N
 
 
 def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
@@ -154,7 +156,10 @@ def test_every_neighbouring_shape_through_the_contact_has_more_energy(length, cu
             free = np.array([0.0, 0.0, slide])
             for _ in range(20):
                 miss = misses(free, c) - aim
-                J = np.stack([misses(free + d, c) - aim - miss for d in np.eye(3)[:2] * 1e-7]).T / 1e-7
+                J = (
+                    np.stack([misses(free + d, c) - aim - miss for d in np.eye(3)[:2] * 1e-7]).T
+                    / 1e-7
+                )
                 free[:2] -= np.linalg.solve(J, miss)
             lowest = min(lowest, energy(free, c))
         assert lowest > at_rest
