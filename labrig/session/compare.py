@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from labrig.session.layout import DERIVED
 from labrig.session.opening import open_file
+from labrig.session.reading import damage_told, dataset_names
 from labrig.session.recorder import blocks
 from labrig.session.session import VOLATILE, VOLATILE_UNDER
 
@@ -23,25 +23,20 @@ def compare_sessions(a: Path, b: Path) -> list[str]:
     Identifiers, times of day, versions and file names are left out of it.
     """
     with open_file(Path(a)) as first, open_file(Path(b)) as second:
-        names_a, names_b = _names(first), _names(second)
+        names_a, names_b = _names(first, Path(a)), _names(second, Path(b))
         found = [f"{name} is only in {a}." for name in sorted(names_a - names_b)]
         found += [f"{name} is only in {b}." for name in sorted(names_b - names_a)]
         for name in sorted(names_a & names_b):
-            difference = _difference(first[name], second[name])
+            with damage_told(Path(a), f"{name}, here or in {b},"):
+                difference = _difference(first[name], second[name])
             if difference:
                 found.append(f"{name} differs: {difference}.")
         return found
 
 
-def _names(file: Any) -> set[str]:
-    found: set[str] = set()
-
-    def note(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and not f"/{name}".startswith(VOLATILE_UNDER):
-            found.add(f"/{name}")
-
-    file.visititems(note)
-    return found - _VOLATILE
+def _names(file: Any, path: Path) -> set[str]:
+    names = dataset_names(file, path)
+    return {name for name in names if not name.startswith(VOLATILE_UNDER)} - _VOLATILE
 
 
 def _difference(a: Any, b: Any) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from labrig.session import layout
+from labrig.session.reading import dataset_names
 from labrig.session.setup import Setup
 
 
@@ -18,7 +19,7 @@ def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
     Returns a sentence for each dataset of `old` that cannot be read.
     """
     notes: list[str] = []
-    for name in _raw_datasets(new):
+    for name in sorted(dataset_names(new, Path(new.filename))):
         try:
             source = old[name]
             if source.shape == ():
@@ -29,17 +30,6 @@ def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
         except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
             notes.append(f"{name} of the session file cannot be read ({error}).")
     return notes
-
-
-def _raw_datasets(file: Any) -> list[str]:
-    names: list[str] = []
-
-    def note(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            names.append(f"/{name}")
-
-    file.visititems(note)
-    return names
 
 
 def _extend(target: Any, source: Any) -> None:

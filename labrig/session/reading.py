@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +18,22 @@ from labrig.session.setup import Setup, schedule_back
 from protocols.errors import ScheduleError
 
 
+@contextmanager
+def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
+    """What the library says of a damaged file, as BadInputError in a sentence."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        raise BadInputError(
+            f"{path}: {what} is damaged ({error}); where its journal still lies beside the file, "
+            f"run labrig recover {path}."
+        ) from None
+
+
 def read_dataset(file: Any, name: str, path: Path) -> Any:
     """A dataset by its full name. Raises BadInputError when it is not there."""
-    found = file.get(name)
+    with damage_told(path, name):
+        found = file.get(name)
     if not isinstance(found, h5py.Dataset):
         raise BadInputError(f"{path}: {name} is missing, so this is no whole session.")
     return found
@@ -26,13 +41,8 @@ def read_dataset(file: Any, name: str, path: Path) -> Any:
 
 def read_array(dataset: Any, path: Path, rows: Any = ()) -> Array:
     """Some or all of a dataset. Raises BadInputError when its bytes are damaged."""
-    try:
+    with damage_told(path, str(dataset.name)):
         return np.asarray(dataset[rows])
-    except (OSError, RuntimeError) as error:
-        raise BadInputError(
-            f"{path}: {dataset.name} is damaged ({error}); where its journal still lies beside the "
-            f"file, run labrig recover {path}."
-        ) from None
 
 
 def read_text(file: Any, name: str, path: Path) -> str:
@@ -48,10 +58,24 @@ def read_text(file: Any, name: str, path: Path) -> str:
 
 def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
     """All texts of a group."""
-    group = file.get(name)
-    if not isinstance(group, h5py.Group):
-        raise BadInputError(f"{path}: {name} is missing, so this is no whole session.")
-    return {key: read_text(file, f"{name}/{key}", path) for key in group}
+    with damage_told(path, name):
+        group = file.get(name)
+        if not isinstance(group, h5py.Group):
+            raise BadInputError(f"{path}: {name} is missing, so this is no whole session.")
+        return {key: read_text(file, f"{name}/{key}", path) for key in group}
+
+
+def dataset_names(file: Any, path: Path) -> set[str]:
+    """The full names of all datasets."""
+    found: set[str] = set()
+
+    def note(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            found.add(f"/{name}")
+
+    with damage_told(path):
+        file.visititems(note)
+    return found
 
 
 def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:

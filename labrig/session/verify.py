@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
-
 from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.derived import derived_digest
 from labrig.session.opening import open_file
-from labrig.session.reading import read_dataset, read_table
+from labrig.session.reading import damage_told, dataset_names, read_dataset, read_table
 from labrig.session.recorder import digest
 from labrig.session.run_record import RunRecord
 from labrig.session.session import Session
@@ -60,7 +58,8 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
         str(row["dataset"]): str(row["sha256"])
         for row in read_table(file, layout.CHECKSUMS, layout.CHECKSUM_ROW, path)
     }
-    extra = sorted(_raw_datasets(file) - set(stored))
+    raw = {name for name in dataset_names(file, path) if not name.startswith(layout.DERIVED)}
+    extra = sorted(raw - set(stored) - {layout.CHECKSUMS})
     if extra:
         yield Check("datasets", ok=False, found=", ".join(extra), wanted="none beyond the layout")
     changed = [name for name, wanted in stored.items() if _digest(file, name, path) != wanted]
@@ -69,27 +68,15 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
         found += f"; changed: {', '.join(changed)}"
     yield Check("checksums", not changed, found, f"{len(stored)} datasets unchanged")
     if layout.DERIVED in file:
-        yield from _derived(file)
+        yield _derived(file, path)
 
 
-def _derived(file: Any) -> Iterator[Check]:
-    group = file[layout.DERIVED]
-    wanted = group.attrs.get("sha256", b"")
-    ok = bytes(wanted).decode("ascii", "replace") == derived_digest(group)
+def _derived(file: Any, path: Path) -> Check:
+    with damage_told(path, layout.DERIVED):
+        group = file[layout.DERIVED]
+        ok = group.attrs.get("sha256") == derived_digest(group).encode("ascii")
     found = "unchanged" if ok else "changed since they were stored; run labrig analyze again"
-    yield Check("derived measurements", ok, found, "unchanged")
-
-
-def _raw_datasets(file: Any) -> set[str]:
-    found: set[str] = set()
-
-    def note(name: str, item: Any) -> None:
-        full = f"/{name}"
-        if isinstance(item, h5py.Dataset) and not full.startswith(f"{layout.DERIVED}/"):
-            found.add(full)
-
-    file.visititems(note)
-    return found - {layout.CHECKSUMS}
+    return Check("derived measurements", ok, found, "unchanged")
 
 
 def _digest(file: Any, name: str, path: Path) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import random
 import shutil
 
 import h5py
 import numpy as np
 import pytest
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 from labrig.session import compare_sessions, open_session, verify
 from tests.labrig.session.session_recording import record, small_schedule
 
@@ -148,3 +149,34 @@ def test_a_damaged_signal_is_a_sentence_too(session):
         pytest.raises(BadInputError, match=r"signals/force is damaged"),
     ):
         opened.runs[0].signal_V("force")
+
+
+def what_is_said(path):
+    """Read all of a session; the sentence of the error, or nothing."""
+    try:
+        with open_session(path) as session:
+            for run in session.runs:
+                assert len(run.readings) == len(run.planned.readings)
+                run.signal_V("force")
+                run.image(0)
+            assert session.events
+    except LabrigError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.slow
+def test_no_damage_ends_in_anything_but_a_sentence(recorded, tmp_path):
+    raw = recorded.read_bytes()
+    refused = 0
+    for seed in range(60):
+        dice = random.Random(seed)
+        damaged = bytearray(raw)
+        at, length = dice.randrange(48, len(raw)), dice.choice([1, 64, 4096])
+        damaged[at : at + length] = dice.randbytes(len(damaged[at : at + length]))
+        path = tmp_path / f"{seed}.h5"
+        path.write_bytes(damaged)
+        whole, said = all(check.ok for check in verify(path)), what_is_said(path)
+        assert not said or (str(path) in said and not whole)
+        refused += bool(said)
+    assert refused > 10
