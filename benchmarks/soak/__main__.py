@@ -1,0 +1,43 @@
+"""`python -m benchmarks.soak`: kill runs, judge them, print a table. Ends with 1 when one failed."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+import tempfile
+from pathlib import Path
+
+from benchmarks.soak.figures import line, summary
+from benchmarks.soak.judge import Verdict
+from benchmarks.soak.series import soak
+
+
+def main() -> int:
+    """Run the soak; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.soak")
+    parser.add_argument("--runs", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0, help="begin with this run of the series")
+    parser.add_argument("--folder", type=Path, help="where to work (default: a temporary folder)")
+    options = parser.parse_args()
+    if sys.platform != "linux":
+        sys.stderr.write("soak: looks for stray processes in /proc, which only Linux has\n")
+        return 2
+    folder = options.folder or Path(tempfile.mkdtemp(prefix="labrig-soak-"))
+    folder.mkdir(exist_ok=True)
+    verdicts = soak(options.runs, options.seed, folder, _tell, options.first)
+    print(f"\n{len(verdicts)} runs, seed {options.seed}, {platform.platform()}")
+    print("\n".join(summary(verdicts)))
+    failed = [v for v in verdicts if v.faults]
+    if failed:
+        print(f"{len(failed)} runs failed; their files are in {folder}")
+    return 1 if failed else 0
+
+
+def _tell(verdict: Verdict) -> None:
+    print(line(verdict), flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

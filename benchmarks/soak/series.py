@@ -1,0 +1,123 @@
+"""A series of runs, each ended by a fault at a random moment."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import time
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from io import StringIO
+from pathlib import Path
+
+from benchmarks.soak.faults import Fault, Relay, do
+from benchmarks.soak.judge import Verdict, judge_data, judge_output
+from benchmarks.soak.record import WorldRecord
+from benchmarks.soak.rig import Bench, LabrigRun, serving, until
+from labrig.cli.main import run as labrig
+
+RUNS_PER_SERVER = 20
+EARLY = 0.1  # of all faults come before the first voltage, or just after it
+_EARLY_S, _LATE_S = 6.0, 7.0  # moments are drawn up to here
+_ENERGISED_S = 60.0  # a busy computer starts slowly
+_AFTER_S = 1.5  # the world is watched so long after a fault
+_END_S = 60.0  # for a program that lives on after a fault
+_GUARD_S = 20.0  # for the guard to end
+
+
+def soak(
+    runs: int, seed: int, folder: Path, tell: Callable[[Verdict], None], first: int = 0
+) -> list[Verdict]:
+    """Do the runs, one after the other; `tell` is called after each."""
+    dice = random.Random(seed)
+    faults = list(Fault)
+    plan = [(number, faults[number % len(faults)], _moment_s(dice)) for number in range(runs)]
+    verdicts = []
+    for begin in range(first, runs, RUNS_PER_SERVER):
+        with serving(folder / f"rig{begin:04d}") as bench:
+            for number, fault, after_s in plan[begin : begin + RUNS_PER_SERVER]:
+                verdict = Verdict(number, fault, after_s)
+                _one(bench, verdict)
+                tell(verdict)
+                verdicts.append(verdict)
+    return verdicts
+
+
+def _moment_s(dice: random.Random) -> float:
+    """From the first voltage; an early one is from the program's start, and negative."""
+    early, at = dice.random() < EARLY, dice.random()
+    return -at * _EARLY_S if early else at * _LATE_S
+
+
+def _one(bench: Bench, verdict: Verdict) -> None:
+    relay = Relay(bench.boards) if verdict.fault.needs_relay else None
+    world = bench.watch()
+    world_begin = len(world.look())
+    run = bench.start(f"run{verdict.number:04d}", relay.address if relay else None)
+    try:
+        if not _wait_for(verdict, run, world):
+            verdict.faults.append(f"it ended by itself: {run.said[-300:]}")
+        do(verdict.fault, run.process, relay)
+        fault_s = time.perf_counter()
+        _let_it_end(verdict, run, world)
+        _make_safe(verdict, bench)
+        rows = world.look()[world_begin:]
+        if rows:
+            judge_output(verdict, rows, fault_s)
+        judge_data(verdict, run.session, rows, fault_s)
+    finally:
+        _sweep(verdict, run)
+        if relay is not None:
+            relay.close()
+    for path in bench.folder.glob(f"{run.session.stem}*"):
+        if not verdict.faults:  # else somebody will want to look
+            path.unlink()
+
+
+def _wait_for(verdict: Verdict, run: LabrigRun, world: WorldRecord) -> bool:
+    """Until the moment of the fault; False when the program did not get there."""
+    if verdict.after_s < 0:
+        until(lambda: run.has_ended, -verdict.after_s)
+        return True
+    if not until(lambda: world.was_energised or run.has_ended, _ENERGISED_S):
+        return False
+    if not world.was_energised:
+        return False
+    until(lambda: run.has_ended, verdict.after_s)
+    return True
+
+
+def _let_it_end(verdict: Verdict, run: LabrigRun, world: WorldRecord) -> None:
+    """Watch what becomes of it; a program that hung goes on, and must find that it may not."""
+    until(lambda: run.has_ended and not world.is_energised, _AFTER_S)
+    if verdict.fault is Fault.HANG:
+        until(lambda: False, _AFTER_S)
+        run.process.send_signal(signal.SIGCONT)
+    if not until(lambda: run.has_ended, _END_S):
+        verdict.faults.append(f"the program did not end in {_END_S:g} s: {run.said[-300:]}")
+    verdict.code = run.process.poll()
+    if not until(lambda: not run.left_behind(), _GUARD_S):
+        verdict.faults.append(f"processes {run.left_behind()} are left")
+    if "Traceback" in run.said:
+        verdict.faults.append(f"a traceback: {run.said[-1000:]}")
+
+
+def _make_safe(verdict: Verdict, bench: Bench) -> None:
+    """As a person would before the next run; it also reads back what the drive channel says."""
+    said = StringIO()
+    with redirect_stdout(said), redirect_stderr(said):
+        code = labrig(["safe", str(bench.rig_file)])
+    if code != 0:
+        verdict.faults.append(f"labrig safe ended with {code}: {said.getvalue()[-300:]}")
+
+
+def _sweep(verdict: Verdict, run: LabrigRun) -> None:
+    """Leave nothing behind, whatever the verdict."""
+    if not run.has_ended:
+        verdict.faults.append("the program had to be killed")
+        run.process.kill()
+        run.process.wait()
+    for pid in run.left_behind():
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
