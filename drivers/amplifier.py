@@ -63,6 +63,9 @@ class BoardOutput(Protocol):
     def close(self) -> None:
         """Write 0 V and let go. May be called twice; raises when 0 V was refused."""
 
+    def abandon(self) -> None:
+        """Let go without a write: somebody else is going to write 0 V. Never raises."""
+
 
 class SheetDrive:
     """The voltage at the sheet: a board's output through an amplifier. A `VoltageOutput`."""
@@ -89,3 +92,7 @@ class SheetDrive:
     def close(self) -> None:
         """See `VoltageOutput.close`."""
         self._output.close()
+
+    def abandon(self) -> None:
+        """Let go of the output as it is: the guard is going to write 0 V at once."""
+        self._output.abandon()

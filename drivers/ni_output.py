@@ -91,6 +91,12 @@ class NiVoltageOutput:
         with self._connection.errors(f"closing the output {self._channel} (at 0 V)"):
             task.close()
 
+    def abandon(self) -> None:
+        """Let go of the output as it is: for whoever else is going to write 0 V at once."""
+        task, self._task = self._task, None
+        if task is not None:
+            self._connection.discard(task)
+
     def _doing(self, board_V: float) -> str:
         known = "none was confirmed yet"
         if self._last_V is not None:

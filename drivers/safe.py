@@ -1,6 +1,6 @@
 """Make the output safe: 0 V written and seen on the read-back, or known to be unknown.
 
-Every way out of the program comes through here, so nothing in here raises.
+Every way out of a run comes through `make_safe`, so nothing in here raises.
 """
 
 from __future__ import annotations
@@ -11,9 +11,12 @@ from enum import StrEnum
 
 import numpy as np
 
-from drivers.interfaces import DeviceError, SignalInput, VoltageOutput
+from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, SignalInput, VoltageOutput
 
 READ_BACK_S = 0.02
+PATIENCE_S = 1.0  # a device that fails is tried again for so long
+DEVICE_S = 5.0  # a device that does not answer keeps the next one waiting for so long at most
+_AGAIN_S = 0.05
 _READ_BACKS = 10  # the voltage may need a moment to fall: 0.2 s in all
 
 
@@ -33,13 +36,18 @@ class SafetyReport:
     failures: tuple[str, ...]
 
     @property
+    def is_safe(self) -> bool:
+        """Whether 0 V was written and read back."""
+        return self.state is Safety.SAFE
+
+    @property
     def text(self) -> str:
         """One sentence for the operator."""
         seen = "not read back"
         if self.read_back_V is not None:
             seen = f"read back as {self.read_back_V:.3f} V"
         why = "; ".join(self.failures)
-        if self.state is Safety.SAFE:
+        if self.is_safe:
             return f"the output is safe: 0 V written and {seen}" + (f" (but {why})" if why else "")
         return (
             f"THE OUTPUT IS NOT KNOWN TO BE SAFE ({seen}): switch the amplifier off by hand; "
@@ -48,24 +56,33 @@ class SafetyReport:
 
 
 def make_safe(
-    output: VoltageOutput | None,
-    signals: SignalInput | None,
+    output: VoltageOutput,
+    signals: SignalInput,
+    clock: Clock,
     drive_channel: str,
     safe_below_V: float,
 ) -> SafetyReport:
     """Write 0 V, then look at `drive_channel` until it is below `safe_below_V`. Never raises.
 
-    Devices that are not open are opened. Both stay open: closing them is the caller's. The
-    acquisition is stopped, whatever was running.
+    Each device has its turn, whatever became of the other, and its own time: it is tried again for
+    `PATIENCE_S`, and left alone when it has not answered in `DEVICE_S`. Devices that are not open
+    are opened. Both stay open: closing them is the caller's. The acquisition is stopped, whatever
+    was running.
     """
     failures: list[str] = []
-    written = output is not None and _zero(output, failures)
-    if output is None:
-        failures.append("there is no output to write 0 V to")
-    seen_V = None if signals is None else _read_back(signals, drive_channel, safe_below_V, failures)
-    if signals is None:
-        failures.append("there is no input to read the drive voltage back")
-    return judge(written, seen_V, safe_below_V, failures)
+    seen: list[float] = []
+
+    def read_back() -> None:
+        attempt(failures, signals.stop)
+        signals.open()
+        row = list(signals.channels).index(drive_channel)
+        seen.append(
+            mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S)[row])), safe_below_V)
+        )
+
+    written = _insist(failures, clock, "writing 0 V", lambda: _zero(output, failures))
+    _insist(failures, clock, "reading the drive voltage back", read_back)
+    return judge(written, seen[-1] if seen else None, safe_below_V, failures)
 
 
 def judge(
@@ -73,10 +90,11 @@ def judge(
 ) -> SafetyReport:
     """The report: safe only when 0 V was written and seen."""
     low = seen_V is not None and abs(seen_V) < safe_below_V
+    told = list(dict.fromkeys(failures))  # a device that is tried again says the same again
     if seen_V is not None and not low:
-        failures.append(f"the drive voltage reads {seen_V:.3f} V, not below {safe_below_V:g} V")
+        told.append(f"the drive voltage reads {seen_V:.3f} V, not below {safe_below_V:g} V")
     state = Safety.SAFE if written and low else Safety.UNKNOWN
-    return SafetyReport(state, seen_V, tuple(failures))
+    return SafetyReport(state, seen_V, tuple(told))
 
 
 def attempt(failures: list[str], action: Callable[[], object]) -> bool:
@@ -92,6 +110,25 @@ def attempt(failures: list[str], action: Callable[[], object]) -> bool:
     return True
 
 
+def in_time(clock: Clock, what: str, action: Callable[[], object], limit_s: float) -> None:
+    """Do it in a thread of its own, and leave that behind when the time is over.
+
+    Raises what `action` raises, or DeviceTimeoutError.
+    """
+    raised: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            action()
+        except BaseException as fault:  # noqa: BLE001 - raised again, where it is waited for
+            raised.append(fault)
+
+    if not clock.start_thread(work, what).join(limit_s):
+        raise DeviceTimeoutError(f"{what} has not come to an end in {limit_s:g} s")
+    if raised:
+        raise raised[0]
+
+
 def mean_when_low(measure: Callable[[], float], safe_below_V: float) -> float:
     """Measure until it is low, a few times at most; returns the last value."""
     value = measure()
@@ -102,25 +139,21 @@ def mean_when_low(measure: Callable[[], float], safe_below_V: float) -> float:
     return value
 
 
-def _zero(output: VoltageOutput, failures: list[str]) -> bool:
+def _insist(failures: list[str], clock: Clock, what: str, action: Callable[[], object]) -> bool:
+    """Try again while there is patience, all of it within the device's time."""
+    until_s = clock.now() + PATIENCE_S
+    end_s = clock.now() + DEVICE_S
+    while True:
+        left_s = end_s - clock.now()
+        if attempt(failures, lambda: in_time(clock, what, action, left_s)):  # noqa: B023 - at once
+            return True
+        if clock.now() + _AGAIN_S >= until_s:
+            return False
+        clock.sleep_until(clock.now() + _AGAIN_S)
+
+
+def _zero(output: VoltageOutput, failures: list[str]) -> None:
     """Write 0 V; where that fails, open the output (again) first."""
-    if attempt(failures, lambda: output.write(0.0)):
-        return True
-    return attempt(failures, output.open) and attempt(failures, lambda: output.write(0.0))
-
-
-def _read_back(
-    signals: SignalInput, drive_channel: str, safe_below_V: float, failures: list[str]
-) -> float | None:
-    seen: list[float] = []
-
-    def look() -> None:
-        row = list(signals.channels).index(drive_channel)
-        signals.open()
-        seen.append(
-            mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S)[row])), safe_below_V)
-        )
-
-    attempt(failures, signals.stop)
-    attempt(failures, look)
-    return seen[0] if seen else None
+    if not attempt(failures, lambda: output.write(0.0)):
+        output.open()
+        output.write(0.0)

@@ -38,22 +38,43 @@ class OutputPlace:
     input_task: str = INPUT_TASK
 
 
+def _wait() -> None:
+    """Whoever holds a device lets go of it without our help."""
+
+
 def take_over(
-    connection: NiConnection, clock: Clock, place: OutputPlace, patience_s: float = 5.0
+    connection: NiConnection,
+    clock: Clock,
+    place: OutputPlace,
+    patience_s: float = 5.0,
+    on_held: Callable[[], None] = _wait,
 ) -> SafetyReport:
     """Free both named tasks, write 0 V, read it back, let go. Never raises.
 
-    `patience_s`: how long to wait for a device that somebody still holds.
+    `patience_s`: how long to wait for a device that somebody still holds; `on_held` is called each
+    time it is found so. A task that belongs to its process, as with a local driver, cannot be
+    attached to: it holds its device until that process ends.
     """
     failures: list[str] = []
     until_s = clock.now() + patience_s
+
+    def patiently(open_it: Callable[[], None]) -> None:
+        while True:
+            try:
+                return open_it()
+            except DeviceReservedError:
+                if clock.now() > until_s:
+                    raise
+            on_held()
+            clock.sleep_until(clock.now() + _RETRY_S)
+
     attempt(failures, lambda: _free_output(connection, place.output_task))
     attempt(failures, lambda: _free_input(connection, place.input_task))
     output = NiVoltageOutput(
         connection, clock, place.output_channel, place.limit_board_V, place.output_task
     )
-    written = attempt(failures, lambda: _patiently(output.open, clock, until_s))
-    seen_V = _read_back(connection, clock, place, until_s, failures)
+    written = attempt(failures, lambda: patiently(output.open))
+    seen_V = _read_back(connection, clock, place, patiently, failures)
     attempt(failures, output.close)
     return judge(written, seen_V, place.safe_below_V, failures)
 
@@ -82,24 +103,11 @@ def _free_input(connection: NiConnection, name: str) -> None:
             task.close()
 
 
-def _patiently(open_it: Callable[[], None], clock: Clock, until_s: float) -> None:
-    """A device of a process that just ended is released by the driver a moment later."""
-    while True:
-        try:
-            open_it()
-        except DeviceReservedError:
-            if clock.now() > until_s:
-                raise
-            clock.sleep_until(clock.now() + _RETRY_S)
-        else:
-            return
-
-
 def _read_back(
     connection: NiConnection,
     clock: Clock,
     place: OutputPlace,
-    until_s: float,
+    patiently: Callable[[Callable[[], None]], None],
     failures: list[str],
 ) -> float | None:
     drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
@@ -107,7 +115,7 @@ def _read_back(
     seen: list[float] = []
 
     def look() -> None:
-        _patiently(signals.open, clock, until_s)
+        patiently(signals.open)
         seen.append(
             mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S))), place.safe_below_V)
         )

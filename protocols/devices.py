@@ -44,7 +44,6 @@ class Devices:
     operator: Operator
     newtons: Callable[[FloatArray], FloatArray]
     amperes: Callable[[FloatArray], FloatArray] = unchanged
-    sheet_volts: Callable[[FloatArray], FloatArray] = unchanged
     # Called with every block of raw force volts; raises OverloadError to trip.
     protect: Callable[[FloatArray], object] = nothing
 

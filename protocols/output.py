@@ -1,17 +1,29 @@
-"""The output as a session uses it: every change of its state is told, and 0 V is insisted on."""
+"""The output as a session uses it: every change of its state is told."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from typing import Protocol
 
-import numpy as np
-
-from drivers.interfaces import Clock, FloatArray, VoltageOutput, VoltageWrite
+from drivers.interfaces import Clock, VoltageOutput, VoltageWrite
 from protocols.events import Event, OutputChanged, OutputState
-from protocols.rules import Timing
 
-SWITCH_OFF = "switch the amplifier off"
+
+class MadeSafe(Protocol):
+    """What became of making the output safe."""
+
+    @property
+    def is_safe(self) -> bool:
+        """Whether 0 V was written and read back."""
+
+    @property
+    def text(self) -> str:
+        """One sentence for the operator."""
+
+
+# Write 0 V and read it back, whatever it takes; must not raise.
+MakeSafe = Callable[[], MadeSafe]
 
 
 class GuardedOutput:
@@ -27,13 +39,11 @@ class GuardedOutput:
         clock: Clock,
         emit: Callable[[Event], None],
         on_energised: Callable[[bool], None],
-        timing: Timing,
     ) -> None:
         self._output = output
         self._clock = clock
         self._emit = emit
         self._on_energised = on_energised
-        self._timing = timing
         self._on_guard = False
         self._told: OutputState | None = None
         self.state = OutputState.UNKNOWN
@@ -63,13 +73,9 @@ class GuardedOutput:
         return write
 
     def zero(self) -> VoltageWrite | None:
-        """Write 0 V, again when that fails; never raises. None: it could not be written."""
-        for attempt in range(self._timing.attempts):
-            if attempt:
-                with suppress(Exception):
-                    self._clock.sleep_until(self._clock.now() + self._timing.retry_s)
-            with suppress(Exception):  # what matters now is 0 V; the state tells of the failure
-                return self.write(0.0)
+        """Write 0 V at once; never raises. None: it could not be written, and is still to be."""
+        with suppress(Exception):  # what matters now is 0 V; the state tells of the failure
+            return self.write(0.0)
         return None
 
     def tell(self, why: str) -> None:
@@ -78,21 +84,14 @@ class GuardedOutput:
             self._told = self.state
             self._emit(OutputChanged(self._clock.now(), self.state, why))
 
-    def verify(self, read_back: Callable[[float], FloatArray], safe_below_V: float) -> str:
-        """Write 0 V once more, read it back, and settle on SAFE or UNKNOWN; the reason in words.
-
-        `read_back(duration_s)` returns samples of the sheet's voltage. Never raises.
-        """
-        if self.zero() is None:
-            return f"0 V could not be written; {SWITCH_OFF}"
+    def settle(self, make_safe: MakeSafe) -> str:
+        """The end: make safe, and settle on SAFE or UNKNOWN; how it went in words."""
         self.state = OutputState.UNKNOWN
-        try:
-            self._clock.sleep_until(self._clock.now() + self._timing.settle_s)
-            samples_V = read_back(self._timing.read_back_s)
-            found_V = float(np.mean(samples_V)) if samples_V.size else float("nan")
-        except Exception as error:  # noqa: BLE001 - unknown is the answer to all of them
-            return f"0 V was written but could not be read back ({error}); {SWITCH_OFF}"
-        if not abs(found_V) < safe_below_V:
-            return f"0 V was written but {found_V:.3g} V is read back; {SWITCH_OFF}"
-        self.state = OutputState.SAFE
-        return f"0 V written and read back as {found_V * 1e3:.1f} mV"
+        made = make_safe()
+        if made.is_safe:
+            self.state = OutputState.SAFE
+            if self._on_guard:
+                self._on_guard = False
+                with suppress(Exception):  # a guard that is gone need not be told
+                    self._on_energised(False)  # noqa: FBT003 - as above
+        return made.text

@@ -136,7 +136,7 @@ class ReadingMaker:
         signals = np.stack(
             [
                 self._devices.newtons(volts[self._rows.force]),
-                self._devices.sheet_volts(volts[self._rows.drive]),
+                volts[self._rows.drive],
                 self._devices.amperes(self._rows.of_current(volts)),
             ]
         )

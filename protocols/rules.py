@@ -33,10 +33,6 @@ class Timing:
     tail_s: float = 0.2  # and after the last
     frame_grace_s: float = 0.3  # a frame may arrive this much later than it was taken
     starved_s: float = 2.0  # an input silent for so long has failed
-    settle_s: float = 0.05  # from a written 0 V to its read-back
-    read_back_s: float = 0.05  # over which the read-back is averaged
-    retry_s: float = 0.05  # between attempts to write 0 V
-    attempts: int = 3
 
 
 def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
-from drivers.interfaces import CameraCounts, Clock, DeviceTimeoutError, VoltageWrite
+from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
 from protocols.devices import Devices, Rows
 from protocols.events import Event, RunStarted, RunStopped, SignalsArrived, VoltageSet, Warned
 from protocols.output import GuardedOutput
@@ -149,6 +149,8 @@ class RunLoop:
         """Follow a request to stop after the pulse, which is over now."""
         run_s = self._loop.clock.now() - self._zero_s
         self._return_to_zero("the session is to stop after this pulse")
+        if not self._loop.output.at_zero:
+            raise DeviceError("0 V was refused when the session was to stop after the pulse")
         maker.forget_after(run_s)
         return False
 

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from drivers.interfaces import Clock, DeviceError, FloatArray, OverloadError, Prompt
+from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
 from protocols.asking import RecordedOperator
 from protocols.devices import Devices, Rows
 from protocols.errors import ScheduleError
@@ -24,7 +24,7 @@ from protocols.events import (
 )
 from protocols.hub import SubscriberError
 from protocols.limits import SafetyLimits, check_schedule
-from protocols.output import GuardedOutput
+from protocols.output import GuardedOutput, MakeSafe
 from protocols.preparing import Action, Move, Situation, preparation
 from protocols.rules import Rules, Timing
 from protocols.run_loop import Loop, RunLoop, Stopped
@@ -74,8 +74,9 @@ class Scheduler:
     holds the reason.
 
     `beat` is called at least every 50 ms while the sheet is energised, `on_energised` before the
-    first voltage and after 0 V was confirmed: a guard process is fed by them. `emit` may raise:
-    the session then ends safely. It must not block for long: a guard takes that for a hang.
+    first voltage and after 0 V was confirmed: a guard process is fed by them. `make_safe` is the
+    one way out: called once, at the end, however that comes. `emit` may raise: the session then
+    ends safely. It must not block for long: a guard takes that for a hang.
     """
 
     def __init__(
@@ -85,12 +86,12 @@ class Scheduler:
         emit: Callable[[Event], None],
         stop: StopRequest,
         limits: SafetyLimits,
+        make_safe: MakeSafe,
         *,
         rules: Rules | None = None,
         timing: Timing | None = None,
         beat: Callable[[], None] = _no_beat,
         on_energised: Callable[[bool], None] = _no_guard,
-        safe_below_V: float = 0.05,
         keep_all_frames: bool = False,
         wall: Callable[[], str] = utc_now,
     ) -> None:
@@ -101,13 +102,13 @@ class Scheduler:
         self._limits = limits
         self._rules = rules or Rules()
         timing = timing or Timing()
-        self._safe_below_V = safe_below_V
+        self._make_safe = make_safe
         self._wall = wall
         self._emit_lock = threading.RLock()
         self._operator = devices.operator
         if not isinstance(devices.operator, RecordedOperator):
             self._operator = RecordedOperator(devices.operator, clock, self._emit)
-        self._output = GuardedOutput(devices.output, clock, self._emit, on_energised, timing)
+        self._output = GuardedOutput(devices.output, clock, self._emit, on_energised)
         self._loop = Loop(
             devices=devices,
             output=self._output,
@@ -250,8 +251,7 @@ class Scheduler:
     def _finish(self, finish: FinishReason, text: str, error: BaseException | None) -> Outcome:
         """Make safe, tell the end, and settle the status; never raises."""
         self._enter(RunState.STOPPING)
-        self._loop.guarded("stopping the signal input", self._devices.signals.stop)
-        found = self._output.verify(self._read_back, self._safe_below_V)
+        found = self._output.settle(self._make_safe)
         self._loop.guarded("telling the state of the output", lambda: self._output.tell(found))
         state = self._output.state
         reason = text if state is OutputState.SAFE else f"{text}; {found}"
@@ -275,12 +275,6 @@ class Scheduler:
                 error=error,
             )
         return finish.outcome
-
-    def _read_back(self, duration_s: float) -> FloatArray:
-        """Samples of the sheet's voltage."""
-        signals = self._devices.signals
-        volts = signals.measure(duration_s)[Rows.of(signals).drive]
-        return self._devices.sheet_volts(volts)
 
 
 def _reason(error: BaseException) -> tuple[FinishReason, str]:

@@ -16,7 +16,7 @@ from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.watch import Ending, Watch, parent_watch, words_of
 from drivers.interfaces import DeviceError, RealClock
 from drivers.ni_connection import NiConnection
-from drivers.safe import Safety, SafetyReport
+from drivers.safe import SafetyReport
 from drivers.take_over import take_over
 
 _TRIES = 5
@@ -44,24 +44,33 @@ def main() -> int:
     if ending is Ending.DISARMED:
         connection.close()
         return _SAFE_CODE
-    if settings.must_end_the_program and _is_in_the_way(ending, lives):
-        _kill(settings.program_pid)
-    report = _act(settings, connection, clock)
+
+    def end_the_program() -> None:
+        """Where tasks belong to their process, only its end makes the driver release them."""
+        if _is_in_the_way(ending, lives):
+            _kill(settings.program_pid)
+
+    report = _act(settings, connection, clock, end_the_program)
     _tell_everybody(settings, ending, report)
-    return _SAFE_CODE if report.state is Safety.SAFE else _UNKNOWN_CODE
+    return _SAFE_CODE if report.is_safe else _UNKNOWN_CODE
 
 
-def _act(settings: GuardSettings, connection: NiConnection, clock: RealClock) -> SafetyReport:
+def _act(
+    settings: GuardSettings,
+    connection: NiConnection,
+    clock: RealClock,
+    on_held: Callable[[], None],
+) -> SafetyReport:
     """Take the output over; again, on a new connection, when that did not end in 0 V."""
-    report = take_over(connection, clock, settings.place, _PATIENCE_S)
+    report = take_over(connection, clock, settings.place, _PATIENCE_S, on_held)
     for _ in range(_TRIES - 1):
-        if report.state is Safety.SAFE:
+        if report.is_safe:
             break
         connection.close()
         clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
         with contextlib.suppress(DeviceError):
             connection.open()
-        report = take_over(connection, clock, settings.place, _PATIENCE_S)
+        report = take_over(connection, clock, settings.place, _PATIENCE_S, on_held)
     connection.close()
     return report
 
@@ -111,9 +120,11 @@ def _ignore_signals() -> None:
 
 def _is_in_the_way(ending: Ending, lives: Callable[[], bool]) -> bool:
     """Whether the program still holds its tasks and will not let go by itself."""
-    if ending is Ending.GONE:  # by its pipe; its number may have a new owner on Windows
-        return sys.platform != "win32" and lives()
-    return ending is not Ending.ASKED
+    if ending is Ending.ASKED:
+        return False
+    if sys.platform == "win32":  # where its number may have a new owner, once it has died
+        return ending is not Ending.GONE
+    return lives()
 
 
 def _kill(program_pid: int) -> None:

@@ -21,6 +21,7 @@ from drivers.guard.settings import (
     ENERGISED,
     FAILED,
     HEARTBEAT_S,
+    NEW_RUN,
     READY,
     REPORT,
     GuardSettings,
@@ -115,6 +116,11 @@ class Guard:
             self._unconfirmed = 0
         self._energised = on
         self._tell(ENERGISED if on else AT_ZERO)
+
+    def new_run(self) -> None:
+        """A run begins, at 0 V: its time under voltage is counted from nothing."""
+        self._check()
+        self._tell(NEW_RUN)
 
     def act(self, timeout_s: float = ACT_S) -> SafetyReport:
         """Let the guard make the output safe, by its own connection, and end. Never raises.

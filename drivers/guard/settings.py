@@ -12,7 +12,7 @@ HEARTBEAT_S = 0.05
 HEARTBEAT_LIMIT_S = 0.4
 
 # From the program, one byte each, after a first line with the settings as JSON.
-BEAT, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"E", b"Z", b"D", b"A"
+BEAT, NEW_RUN, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"N", b"E", b"Z", b"D", b"A"
 # To the program, a line each.
 READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
 
@@ -22,16 +22,10 @@ class GuardSettings:
     """Where the output is, and how long the program may be silent or energise the sheet."""
 
     place: OutputPlace
-    time_under_voltage_s: float = 30.0  # without a break
+    time_under_voltage_s: float = 30.0  # in one run, all its pulses together
     heartbeat_limit_s: float = HEARTBEAT_LIMIT_S
-    strict_ownership: bool = False  # tasks belong to their process, as with a local driver
     report_path: str | None = None  # where the guard leaves its report when it has acted
     program_pid: int = 0  # filled in by `Guard.start`
-
-    @property
-    def must_end_the_program(self) -> bool:
-        """Whether only the program's end makes the driver release its tasks."""
-        return self.strict_ownership or self.place.address == "local"
 
     def to_json(self) -> str:
         """One line."""

@@ -8,7 +8,14 @@ import threading
 from collections.abc import Callable
 from enum import StrEnum
 
-from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.guard.settings import (
+    ACT,
+    AT_ZERO,
+    DISARM,
+    ENERGISED,
+    NEW_RUN,
+    GuardSettings,
+)
 from drivers.interfaces import Clock
 
 _TICK_S = 0.02
@@ -23,7 +30,7 @@ class Ending(StrEnum):
     GONE = "the program has died"
     HUNG = "the program hangs"
     ASKED = "the program has asked for it"
-    TOO_LONG = "the sheet was energised for too long"
+    TOO_LONG = "the sheet was energised for too long in one run"
 
 
 class Watch:
@@ -43,6 +50,7 @@ class Watch:
         self._confirm = confirm
         self._parent_lives = parent_lives
         self._energised_s: float | None = None  # since when
+        self._before_s = 0.0  # time under voltage of this run, before that
         self._heard_s = clock.now()
 
     def until_end(self) -> Ending:
@@ -76,13 +84,19 @@ class Watch:
                 return Ending.DISARMED
             if word == ACT:
                 return Ending.ASKED
-            if word == ENERGISED and self._energised_s is None:
-                self._energised_s = self._heard_s
-            elif word == AT_ZERO:
-                self._energised_s = None
-        if BEAT in lot or ENERGISED in lot or AT_ZERO in lot:
-            self._confirm()
+            self._count(word)
+        self._confirm()
         return None
+
+    def _count(self, word: bytes) -> None:
+        """Sum the time under voltage."""
+        if word == ENERGISED and self._energised_s is None:
+            self._energised_s = self._heard_s
+        elif word == AT_ZERO and self._energised_s is not None:
+            self._before_s += self._heard_s - self._energised_s
+            self._energised_s = None
+        elif word == NEW_RUN:
+            self._before_s = 0.0
 
     def _judge(self, now: float) -> Ending | None:
         if not self._parent_lives():
@@ -91,7 +105,8 @@ class Watch:
             return None
         if now - self._heard_s > self._settings.heartbeat_limit_s:
             return Ending.HUNG
-        if now - self._energised_s > _BACKSTOP * self._settings.time_under_voltage_s:
+        under_s = self._before_s + now - self._energised_s
+        if under_s > _BACKSTOP * self._settings.time_under_voltage_s:
             return Ending.TOO_LONG
         return None
 

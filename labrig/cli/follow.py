@@ -12,7 +12,6 @@ from labrig.experiment.people import ConsoleOperator, NobodyAsked
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.safety import guard_of
 from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
 from labrig.session import open_session
@@ -45,7 +44,7 @@ def run_and_follow(
     with _stopping(stop, operator), _display(plan.schedule, pace=not plan.rig.is_simulated) as show:
         hub.add_watcher("the progress display", show)
         rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub, watch=guard_of)
+        return run_session(rig, plan, output, stop, hub)
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:

@@ -20,6 +20,12 @@ def _is_channel(value: str) -> str:
     return value
 
 
+def _is_line(value: str) -> str:
+    if not re.match(r"^[^/\s]+/port\d+/line\d+$", value):
+        raise ValueError("must be a digital line, such as PCI6703/port0/line0")
+    return value
+
+
 def _is_address(value: str) -> str:
     if value in {"local", "simulated"} or re.match(r"^[^:\s]+:\d{1,5}$", value):
         return value
@@ -35,6 +41,7 @@ class TaskNames(Closed):
 
     output: str = "labrig-output"
     input: str = "labrig-input"
+    interlock: str = "labrig-interlock"
 
 
 class InputRanges(Closed):
@@ -78,6 +85,14 @@ class Limits(Closed):
     sheet_voltage_V: float = Field(2.5, gt=0, le=30.0, description="largest, either sign")
     time_under_voltage_s: Positive = Field(30.0, description="in one run")
     safe_below_V: float = Field(0.05, gt=0, le=0.5, description="a smaller read-back counts as 0 V")
+
+
+class InterlockConfig(Closed):
+    """An external one-shot that drops the amplifier's supply when the working loop stops."""
+
+    line: Annotated[str, AfterValidator(_is_line)] = Field(
+        description="digital output that is toggled while a run is under way"
+    )
 
 
 class LoadCellFile(Closed):
@@ -133,6 +148,7 @@ class RigConfig(Closed):
     load_cell: LoadCellFile
     camera: CameraConfig | None = None
     stage: StageConfig = StageConfig()
+    interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
 
     @property

@@ -65,6 +65,7 @@ def replay_rig(session: Session, plan: Plan) -> tuple[Rig, Director]:
         stage=_RecordedStage(),
         operator=_Done(),
         calibration=plan.calibration,
+        interlock=None,
         threaded=False,
     )
     return rig, director

@@ -11,6 +11,7 @@ from drivers.interfaces import Camera, Clock, DeviceError, Operator, Positioner
 from drivers.load_cell import LoadCell, LoadCellCalibration
 from drivers.ni_connection import NiConnection
 from drivers.ni_input import InputChannel, NiSignalInput
+from drivers.ni_interlock import NiInterlock
 from drivers.ni_output import NiVoltageOutput
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
@@ -32,6 +33,7 @@ class Rig:
     stage: Positioner
     operator: Operator
     calibration: LoadCellCalibration
+    interlock: NiInterlock | None  # opened only while a run is watched over
     threaded: bool  # False on a virtual clock: whatever follows the run is called at once
 
     @property
@@ -73,6 +75,13 @@ def boards(
     channels = [InputChannel(name, where, volts, "differential") for name, where, volts in wired]
     signals = NiSignalInput(connection, clock, channels, ni.sample_rate_hz, ni.task_names.input)
     return SheetDrive(output, amplifier), signals
+
+
+def interlock_of(config: RigConfig, connection: NiConnection, clock: Clock) -> NiInterlock | None:
+    """The driver of the line that keeps an external interlock closed, where the rig has one."""
+    if config.interlock is None:
+        return None
+    return NiInterlock(connection, clock, config.interlock.line, config.ni.task_names.interlock)
 
 
 @contextmanager

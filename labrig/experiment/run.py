@@ -2,45 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.rig import Rig, opened
+from labrig.experiment.watching import Watch, watched
+from labrig.experiment.way_out import WayOut, way_out
 from labrig.session import SessionWriter
 from protocols import SafetyLimits
-from protocols.events import Event, Outcome, OutputState
+from protocols.events import Event, Outcome, OutputState, RunStarted
 from protocols.hub import EventHub
 from protocols.rules import Rules
 from protocols.scheduler import Scheduler
 from protocols.states import Status
 from protocols.stop import StopRequest
-
-
-class Watch(Protocol):
-    """Watches over the process while the output is energised (the guard)."""
-
-    def beat(self) -> None:
-        """The working loop is alive."""
-
-    def energised(self, on: bool) -> None:
-        """A voltage other than 0 is about to be written, or 0 V was confirmed."""
-
-
-class Unwatched:
-    """Nobody watches."""
-
-    def beat(self) -> None:
-        """See `Watch.beat`."""
-
-    def energised(self, on: bool) -> None:
-        """See `Watch.energised`."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +52,6 @@ def run_session(
     hub: EventHub,
     *,
     look_first: bool = True,
-    watch: Callable[[Rig], AbstractContextManager[Watch]] | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
 ) -> Result:
     """Open the rig, look whether it is ready, run the whole schedule, record it at `path`.
@@ -82,15 +62,28 @@ def run_session(
     """
     result: Result | None = None
     try:
-        with opened(rig):
+        with opened(rig), _leaving_safely(rig) as way:
             if look_first:
                 _require_ready(rig, plan)
-            result = _record(rig, plan, path, stop, hub, watch or _unwatched, on_scheduler)
+            result = _record(rig, plan, path, stop, hub, way, on_scheduler)
     except OutputUnknownError:
         # Of closing the devices. How the session ended says more, and what is known of the output.
         if result is None:
             raise
     return result
+
+
+@contextmanager
+def _leaving_safely(rig: Rig) -> Iterator[WayOut]:
+    """The way out; an error that comes this way names the output when that is not safe."""
+    with way_out(rig) as way:
+        try:
+            yield way
+        except Exception as error:
+            found = way.report or way.make_safe()
+            if found.is_safe:
+                raise
+            raise OutputUnknownError(f"{error} {found.text}") from error
 
 
 def _record(
@@ -99,14 +92,16 @@ def _record(
     path: Path,
     stop: StopRequest,
     hub: EventHub,
-    watch: Callable[[Rig], AbstractContextManager[Watch]],
+    way: WayOut,
     on_scheduler: Callable[[Scheduler], None] | None,
 ) -> Result:
     writer = _writer(rig, plan, path)
     hub.add_critical("the session file", writer.handle)
     try:
-        with watch(rig) as watching:
-            scheduler = _scheduler(rig, plan, hub.emit, stop, watching)
+        with watched(rig) as watch:
+            way.watch = watch
+            hub.add_critical("the output guard", _run_counter(watch))
+            scheduler = _scheduler(rig, plan, hub.emit, stop, way)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
             outcome = scheduler.run(plan.schedule)
@@ -116,8 +111,14 @@ def _record(
     return Result(path, outcome, scheduler.status)
 
 
-def _unwatched(_rig: Rig) -> AbstractContextManager[Watch]:
-    return nullcontext(Unwatched())
+def _run_counter(watch: Watch) -> Callable[[Event], None]:
+    """The limit of the time under voltage is one of each run."""
+
+    def follow(event: Event) -> None:
+        if isinstance(event, RunStarted):
+            watch.new_run()
+
+    return follow
 
 
 def _require_ready(rig: Rig, plan: Plan) -> None:
@@ -149,7 +150,7 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
 
 
 def _scheduler(
-    rig: Rig, plan: Plan, emit: Callable[[Event], None], stop: StopRequest, watching: Watch
+    rig: Rig, plan: Plan, emit: Callable[[Event], None], stop: StopRequest, way: WayOut
 ) -> Scheduler:
     limits = rig.config.limits
     return Scheduler(
@@ -158,9 +159,9 @@ def _scheduler(
         emit,
         stop,
         SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s),
+        way.make_safe,
         rules=Rules(late_edge_s=plan.protocol.rules.late_edge_s),
-        beat=watching.beat,
-        on_energised=watching.energised,
-        safe_below_V=limits.safe_below_V,
+        beat=way.watch.beat,
+        on_energised=way.watch.energised,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
     )

@@ -14,7 +14,7 @@ from drivers.stage_zaber import ZaberStage
 from labrig.config import RigConfig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import Rig, boards
+from labrig.experiment.rig import Rig, boards, interlock_of
 from protocols import RecordedOperator
 from protocols.events import Event
 
@@ -54,6 +54,7 @@ def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody
         stage=_stage(plan, clock, asked),
         operator=asked,
         calibration=plan.calibration,
+        interlock=interlock_of(config, connection, clock),
         threaded=True,
     )
 
@@ -129,5 +130,6 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         stage=_stage(plan, clock, person, serial),
         operator=person,
         calibration=plan.calibration,
+        interlock=interlock_of(config, connection, clock),
         threaded=False,
     )

@@ -4,7 +4,7 @@ import queue
 
 import pytest
 
-from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, GuardSettings
+from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
 from drivers.guard.watch import Ending, Watch
 from drivers.interfaces import DeviceError
 from drivers.take_over import OutputPlace
@@ -94,13 +94,27 @@ def test_a_program_that_beats_for_ever_is_stopped_after_its_time_under_voltage()
     assert when == pytest.approx(31.6, abs=0.1)
 
 
-def test_each_return_to_zero_begins_the_time_under_voltage_anew():
+def pulses(count: int, every_s: float, from_s: float = 0.0) -> list[tuple[float, bytes]]:
+    """As many pulses, half of the time at 0 V."""
+    words = []
+    for pulse in range(count):
+        began, half = from_s + pulse * every_s, every_s / 2
+        words += [(began, ENERGISED), *beats(began + 0.05, began + half), (began + half, AT_ZERO)]
+    return words
+
+
+def test_the_time_under_voltage_of_a_run_is_that_of_all_its_pulses_together():
+    ending, when = watch(Pipe(*pulses(20, 4.0)))
+    assert ending is Ending.TOO_LONG
+    assert when == pytest.approx(15 * 4.0 + 0.6, abs=0.2)
+
+
+def test_each_run_begins_the_time_under_voltage_anew():
     words = []
     for run in range(5):
-        began = 50.0 * run
-        words += [(began, ENERGISED), *beats(began + 0.05, began + 29.0), (began + 29.0, AT_ZERO)]
-    words.append((300.0, DISARM))
-    assert watch(Pipe(*words)) == (Ending.DISARMED, 300.0)
+        words += [(100.0 * run, NEW_RUN), *pulses(14, 4.0, 100.0 * run + 1.0)]
+    words.append((600.0, DISARM))
+    assert watch(Pipe(*words)) == (Ending.DISARMED, 600.0)
 
 
 def test_saying_energised_again_does_not_begin_the_time_anew():
@@ -140,13 +154,6 @@ def test_settings_survive_the_pipe():
 def test_settings_that_do_not_fit_are_refused(text):
     with pytest.raises(DeviceError, match="settings cannot be read"):
         GuardSettings.from_json(text)
-
-
-def test_a_local_driver_or_strict_ownership_needs_the_program_to_end():
-    local = OutputPlace("local", "PCI6703/ao0", "PCI6034E/ai2")
-    assert GuardSettings(place=local).must_end_the_program
-    assert GuardSettings(place=SETTINGS.place, strict_ownership=True).must_end_the_program
-    assert not SETTINGS.must_end_the_program
 
 
 def test_a_program_can_ask_the_guard_to_act():

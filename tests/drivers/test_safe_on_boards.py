@@ -52,7 +52,7 @@ def board_volts(rig) -> float:
 
 def test_a_run_under_way_is_made_safe(simulated_ni):
     drive, signals = energised(simulated_ni)
-    report = make_safe(drive, signals, "drive", 0.05)
+    report = make_safe(drive, signals, simulated_ni.clock, "drive", 0.05)
     assert report.state is Safety.SAFE
     assert report.failures == ()
     assert board_volts(simulated_ni) == pytest.approx(0.0, abs=1e-3)
@@ -62,7 +62,7 @@ def test_a_run_whose_tasks_were_cleared_from_outside_is_made_safe(simulated_ni):
     drive, signals = energised(simulated_ni)
     for name in ("labrig-output", "labrig-input"):
         simulated_ni.connection.attach_task(name).close()
-    report = make_safe(drive, signals, "drive", 0.05)
+    report = make_safe(drive, signals, simulated_ni.clock, "drive", 0.05)
     assert report.state is Safety.SAFE
     assert "no longer exists" in report.failures[0]
     assert board_volts(simulated_ni) == pytest.approx(0.0, abs=1e-3)
@@ -72,7 +72,7 @@ def test_a_run_whose_tasks_were_cleared_from_outside_is_made_safe(simulated_ni):
 def test_safe_is_said_only_of_zero_volts_whatever_call_fails(simulated_ni, method):
     drive, signals = energised(simulated_ni)
     simulated_ni.server.faults.refuse[method] = -200324
-    report = make_safe(drive, signals, "drive", 0.05)
+    report = make_safe(drive, signals, simulated_ni.clock, "drive", 0.05)
     volts = board_volts(simulated_ni)
     if method == "WriteAnalogScalarF64":
         assert report.state is Safety.UNKNOWN
@@ -84,7 +84,7 @@ def test_safe_is_said_only_of_zero_volts_whatever_call_fails(simulated_ni, metho
 def test_a_stuck_output_is_unknown(simulated_ni):
     drive, signals = energised(simulated_ni)
     simulated_ni.server.faults.stuck_outputs.add("PCI6703/ao0")
-    report = make_safe(drive, signals, "drive", 0.05)
+    report = make_safe(drive, signals, simulated_ni.clock, "drive", 0.05)
     assert report.state is Safety.UNKNOWN
     assert report.read_back_V == pytest.approx(0.2, abs=1e-3)
 
@@ -92,7 +92,7 @@ def test_a_stuck_output_is_unknown(simulated_ni):
 def test_a_read_back_that_is_no_number_is_unknown(simulated_ni):
     drive, signals = energised(simulated_ni)
     simulated_ni.server.faults.nan.add("PCI6034E/ai2")
-    assert make_safe(drive, signals, "drive", 0.05).state is Safety.UNKNOWN
+    assert make_safe(drive, signals, simulated_ni.clock, "drive", 0.05).state is Safety.UNKNOWN
 
 
 # -------------------------------------------------------------------------------------- take over

@@ -18,6 +18,7 @@ from drivers.interfaces import (
     ThreadHandle,
     VoltageWrite,
 )
+from drivers.safe import SafetyReport, make_safe
 from protocols import (
     Devices,
     Place,
@@ -53,7 +54,16 @@ class FakeClock:
             entry[1]()
 
     def start_thread(self, target: Callable[[], None], name: str) -> ThreadHandle:
-        raise AssertionError("the scheduler needs no thread")
+        assert name in {"writing 0 V", "reading the drive voltage back"}, "it needs no other thread"
+        target()
+        return Ended()
+
+
+class Ended:
+    """A thread that has."""
+
+    def join(self, timeout: float | None = None) -> bool:
+        return True
 
 
 @dataclass
@@ -293,6 +303,9 @@ class FakeRig:
         self.beats_s: list[float] = []
         self.guarded: list[bool] = []
 
+    def make_safe(self) -> SafetyReport:
+        return make_safe(self.output, self.signals, self.clock, "drive", 0.05)
+
     def beat(self) -> None:
         self.beats_s.append(self.clock.time_s)
 
@@ -300,6 +313,7 @@ class FakeRig:
         settings: dict[str, object] = {
             "emit": self.events.append,
             "limits": LIMITS,
+            "make_safe": self.make_safe,
             "beat": self.beat,
             "on_energised": self.guarded.append,
             "wall": lambda: "2026-01-01T00:00:00.000+00:00",

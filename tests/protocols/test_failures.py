@@ -21,6 +21,8 @@ from protocols.events import (
 
 # Fewer calls to fail, one after another.
 COARSE = Timing(service_s=0.1, starved_s=1.0)
+# Calls of each device by which the end is made safe.
+END_CALLS = {"output": 1, "signals": 2}
 
 
 def healthy_calls(device):
@@ -54,16 +56,15 @@ def test_a_device_that_fails_once_at_any_call_leaves_0_V_and_an_end(device):
     for k, name in enumerate(healthy_calls(device)):
         rig, scheduler, outcome = fail(device, lambda index, k=k: index == k)
         check_end(rig, scheduler, outcome)
-        if name == "measure":
-            assert (outcome, rig.events[-1].output) == (Outcome.COMPLETED, OutputState.UNKNOWN)
-        elif outcome is Outcome.FAILED:
+        if outcome is Outcome.FAILED:
             assert scheduler.status.finish is FinishReason.DEVICE_FAULT
             assert f"call {k} ({name}) failed" in rig.events[-1].reason
-        elif device == "output":  # 0 V at the session's end, written at the second attempt
-            assert k == len(healthy_calls(device)) - 1
+        elif k >= len(healthy_calls(device)) - END_CALLS.get(device, 0):
+            # While making safe, at the second attempt; told all the same.
+            assert rig.events[-1].output is OutputState.SAFE
+            assert f"(but call {k} ({name}) failed)" in rig.of_kind(OutputChanged)[-1].why
         else:  # while cleaning up: the data are complete
-            assert name in {"stop", "counts", "frames"}
-            assert name != "stop" or k == len(healthy_calls(device)) - 2  # stopped already
+            assert name in {"counts", "frames"}
             assert any(f"call {k} ({name}) failed" in w.text for w in rig.of_kind(Warned))
 
 
@@ -82,7 +83,7 @@ def test_an_output_that_fails_for_good_is_unknown_and_stays_guarded():
         rig, scheduler, _ = fail("output", lambda index, k=k: index >= k)
         assert rig.events[-1].output is OutputState.UNKNOWN
         assert scheduler.status.state is RunState.UNKNOWN
-        assert "0 V could not be written; switch the amplifier off" in rig.events[-1].reason
+        assert "switch the amplifier off by hand" in rig.events[-1].reason
         if rig.output.last_V != 0.0:
             assert rig.guarded[-1] is True  # so the guard, hearing no beat, acts
 
@@ -128,7 +129,9 @@ def test_a_voltage_that_stays_at_the_sheet_is_found_by_the_read_back():
     scheduler = rig.scheduler()
     assert scheduler.run(short_schedule()) is Outcome.COMPLETED
     assert scheduler.status.state is RunState.UNKNOWN
-    assert "0 V was written but 1.9 V is read back" in rig.events[-1].reason
+    assert (
+        "switch the amplifier off by hand; the drive voltage reads 1.900 V" in rig.events[-1].reason
+    )
     assert rig.of_kind(OutputChanged)[-1].state is OutputState.UNKNOWN
 
 
