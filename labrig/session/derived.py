@@ -20,7 +20,7 @@ from labrig.session.create import set_attributes
 from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
 from labrig.session.disk import written_beside
 from labrig.session.opening import open_file
-from labrig.session.reading import read_array, read_dataset
+from labrig.session.reading import damage_told, read_array, read_dataset
 from labrig.session.recorder import digest
 from model.measurements import Measurements
 
@@ -90,14 +90,19 @@ def _remade(path: Path) -> Iterator[Any]:
         open_file(path) as old,
         h5py.File(beside, "x", libver=layout.LIBVER) as new,
     ):
-        _copy_attributes(old, new)
-        entry = new.create_group(layout.ENTRY)
-        _copy_attributes(old[layout.ENTRY], entry)
-        for name in old[layout.ENTRY]:
-            if f"{layout.ENTRY}/{name}" != layout.DERIVED:
-                # Moves the chunks as they are on the disk, so frames are not unpacked.
-                old.copy(f"{layout.ENTRY}/{name}", entry)
+        with damage_told(path):
+            _copy_raw(old, new)
         yield new
+
+
+def _copy_raw(old: Any, new: Any) -> None:
+    _copy_attributes(old, new)
+    entry = new.create_group(layout.ENTRY)
+    _copy_attributes(old[layout.ENTRY], entry)
+    for name in old[layout.ENTRY]:
+        if f"{layout.ENTRY}/{name}" != layout.DERIVED:
+            # Moves the chunks as they are on the disk, so frames are not unpacked.
+            old.copy(f"{layout.ENTRY}/{name}", entry)
 
 
 def _copy_attributes(source: Any, target: Any) -> None:
