@@ -67,11 +67,10 @@ def calibrate_camera(
     found = [find_corners(image, board, f"picture {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
+    lens = np.zeros(5)
     if len(found) >= 3:
         camera, lens = _lens_from_views(found, camera, size)
-        fit = _fit_plane(*found[0], camera, lens)
-    else:
-        fit = _fit_plane(*found[0], camera, None)
+    fit = _fit_plane(*found[0], camera, lens)
     return _as_calibration(
         fit, camera, size, clamp_px, along_px, board_scale_sigma, date, len(images)
     )
@@ -135,26 +134,22 @@ def _lens_from_views(
     return np.asarray(matrix, dtype=float), np.asarray(lens, dtype=float).ravel()[:5]
 
 
-def _fit_plane(
-    mm: FloatArray, px: FloatArray, camera: FloatArray, lens: FloatArray | None
-) -> _PlaneFit:
-    """The board's plane to undistorted pixels; with k1 and k2 where no lens is known yet."""
+def _fit_plane(mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray) -> _PlaneFit:
+    """The board's plane to undistorted pixels, and k1 and k2 as they are best in that plane."""
     import cv2
     from scipy.optimize import least_squares
 
-    known = np.zeros(5) if lens is None else lens
     start, _ = cv2.findHomography(mm, undistort(px, camera, known))
     start = np.asarray(start, dtype=float) / start[2, 2]
-    free = 2 if lens is None else 0
 
     def shown(p: FloatArray) -> FloatArray:
         bent = known.copy()
-        bent[:free] = p[8:]
+        bent[:2] = p[8:]
         return distort(project(np.append(p[:8], 1.0).reshape(3, 3), mm), camera, bent)
 
     # the entries of a homography differ by orders of magnitude
-    typical = np.concatenate([np.abs(start.ravel()[:8]) + 1e-4, np.full(free, 0.1)])
-    guess = np.concatenate([start.ravel()[:8], np.zeros(free)])
+    typical = np.concatenate([np.abs(start.ravel()[:8]) + 1e-4, np.full(2, 0.1)])
+    guess = np.concatenate([start.ravel()[:8], known[:2]])
 
     def misses(q: FloatArray) -> FloatArray:
         return (shown(q * typical) - px).ravel()
@@ -163,7 +158,7 @@ def _fit_plane(
     p = fit.x * typical
     homography = np.append(p[:8], 1.0).reshape(3, 3)
     bent = known.copy()
-    bent[:free] = p[8:]
+    bent[:2] = p[8:]
     residuals = fit.fun.reshape(-1, 2)
     variance = float((fit.fun**2).sum() / max(1, fit.fun.size - len(guess)))
     jacobian = np.asarray(fit.jac)
@@ -212,7 +207,7 @@ def _as_calibration(
 ) -> Calibration:
     ahead = along_px or (clamp_px[0] + 0.1 * size[0], clamp_px[1])
     ideal = undistort(np.array([clamp_px, ahead]), camera, fit.lens)
-    back: FloatArray = np.linalg.inv(fit.homography)
+    back = np.asarray(np.linalg.inv(fit.homography), dtype=np.float64)
     origin, second = project(back, ideal)
     axis = (second - origin) / math.dist(second, origin)
     # board axes: x right, y down as it lies; the world's y is up in the picture

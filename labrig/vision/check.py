@@ -73,8 +73,8 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     allowed = max(6.0, 0.03 * shape.basis.total_px)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
-        f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is outside "
-        "or at the border; move the camera or check clamp_px, px_per_mm and the sheet's length."
+        f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
+        "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's length."
         if not inside
         else "",
         f"no sheet was found that starts at the clamp: only {covered:.0%} of the best path looks "
@@ -102,9 +102,9 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         "shadow or an edge, not the sheet; check polarity and clamp_px."
         if runs_beside_opposite(fit, setting)
         else "",
-        f"the sheet ends {'at least ' if tip.at_least else ''}{abs(tip_px) / optics.px_per_mm:.1f} mm "
-        f"{'after' if tip_px > 0 else 'before'} the stated {length_mm:.1f} mm; "
-        "px_per_mm or the sheet's length is wrong."
+        f"the sheet ends {'at least ' if tip.at_least else ''}"
+        f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} "
+        f"the stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]

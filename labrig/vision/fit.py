@@ -64,8 +64,7 @@ def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:
 
 def solved(full: FloatArray, pull: FloatArray) -> FloatArray:
     """The parameters."""
-    answer: FloatArray = np.linalg.solve(full, pull)
-    return answer
+    return np.asarray(np.linalg.solve(full, pull), dtype=np.float64)
 
 
 def information(

@@ -27,7 +27,9 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
             residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
         )
     shape, ppm = fit.shape, setting.optics.px_per_m
-    covariance: FloatArray = np.linalg.inv(penalised(fit.normal, shape, fit.spectral))
+    covariance = np.asarray(
+        np.linalg.inv(penalised(fit.normal, shape, fit.spectral)), dtype=np.float64
+    )
     modes = shape.normal_modes()
     rows = shape.basis.curvature
     # offset in m, angle in rad, coefficients in 1/m

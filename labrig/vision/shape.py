@@ -124,7 +124,7 @@ def make_basis(
 
     cells = max(16, math.ceil(total_px / min(1.0, longest_step_px)))
     step = total_px / cells
-    s: FloatArray = np.arange(cells + 1) * step
+    s: FloatArray = np.arange(cells + 1, dtype=np.float64) * step
     pieces = coefficients - 3
     knots = np.linspace(0, free_px, pieces + 1)
     t = np.concatenate([np.zeros(3), knots, np.full(3, free_px)])
@@ -163,5 +163,4 @@ def fit_angles(basis: ShapeBasis, phi: FloatArray, weight: FloatArray, smooth: f
     a = basis.angle
     normal = (a * weight[:, None]).T @ a + smooth * basis.penalty
     ridge = 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))
-    c: FloatArray = np.linalg.solve(normal + ridge, a.T @ (weight * phi))
-    return c
+    return np.asarray(np.linalg.solve(normal + ridge, a.T @ (weight * phi)), dtype=np.float64)

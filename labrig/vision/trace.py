@@ -44,7 +44,15 @@ class RidgeMaps:
         mask = np.zeros(self.maps.shape[1:3], np.uint8)
         points = np.round(((path + 0.5) / self.scale - 0.5) * 16).astype(np.int32)
         thickness = max(1, round(2 * radius / self.scale))
-        cv2.polylines(mask, [points.reshape(-1, 1, 2)], 0, 1, thickness, cv2.LINE_8, 4)
+        cv2.polylines(
+            mask,
+            [points.reshape(-1, 1, 2)],
+            isClosed=False,
+            color=1,
+            thickness=thickness,
+            lineType=cv2.LINE_8,
+            shift=4,
+        )
         return RidgeMaps(self.maps * (mask == 0)[None, :, :, None], self.scale)
 
 

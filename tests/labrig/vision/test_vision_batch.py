@@ -1,0 +1,93 @@
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from labrig.errors import BadInputError
+from labrig.vision import BatchOptions, extract_curves, load_strip
+
+KEYS = ["ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm", "curvature_sigma_per_m",
+        "points_px", "covered", "residual_px", "warnings", "why"]  # fmt: skip
+
+
+@pytest.fixture
+def folder(tmp_path, plain, scenes):
+    scenes.save(plain, tmp_path, "good")
+    cv2.imwrite(str(tmp_path / "black.png"), np.zeros((480, 640), np.uint8))
+    (tmp_path / "damaged.png").write_bytes(b"not a picture")
+    (tmp_path / "optics.json").write_text(json.dumps(plain.optics))
+    (tmp_path / "sheet.toml").write_text("free_length_mm = 50\n")
+    return tmp_path
+
+
+def test_a_folder_gives_a_file_for_each_picture(folder, plain, scenes, tmp_path):
+    out = tmp_path / "results" / "today"
+    seen = []
+    result = extract_curves([folder], out, progress=lambda name, curve: seen.append(name))
+    assert seen == ["black", "damaged", "good"]
+    assert set(result.failed) == {"black", "damaged"}
+    good = json.loads((out / "good.json").read_text())
+    assert list(good) == KEYS
+    assert good["ok"] is True
+    assert len(good["x_mm"]) == len(good["points_px"]) == len(good["curvature_sigma_per_m"])
+    assert scenes.rmse_px(np.array(good["points_px"]), plain.truth_px) < 0.05
+    bad = json.loads((out / "damaged.json").read_text())
+    assert list(bad) == KEYS
+    assert not bad["ok"]
+    assert "not an image" in bad["why"]
+    assert bad["x_mm"] == []
+    rows = (out / "curves.csv").read_text().splitlines()
+    assert rows[0] == "image,point,s_mm,x_mm,y_mm,curvature_per_m,sigma_mm"
+    assert len(rows) == 1 + len(good["x_mm"])
+    overlay = cv2.imread(str(out / "good_curve.png"))
+    assert overlay.shape == (960, 1280, 3)
+
+
+def test_a_video_is_followed_frame_by_frame(tmp_path, plain):
+    header = b"YUV4MPEG2 W640 H480 F25:1 Ip A1:1 Cmono\n"
+    frames = b"".join(b"FRAME\n" + plain.image.tobytes() for _ in range(3))
+    (tmp_path / "film.y4m").write_bytes(header + frames)
+    (tmp_path / "film.optics.json").write_text(json.dumps(plain.optics))
+    (tmp_path / "film.sheet.toml").write_text("free_length_mm = 50\nthickness_mm = 0.21\n")
+    result = extract_curves([tmp_path / "film.y4m"], tmp_path / "out", BatchOptions(overlays=False))
+    assert list(result.curves) == ["film_000000", "film_000001", "film_000002"]
+    assert all(c.ok for c in result.curves.values())
+    assert not list((tmp_path / "out").glob("*.png"))
+
+
+def test_what_is_missing_is_said(tmp_path, plain, scenes):
+    with pytest.raises(BadInputError, match="no such file"):
+        extract_curves([tmp_path / "none.png"], tmp_path / "out")
+    with pytest.raises(BadInputError, match="no picture"):
+        extract_curves([tmp_path], tmp_path / "out")
+    scenes.save(plain, tmp_path, "a")
+    (tmp_path / "a.optics.json").unlink()
+    with pytest.raises(BadInputError, match="neither a.optics.json nor optics.json"):
+        extract_curves([tmp_path / "a.png"], tmp_path / "out")
+
+
+def test_two_pictures_never_write_one_file(tmp_path, plain, scenes):
+    scenes.save(plain, tmp_path, "a")
+    cv2.imwrite(str(tmp_path / "a.bmp"), plain.image)
+    with pytest.raises(BadInputError, match="both be written to a.json"):
+        extract_curves([tmp_path], tmp_path / "out")
+
+
+def test_a_sheet_file_may_be_small_or_whole(tmp_path):
+    path = tmp_path / "sheet.toml"
+    path.write_text("free_length_mm = 50\nelongation_mm = 0\n")
+    assert load_strip(path).length_m == pytest.approx(0.05)
+    path.write_text(
+        "[arc]\nradius_mm = 40\n[long]\nfree_length_mm = 50\nwidth_mm = 11\nthickness_mm = 0.3\n"
+        "[short]\nfree_length_mm = 4.5\nelongation_mm = 40\nwidth_mm = 11\nthickness_mm = 0.2\n"
+    )
+    assert load_strip(path, "short").elongation_m == pytest.approx(0.04)
+    with pytest.raises(BadInputError, match="choose one of long, short"):
+        load_strip(path)
+    path.write_text("free_lenght_mm = 50\n")
+    with pytest.raises(BadInputError, match="free_length_mm is missing"):
+        load_strip(path)
+    path.write_text("free_length_mm = 50\nthicknes_mm = 1\n")
+    with pytest.raises(BadInputError, match="did you mean thickness_mm"):
+        load_strip(path)

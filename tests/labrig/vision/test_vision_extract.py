@@ -1,0 +1,174 @@
+import numpy as np
+import pytest
+
+from labrig.vision import Tracker, compare_with_frames, contact_from_picture, neutral_curve
+
+
+def normal_errors_mm(curve, scene):
+    """Signed distance of the curve's points from the dense truth."""
+    found = np.stack([curve.x_m, curve.y_m], axis=1) * 1000
+    d2 = ((found[:, None] - scene.truth_mm[None, ::4]) ** 2).sum(axis=2)
+    i = np.clip(d2.argmin(axis=1) * 4, 1, len(scene.truth_mm) - 2)
+    tangent = scene.truth_mm[i + 1] - scene.truth_mm[i - 1]
+    tangent /= np.hypot(*tangent.T)[:, None]
+    gap = found - scene.truth_mm[i]
+    return gap[:, 1] * tangent[:, 0] - gap[:, 0] * tangent[:, 1]
+
+
+@pytest.mark.parametrize(
+    "recipe",
+    [
+        {},
+        {"bright": False},
+        {"bits": 16},
+        {"lens": True, "roll_rad": 0.03},
+        {"turn_rad": 4.19, "physical": False},
+        {"turn_rad": -4.19, "physical": False, "bright": False},
+        {"free_mm": 4.5, "elongation_mm": 40.0, "elongation_thickness_mm": 0.8, "turn_rad": 0.4,
+         "physical": False},
+        {"free_mm": 4.5, "elongation_mm": 40.0, "elongation_thickness_mm": 0.21, "bright": False,
+         "turn_rad": -0.4, "physical": False},
+        {"rolls": True, "spots": 3, "uneven": 0.4},
+    ],
+)  # fmt: skip
+def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known):
+    scene = scenes.make_scene(scenes.Recipe(**({"seed": 11, "physical": True} | recipe)))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
+    assert curve.covered > 0.8
+    assert np.diff(curve.s_m).max() <= 0.5e-3
+    total_mm = scene.strip["free_length_mm"] + scene.strip["elongation_mm"]
+    assert curve.s_m[-1] * 1000 == pytest.approx(total_mm)
+    assert curve.polarity == ("bright" if scene.recipe.bright else "dark")
+
+
+def test_world_coordinates_and_curvature_are_those_of_the_truth(plain, known):
+    curve = neutral_curve(plain.image, *known(plain))
+    assert np.sqrt(np.mean(normal_errors_mm(curve, plain) ** 2)) < 0.004
+    k = np.interp(curve.s_m * 1000, plain.s_mm, plain.k_per_m)
+    assert np.sqrt(np.mean((curve.curvature_per_m - k) ** 2)) < 2.0
+
+
+def test_the_calibrations_uncertainty_is_in_the_band(plain, known):
+    optics, strip = known(plain)
+    rough = optics.model_copy(update={"px_per_mm_sigma": 0.05})
+    fine, wide = neutral_curve(plain.image, optics, strip), neutral_curve(plain.image, rough, strip)
+    added = np.sqrt(wide.sigma_m**2 - fine.sigma_m**2)
+    turned = np.abs(fine.y_m * np.gradient(fine.x_m) - fine.x_m * np.gradient(fine.y_m))
+    expected = turned / np.gradient(fine.s_m) * 0.05 / optics.px_per_mm
+    assert added == pytest.approx(expected, abs=3e-6)
+
+
+def test_the_stated_covariance_gives_the_stated_band(plain, known):
+    curve = neutral_curve(plain.image, *known(plain))
+    variance = ((curve.normal_modes @ curve.covariance) * curve.normal_modes).sum(axis=1)
+    look_m = 0.004e-3 / 8.9
+    assert np.sqrt(variance + look_m**2) == pytest.approx(curve.sigma_m, rel=1e-6)
+
+
+def test_following_a_moving_sheet_gives_what_a_search_gives(scenes, known, plain):
+    tracker = Tracker(*known(plain))
+    tracker.curve(plain.image)
+    moved = np.roll(plain.image, 2, axis=0)  # everything two pixels down, the clamp too
+    optics, strip = known(plain)
+    u, v = optics.clamp_px
+    down = optics.model_copy(update={"clamp_px": (u, v + 2)})
+    tracker.optics = down
+    followed = tracker.curve(moved)
+    searched = neutral_curve(moved, down, strip)
+    assert followed.ok
+    assert searched.ok
+    assert np.abs(followed.points_px - searched.points_px)[5:-5].max() < 0.12
+
+
+def test_a_lost_sheet_is_found_again(scenes, known):
+    first = scenes.make_scene(scenes.Recipe(seed=5, place=(120.0, 240.0), turn_rad=1.5))
+    then = scenes.make_scene(scenes.Recipe(seed=5, place=(120.0, 240.0), turn_rad=-1.5))
+    tracker = Tracker(*known(first))
+    assert tracker.curve(first.image).ok
+    tracker.optics, _ = known(then)
+    again = tracker.curve(then.image)
+    assert again.ok
+    assert scenes.rmse_px(again.points_px, then.truth_px) < 0.05
+
+
+def test_a_picture_without_a_sheet_does_not_end_the_tracking(plain, known):
+    tracker = Tracker(*known(plain))
+    assert tracker.curve(plain.image).ok
+    assert not tracker.curve(np.full_like(plain.image, 60)).ok
+    assert tracker.curve(plain.image).ok
+
+
+def test_frames_of_a_sheet_at_rest_agree_with_their_mean_and_those_of_a_moving_one_do_not(
+    plain, known
+):
+    optics, strip = known(plain)
+    rng = np.random.default_rng(0)
+
+    def session(amplitude):
+        frames = [
+            np.clip(np.roll(plain.image.astype(float), round(amplitude * q), axis=0)
+                    + rng.normal(0, 2, plain.image.shape), 0, 255).astype(np.uint8)
+            for q in np.linspace(-1, 1, 5)
+        ]  # fmt: skip
+        loose = optics.model_copy(update={"clamp_sigma_px": 5.0})
+        curves = [neutral_curve(f, loose, strip) for f in frames]
+        mean = neutral_curve((np.mean(frames, axis=0) * 256).astype(np.uint16), loose, strip)
+        return compare_with_frames(mean, curves, optics.px_per_mm)
+
+    assert session(0).agree
+    moving = session(3)
+    assert not moving.agree
+    assert moving.warnings
+
+
+def test_the_contact_is_between_the_rolls(plain, known):
+    optics, strip = known(plain)
+    curve = neutral_curve(plain.image, optics, strip)
+    i = 300
+    across = np.array([-np.sin(0.3), np.cos(0.3)])
+    at = curve.points_px[i]
+    rolls = tuple(
+        (float(at[0] + q * across[0]), float(at[1] + q * across[1]), 8.0) for q in (-9, 9)
+    )
+    contact = contact_from_picture(curve, optics.model_copy(update={"rolls_px": rolls}))
+    assert contact is not None
+    assert contact.s_m == pytest.approx(curve.s_m[i], abs=0.1e-3)
+    assert contact_from_picture(curve, optics) is None
+
+
+@pytest.mark.slow
+def test_mixed_scenes_give_no_silent_failure(scenes, known):
+    wrong, refused, errors = [], 0, []
+    for seed in range(1000, 1100):
+        try:
+            scene = scenes.make_scene(scenes.mixed(seed))
+        except RuntimeError:
+            continue
+        curve = neutral_curve(scene.image, *known(scene))
+        if not curve.ok:
+            refused += 1
+            continue
+        errors.append(scenes.rmse_px(curve.points_px, scene.truth_px))
+        if errors[-1] > 1:
+            wrong.append(seed)
+    assert wrong == []
+    assert refused <= 4
+    assert np.median(errors) < 0.035
+
+
+@pytest.mark.slow
+def test_the_stated_bands_cover_the_truth(scenes, known):
+    inside, k_inside = [], []
+    for seed in range(500, 524):
+        recipe = scenes.Recipe(seed=seed, physical=True, snr=(5, 10, 20, 40)[seed % 4])
+        scene = scenes.make_scene(recipe)
+        curve = neutral_curve(scene.image, *known(scene))
+        z = normal_errors_mm(curve, scene) / (curve.sigma_m * 1000)
+        k = np.interp(curve.s_m * 1000, scene.s_mm, scene.k_per_m)
+        inside.append(np.mean(np.abs(z) < 1.96))
+        zk = (curve.curvature_per_m - k) / curve.curvature_sigma_per_m
+        k_inside.append(np.mean(np.abs(zk) < 1.96))
+    assert 0.90 <= np.mean(inside) <= 0.98
+    assert 0.90 <= np.mean(k_inside) <= 1.0

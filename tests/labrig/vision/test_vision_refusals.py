@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+
+from labrig.errors import BadInputError
+from labrig.vision import StripGeometry, neutral_curve
+
+
+def refused(image, optics, strip, said):
+    curve = neutral_curve(image, optics, strip)
+    assert not curve.ok
+    assert said in curve.why
+    assert curve.why.endswith(".")
+    assert curve.s_m.size == 0
+    assert curve.points_px.shape == (0, 2)
+
+
+def test_a_black_picture(plain, known):
+    refused(np.zeros_like(plain.image), *known(plain), "uniform")
+
+
+def test_a_saturated_picture(plain, known):
+    image = np.full_like(plain.image, 255)
+    image[:40, :40] = 0
+    refused(image, *known(plain), "saturated")
+
+
+def test_not_an_image(plain, known):
+    refused([[1, 2]], *known(plain), "not an image")
+    refused(np.zeros((480, 640), complex), *known(plain), "grey is needed")
+    refused(np.full((480, 640), np.nan), *known(plain), "finite")
+
+
+def test_a_picture_of_another_size_than_the_calibration(plain, known):
+    refused(plain.image[:400], *known(plain), "calibrated for 640 x 480")
+
+
+def test_colour_is_used_with_a_warning(plain, known):
+    colour = np.stack([plain.image, plain.image, np.minimum(plain.image, 250) + 5], axis=2)
+    curve = neutral_curve(colour.astype(np.uint8), *known(plain))
+    assert curve.ok
+    assert any("colour" in w for w in curve.warnings)
+
+
+def test_three_equal_channels_are_grey(plain, known):
+    curve = neutral_curve(np.repeat(plain.image[:, :, None], 3, axis=2), *known(plain))
+    assert curve.ok
+    assert not curve.warnings
+
+
+def test_a_clamp_that_is_somewhere_else(plain, known):
+    optics, strip = known(plain)
+    u, v = optics.clamp_px
+    curve = neutral_curve(plain.image, optics.model_copy(update={"clamp_px": (u, v - 60)}), strip)
+    assert not curve.ok
+
+
+def test_a_clamp_outside_the_picture(plain, known):
+    optics, strip = known(plain)
+    curve = neutral_curve(plain.image, optics.model_copy(update={"clamp_px": (-90, -90)}), strip)
+    assert not curve.ok
+
+
+def test_the_wrong_polarity(plain, known):
+    optics, strip = known(plain, polarity="dark")
+    assert not neutral_curve(plain.image, optics, strip).ok
+
+
+@pytest.mark.parametrize("factor", [0.85, 1.15])
+def test_another_cameras_scale(plain, known, factor):
+    optics, strip = known(plain)
+    other = optics.model_copy(update={"px_per_mm": optics.px_per_mm * factor})
+    refused(plain.image, other, strip, "px_per_mm")
+
+
+@pytest.mark.parametrize("factor", [0.85, 1.15])
+def test_a_sheet_of_another_length(plain, known, factor):
+    optics, _ = known(plain)
+    refused(plain.image, optics, StripGeometry(0.05 * factor), "length")
+
+
+def test_a_sheet_that_leaves_the_picture(scenes, known):
+    scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True))
+    edge = int(scene.truth_px[:, 0].max()) - 60
+    optics, strip = known(scene, image_size=[edge, 480])
+    assert not neutral_curve(np.ascontiguousarray(scene.image[:, :edge]), optics, strip).ok
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_clutter_without_a_sheet(scenes, known, seed):
+    scene = scenes.make_scene(scenes.Recipe(seed=seed, sheet=False, clutter=3 * seed, spots=2))
+    assert not neutral_curve(scene.image, *known(scene)).ok
+
+
+def test_geometry_that_cannot_be():
+    for arguments in ((0.0,), (0.05, -0.01), (0.05, 0.0, 0.0), (0.05, 0.0, 0.06)):
+        with pytest.raises(BadInputError, match="mm"):
+            StripGeometry(*arguments)
+
+
+@pytest.mark.slow
+def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
+    from dataclasses import replace
+
+    for seed in range(2000, 2060):
+        recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=(seed % 3) * 8)
+        scene = scenes.make_scene(recipe)
+        assert not neutral_curve(scene.image, *known(scene)).ok, seed
