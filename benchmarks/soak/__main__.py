@@ -1,4 +1,4 @@
-"""`python -m benchmarks.soak`: kill runs, judge them, print a table. Ends with 1 when one failed."""
+"""`python -m benchmarks.soak`: kill runs, judge them, print a table; ends with 1 if one failed."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def _of_live_file(session: Path) -> list[tuple[int, Table]]:
         names = [name for name in file[layout.ENTRY] if name.startswith("run_")]
         for name in names:
             table = file[f"{layout.ENTRY}/{name}/readings"][()]
-            found.append((_run_of(name), table))  # noqa: PERF401 - what was read before a fault counts
+            found.append((_run_of(name), table))
     return found
 
 

@@ -81,6 +81,8 @@ def force_between(rows: list[Row], begin_s: float, end_s: float) -> float | None
 
 def pulses(rows: list[Row]) -> list[Pulse]:
     """All pulses, in order."""
+    if not rows:
+        return []
     edges = [
         rows[0],
         *(b for a, b in itertools.pairwise(rows) if abs(a.drive_V - b.drive_V) > LEVEL_V),
