@@ -50,6 +50,9 @@ def run(arguments: list[str]) -> int:
         # The reader of a pipe (head, less) has gone: nothing is wrong.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return ExitCode.DONE
+    except OSError as error:
+        warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
+        return ExitCode.FAILED
     except Exception as error:  # noqa: BLE001 - a person never sees a traceback
         return _report_fault(error)
     return int(result or 0)

@@ -99,11 +99,16 @@ def check(
     if as_json:
         print_json({"ok": good, "checks": [item.as_dict() for item in checks]})
     else:
-        rows = [[c.word, c.name, c.found, c.wanted] for c in checks]
+        rows = [[c.word, c.name, _short(c.found), c.wanted] for c in checks]
         print_table(f"Preflight of {rig}", ["", "check", "found", "wanted"], rows)
     if not good:
-        failed = ", ".join(c.name for c in checks if not c.ok)
-        raise NotReadyError(f"{rig}: not ready: {failed}.")
+        failed = "; ".join(f"{c.name}: {c.found}" for c in checks if not c.ok)
+        raise NotReadyError(f"{rig} is not ready: {failed}.")
+
+
+def _short(text: str) -> str:
+    """What fits into a table; a long fault stands below it, too, and there in full."""
+    return text if len(text) < 70 else "see below"
 
 
 def schema(

@@ -47,7 +47,7 @@ def finite(value: Any) -> Any:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """A table: drawn on a terminal, aligned text elsewhere. The first column is left-aligned."""
+    """A table: drawn on a terminal, aligned text elsewhere. Numbers are aligned to the right."""
     cells = [[str(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
         _draw(title, columns, cells)
@@ -59,7 +59,7 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[obje
 def _draw(title: str, columns: Sequence[str], rows: list[list[str]]) -> None:
     table = Table(title=title, title_justify="left", title_style="bold")
     for number, column in enumerate(columns):
-        table.add_column(column, justify="left" if number == 0 else "right")
+        table.add_column(column, justify="right" if _holds_numbers(rows, number) else "left")
     for row in rows:
         table.add_row(*row)
     console().print(table)
@@ -68,14 +68,26 @@ def _draw(title: str, columns: Sequence[str], rows: list[list[str]]) -> None:
 def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> list[str]:
     """The lines of a table as aligned text."""
     widths = [max(len(row[i]) for row in [list(columns), *rows]) for i in range(len(columns))]
+    right = [_holds_numbers(rows, i) for i in range(len(columns))]
 
     def line(cells: Sequence[str]) -> str:
-        first = cells[0].ljust(widths[0])
-        rest = [cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True)]
-        return "  ".join([first, *rest]).rstrip()
+        padded = [
+            cell.rjust(width) if to_right else cell.ljust(width)
+            for cell, width, to_right in zip(cells, widths, right, strict=True)
+        ]
+        return "  ".join(padded).rstrip()
 
     rule = "  ".join("-" * width for width in widths)
     return [title, line(columns), rule, *(line(row) for row in rows), ""]
+
+
+def _holds_numbers(rows: list[list[str]], column: int) -> bool:
+    """Whether most of a column's cells begin like a number; the first column names the row."""
+    cells = [row[column] for row in rows if row[column]]
+    numbers = [
+        cell for cell in cells if cell.lstrip("+-\N{MINUS SIGN}")[:1].isdigit() or cell == "-"
+    ]
+    return column > 0 and 2 * len(numbers) > len(cells)
 
 
 class Advance(Protocol):
