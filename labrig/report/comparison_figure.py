@@ -8,7 +8,16 @@ import numpy as np
 
 from labrig.report.chosen import place
 from labrig.report.models import Models, predicted
-from labrig.report.style import CONSTANT, INK, VARYING, figure, label_of, letter
+from labrig.report.style import (
+    CONSTANT,
+    INK,
+    VARYING,
+    figure,
+    label_of,
+    legend_below,
+    letter,
+    panels_width_in,
+)
 from model import Condition, Curve, Measurements, Prediction
 from model.measurements import FloatArray
 
@@ -24,7 +33,7 @@ def comparison_figure(
     measurements: Measurements, chosen: list[Condition], models: Models
 ) -> Figure:
     """For each condition the bending part's curves above, their distance along it below."""
-    with figure(3.8 * len(chosen), 4.6) as fig:
+    with figure(panels_width_in(len(chosen)), 4.6) as fig:
         panels = fig.subplots(2, len(chosen), squeeze=False, height_ratios=[1.7, 1.0])
         for column, mark, condition in zip(panels.T, "abcdefgh", chosen, strict=False):
             _condition(column[0], column[1], measurements, condition, models)
@@ -32,8 +41,7 @@ def comparison_figure(
             letter(column[0], mark, f"{condition.configuration} sheet, {at}")
         panels[0, 0].set_ylabel("y (mm), enlarged")
         panels[1, 0].set_ylabel("distance (mm)")
-        handles, labels = panels[0, 0].get_legend_handles_labels()
-        fig.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        legend_below(fig, panels[0, 0].get_legend_handles_labels()[0])
         return fig
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from labrig.errors import BadInputError
 from labrig.report.comparison_figure import comparison_figure
 from labrig.report.findings import Findings
@@ -18,7 +20,7 @@ from labrig.report.shape_figures import curves_figure
 from labrig.report.signal_figures import current_figure, readings_of, series_of, voltage_figure
 from labrig.report.style import save_pair
 from labrig.report.svg import inline
-from model import Condition, Measurements
+from model import Condition, ConfiguredSheet, Measurements
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -111,7 +113,7 @@ def _simulated(found: Findings) -> Iterator[tuple[str, tuple[str, str, Draw]]]:
     if models is None or fit is None:
         return
     fitted = [name for name in found.names if models.varying.sheets.get(name)]
-    fitted = [name for name in fitted if models.varying.sheets[name].eibm]
+    fitted = [name for name in fitted if _varies(models.varying.sheets[name])]
     if fitted:
         title = "Figure 8. Electrically induced bending moment along the sheet"
         caption = "The joint fit's EIBM with its 90 % interval, and the constant one (dashed)."
@@ -127,6 +129,11 @@ def _simulated(found: Findings) -> Iterator[tuple[str, tuple[str, str, Draw]]]:
             "table-5",
             (title, caption, lambda: comparison_figure(measurements, compared, models)),
         )
+
+
+def _varies(sheet: ConfiguredSheet) -> bool:
+    """Whether its EIBM is known to vary along it: without curves it is not."""
+    return any(np.ptp(along.values) > 0 for along in sheet.eibm.values())
 
 
 def _half_window_s(found: Findings) -> float:

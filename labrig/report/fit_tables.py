@@ -98,7 +98,20 @@ def trust(fit: Fit) -> list[str]:
             if parameter.value:
                 shares.append(f"{what} {50 * (high - low) / abs(parameter.value):.1f} %")
         said.append(f"{name}: 90 % intervals reach {', '.join(shares)} to either side.")
+        if not _has_curves(fit, name):
+            said.append(
+                f"{name}: there are no neutral curves, so these numbers rest on the forces alone "
+                "and on an EIBM that is taken to be the same all along the sheet."
+            )
     return said + [_sentence(note) for note in fit.notes]
+
+
+def _has_curves(fit: Fit, name: str) -> bool:
+    return any(
+        np.isfinite(row.curve_rmse_m["varying"])
+        for row in fit.residuals
+        if row.configuration == name
+    )
 
 
 def _sentence(text: str) -> str:

@@ -8,7 +8,15 @@ import numpy as np
 
 from labrig.report.chosen import conditions_of, mean_forces, positions_m, voltages
 from labrig.report.models import Models, force_curve_N, knows
-from labrig.report.style import INK, colour_of, figure, label_of, letter
+from labrig.report.style import (
+    INK,
+    colour_of,
+    figure,
+    label_of,
+    legend_below,
+    letter,
+    panels_width_in,
+)
 from model import Measurements
 from model.measurements import FloatArray
 
@@ -23,7 +31,7 @@ _STEP_M = 0.5e-3
 
 def force_figure(measurements: Measurements, names: list[str], models: Models | None) -> Figure:
     """Figure 9: means with the standard deviation of their readings, and simulated lines."""
-    with figure(3.8 * len(names), 3.7) as fig:
+    with figure(panels_width_in(len(names)), 3.7) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
             axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
@@ -48,7 +56,7 @@ def _measured(axes: Axes, measurements: Measurements, name: str, volts: float) -
         [1e3 * f.mean_N for f in forces],
         yerr=[0.0 if np.isnan(f.deviation_N) else 1e3 * f.deviation_N for f in forces],
         fmt="o",
-        markersize=4,
+        markersize=3.2,
         capsize=2.5,
         linewidth=0,
         elinewidth=1.0,
@@ -105,4 +113,4 @@ def _legend(fig: Figure, simulated: bool) -> None:
         ]
     if any(line.get_marker() == "x" for axes in fig.axes for line in axes.get_lines()):
         handles.append(Line2D([], [], color=INK, linewidth=0, marker="x", label="invalid"))
-    fig.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    legend_below(fig, handles)

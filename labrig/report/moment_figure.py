@@ -5,10 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from labrig.report.models import Models
-from labrig.report.style import INK, colour_of, figure, label_of, letter
+from labrig.report.style import (
+    INK,
+    colour_of,
+    figure,
+    label_of,
+    legend_below,
+    letter,
+    panels_width_in,
+)
 from model import Along, SheetModel
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -17,7 +26,7 @@ _REACH = 1.645  # standard uncertainties to either side: 90 %
 
 def moment_figure(models: Models, names: list[str]) -> Figure:
     """Figure 8: the varying EIBM with its 90 % band, and the constant one, per configuration."""
-    with figure(3.8 * len(names), 3.3) as fig:
+    with figure(panels_width_in(len(names)), 3.3) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
             _moments(axes, models, name)
@@ -60,9 +69,9 @@ def _legend(fig: Figure) -> None:
         for line in axes.get_lines()
         if not str(line.get_label()).startswith("_")
     }
-    known = [
+    known: list[Artist] = [
         *lines.values(),
         Patch(color=INK, alpha=0.2, linewidth=0, label="90 % interval"),
         Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="constant EIBM"),
     ]
-    fig.legend(handles=known, loc="outside lower center", ncols=len(known))
+    legend_below(fig, known)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 
@@ -11,7 +12,11 @@ from labrig.report.table import Table, fixed, interval, number, volts, with_sigm
 from model import Condition, ConfigurationFit, Fit, Measurements, Parameter, SheetGeometry
 
 _MICRO, _MILLI = 1e6, 1e3
-_KINDS = (("varying", "varying EIBM"), ("constant", "constant EIBM"))
+Kind = Literal["varying", "constant"]
+_KINDS: tuple[tuple[Kind, str], ...] = (
+    ("varying", "varying EIBM"),
+    ("constant", "constant EIBM"),
+)
 
 
 def table_3(measurements: Measurements, names: list[str], fit: Fit | None) -> Table:
@@ -155,11 +160,11 @@ def table_5(fit: Fit, compared: list[Condition]) -> Table:
     return _beside_paper(title, [c.configuration for c in compared], rows, note)
 
 
-def _condition_error_m(fit: Fit, condition: Condition, kind: str) -> float | None:
+def _condition_error_m(fit: Fit, condition: Condition, kind: Kind) -> float | None:
     for row in fit.residuals:
         same = (row.configuration, row.position_m, row.voltage_V)
         if same == (condition.configuration, condition.position_m, condition.voltage_V):
-            return {str(k): v for k, v in row.curve_rmse_m.items()}[kind]
+            return row.curve_rmse_m[kind]
     return None
 
 
@@ -176,7 +181,7 @@ def table_6(fit: Fit) -> Table:
     for place, (kind, text) in enumerate(_KINDS):
         curve, force = [f"{text}: neutral curve, mm"], [f"{text}: force, mN"]
         for name in names:
-            errors = {str(k): v for k, v in fit.configurations[name].rmse.items()}[kind]
+            errors = fit.configurations[name].rmse[kind]
             curve.append(_mm_error(errors.curve_m))
             force.append(fixed(_MILLI * errors.force_N, 3))
             if name in PAPER:

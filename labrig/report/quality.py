@@ -123,7 +123,7 @@ def _invalid(measurements: Measurements) -> Quality:
 
 def _missing_curves(session: Session, measurements: Measurements) -> Quality:
     if session.frame_shape is None:
-        return Quality((), ("No camera was recorded, so there are no neutral curves.",))
+        return Quality((), ())  # the measurements' own warning says so
     lost = [c for c in measurements.conditions if c.curve is None and c.readings]
     if not lost:
         return Quality((), ())

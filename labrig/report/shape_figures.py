@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from labrig.report.chosen import conditions_of, positions_m, voltages
-from labrig.report.style import INK, colour_of, figure, label_of, letter
+from labrig.report.style import (
+    INK,
+    colour_of,
+    figure,
+    label_of,
+    legend_below,
+    letter,
+    panels_width_in,
+)
 from model import Curve, Measurements, SheetGeometry
 from model.measurements import FloatArray
 
@@ -20,13 +28,13 @@ _MOSTLY_RIGID = 3.0  # elongation over free length, from which on the bending pa
 
 def curves_figure(measurements: Measurements, names: list[str]) -> Figure:
     """Figure 7: all curves of each configuration, the arc and the clamp; equal aspect."""
-    with figure(3.8 * len(names), 3.5) as fig:
+    with figure(panels_width_in(len(names)), 3.5 if len(names) > 1 else 4.6) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
             _all_curves(axes, measurements, name)
             letter(axes, mark, f"{name} sheet")
         handles = {h.get_label(): h for axes in panels for h in axes.get_lines() if _shown(h)}
-        fig.legend(handles=list(handles.values()), loc="outside lower center", ncols=len(handles))
+        legend_below(fig, list(handles.values()))
         return fig
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -63,6 +64,17 @@ def figure(width_in: float, height_in: float) -> Iterator[Figure]:
         fig = Figure(figsize=(width_in, height_in))
         FigureCanvasAgg(fig)
         yield fig
+
+
+def panels_width_in(panels: int) -> float:
+    """Width of a figure with so many panels side by side."""
+    return 3.8 * panels if panels > 1 else 5.4
+
+
+def legend_below(fig: Figure, handles: list[Artist]) -> None:
+    """One legend for all panels, in as many columns as there is room for."""
+    room = int(fig.get_figwidth() / 1.35)
+    fig.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), room))
 
 
 def letter(axes: Axes, name: str, title: str) -> None:

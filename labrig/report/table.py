@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+_PLAIN = 1e7  # up to here without an exponent
+
 
 @dataclass(frozen=True)
 class Table:
@@ -21,7 +23,8 @@ def number(value: float | None, digits: int = 3) -> str:
     """A number to so many significant digits; a dash for what is not known."""
     if value is None or value != value:
         return "-"
-    return f"{value:.{digits}g}"
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
 
 
 def fixed(value: float | None, decimals: int) -> str:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final, Literal
 
+import numpy as np
+
+from labrig.report.chosen import rest_position_m
 from labrig.report.findings import Findings
 from labrig.report.paper import PAPER
 from labrig.report.table import fixed, volts, with_sigma
-from model import Parameter
+from model import ConfigurationFit, Parameter
 from protocols.events import Outcome, OutputState
+
+KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
+Parts = Mapping[str, ConfigurationFit]
 
 
 @dataclass(frozen=True)
@@ -20,31 +28,12 @@ class Card:
 
 
 def cards(found: Findings) -> list[Card]:
-    """The session itself first, then the sheet's parameters and the model's errors."""
+    """The session itself first, then the sheets' parameters and the model's errors."""
     made = [_session(found)]
-    fit = found.fit
-    if fit is None:
-        return made
-    parts = fit.configurations
-    made.append(_parameters("Bending stiffness B, µN·m²", {n: p.B for n, p in parts.items()}))
-    top = max((v for p in parts.values() for v in p.eibm), default=None)
-    if top is not None:
-        eibm = {n: p.eibm[top] for n, p in parts.items() if top in p.eibm}
-        made.append(_parameters(f"Constant EIBM at {volts(top)}, µN·m", eibm))
-    errors = {n: {str(k): v for k, v in p.rmse.items()}["varying"] for n, p in parts.items()}
-    made.append(
-        Card(
-            "Force, simulated - measured, RMSE, mN",
-            tuple((n, fixed(1e3 * e.force_N, 3), _quoted(n, "force")) for n, e in errors.items()),
-        )
-    )
-    made.append(
-        Card(
-            "Curve, simulated - measured, RMSE, mm",
-            tuple((n, fixed(1e3 * e.curve_m, 3), _quoted(n, "curve")) for n, e in errors.items()),
-        )
-    )
-    return made
+    if found.fit is not None:
+        parts = found.fit.configurations
+        made += [_stiffness(parts), _eibm(parts), _forces(parts), *_curves(parts)]
+    return made + _rest(found)
 
 
 def _session(found: Findings) -> Card:
@@ -55,24 +44,75 @@ def _session(found: Findings) -> Card:
         ("runs complete", f"{done} of {len(session.runs)}", ""),
     ]
     if found.measurements is not None:
-        readings = [r for c in found.measurements.conditions for r in c.readings]
-        good = sum(r.valid for r in readings)
+        conditions = found.measurements.conditions
+        readings = [reading for c in conditions for reading in c.readings]
+        good = sum(reading.valid for reading in readings)
+        curves = sum(c.curve is not None for c in conditions)
         lines.append(("readings valid", f"{good} of {len(readings)}", ""))
-        curves = sum(c.curve is not None for c in found.measurements.conditions)
-        lines.append(("neutral curves", f"{curves} of {len(found.measurements.conditions)}", ""))
+        lines.append(("neutral curves", f"{curves} of {len(conditions)}", ""))
     return Card("Session", tuple(lines))
 
 
-def _parameters(title: str, values: dict[str, Parameter]) -> Card:
-    lines = ((n, with_sigma(1e6 * p.value, 1e6 * p.sigma), "") for n, p in values.items())
-    return Card(title, tuple(lines))
+def _stiffness(parts: Parts) -> Card:
+    lines = [(f"{name}: B, µN·m²", _scaled(one.B, 1e6), "") for name, one in parts.items()]
+    lines += [(f"{name}: E, MPa", _scaled(one.E, 1e-6), "") for name, one in parts.items()]
+    return Card("Bending stiffness, Young modulus", tuple(lines))
 
 
-def _quoted(name: str, what: str) -> str:
-    if name not in PAPER:
-        return ""
-    paper = PAPER[name]
-    return fixed(paper.force_rmse_mN[0], 3) if what == "force" else fixed(paper.curve_rmse_mm[0], 2)
+def _eibm(parts: Parts) -> Card:
+    lines = [
+        (f"{name}, {volts(v)}", _scaled(one.eibm[v], 1e6), "")
+        for name, one in parts.items()
+        for v in sorted(one.eibm, reverse=True)
+    ]
+    return Card("Constant EIBM, µN·m", tuple(lines))
+
+
+def _scaled(parameter: Parameter, factor: float) -> str:
+    return with_sigma(factor * parameter.value, factor * parameter.sigma)
+
+
+def _forces(parts: Parts) -> Card:
+    lines = [
+        (
+            f"{name}, {kind}",
+            fixed(1e3 * one.rmse[kind].force_N, 3),
+            fixed(PAPER[name].force_rmse_mN[place], 3) if name in PAPER else "",
+        )
+        for name, one in parts.items()
+        for place, kind in enumerate(KINDS)
+    ]
+    return Card("Error of the force (RMSE), mN", tuple(lines))
+
+
+def _curves(parts: Parts) -> list[Card]:
+    lines = [
+        (
+            f"{name}, {kind}",
+            fixed(1e3 * one.rmse[kind].curve_m, 3),
+            fixed(PAPER[name].curve_rmse_mm[place], 2) if name in PAPER else "",
+        )
+        for name, one in parts.items()
+        for place, kind in enumerate(KINDS)
+        if np.isfinite(one.rmse[kind].curve_m)
+    ]
+    return [Card("Error of the curve (RMSE), mm", tuple(lines))] if lines else []
+
+
+def _rest(found: Findings) -> list[Card]:
+    if found.measurements is None:
+        return []
+    places = {name: rest_position_m(found.measurements, name) for name in found.names}
+    lines = [
+        (
+            name,
+            fixed(1e3 * place, 1),
+            fixed(PAPER[name].rest_position_mm, 0) if name in PAPER else "",
+        )
+        for name, place in places.items()
+        if place is not None
+    ]
+    return [Card("Undriven, the sheet rests at p, mm", tuple(lines))] if lines else []
 
 
 def remarks(found: Findings) -> list[str]:

@@ -1,0 +1,126 @@
+"""Measurements and sessions with known sheets in them, made without a camera in a moment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from labrig.config import parse_sheet
+from labrig.config.templates import template_text
+from labrig.session import store_measurements
+from model import Along, Condition, ConfiguredSheet, Curve, Measurements, Parameter, Reading
+from model import SheetModel, TimeSeries, predict
+from protocols import Place, PulseTrain, Schedule, make_schedule
+from protocols import events as ev
+from tests.labrig.session.session_recording import record, session_events, settings
+from labrig.session import SessionWriter
+
+POSITIONS_M = (0.0, 0.01, 0.02, 0.03)
+VOLTAGES = (0.0, 2.0, -2.0)
+STIFFNESS = {"long": 1.27e-6, "short": 0.85e-6}
+ROOT_EIBM = {2.0: 100.0, -2.0: -80.0}  # Me/B at the clamp, 1/m
+DECAY_M = 0.012
+NOISE_N = 2e-5
+TEXTS = {name: template_text(name) for name in ("sheet.toml", "load_cell.toml", "protocol.toml")}
+
+
+def truth(*names: str) -> SheetModel:
+    """Sheets whose EIBM falls along them."""
+    geometry = parse_sheet(TEXTS["sheet.toml"], "sheet.toml")
+    sheets = {}
+    for name in names or ("long", "short"):
+        sheet = geometry[name]
+        s_m = np.linspace(0.0, sheet.free_length_m, 41)
+        B, zero = STIFFNESS[name], np.zeros(41)
+        eibm = {
+            v: Along(s_m, B * root * np.exp(-s_m / DECAY_M), zero, "N m")
+            for v, root in ROOT_EIBM.items()
+        }
+        nodes, k0 = sheet.initial_curvature
+        rest = Along(nodes, k0, np.zeros(len(nodes)), "1/m")
+        sheets[name] = ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)
+    return SheetModel(sheets)
+
+
+def measure(*names: str, curves: bool = True, seed: int = 1) -> Measurements:
+    """What a quiet rig would measure of them."""
+    rng = np.random.default_rng(seed)
+    model = truth(*names)
+    conditions = tuple(
+        _condition(model, name, position, volts, rng, curves)
+        for name in model.sheets
+        for position in POSITIONS_M
+        for volts in VOLTAGES
+    )
+    sheets = {name: one.sheet for name, one in model.sheets.items()}
+    series = tuple(_series(name) for name in sheets)
+    return Measurements(sheets, conditions, series, "made.h5", "ab" * 32)
+
+
+def _condition(model, name, position_m, volts, rng, curves) -> Condition:
+    found = predict(model, name, position_m, volts)
+    force = found.F_N + rng.normal(0.0, NOISE_N, 10)
+    kind = "zero" if volts == 0 else "kept"
+    first, step = {0.0: (0, 1), 2.0: (12, 2), -2.0: (13, 2)}[volts]
+    readings = tuple(
+        Reading(first + step * i, kind, float(F), time_s=0.6 * (first + step * i) + 0.5)
+        for i, F in enumerate(force)
+    )
+    curve = None
+    if curves:
+        away = rng.normal(0.0, 1e-6, len(found.s_m))
+        sigma = np.full(len(found.s_m), 2e-6)
+        curve = Curve(found.s_m, found.x_m, found.y_m + away, found.curvature_per_m, sigma)
+    return Condition(name, position_m, volts, readings, curve)
+
+
+def _series(name: str) -> TimeSeries:
+    time = np.arange(0, 19.2, 0.005)
+    pulse = np.floor(time / 0.6).astype(int)
+    drive = np.where(pulse < 10, 0.0, np.where(pulse % 2 == 0, 2.0, -2.0))
+    return TimeSeries(name, POSITIONS_M[0], time, drive, None, 0.005 * drive)
+
+
+def invalid(measurements: Measurements, name: str, why: str) -> Measurements:
+    """The same, with no valid reading left of one configuration."""
+    conditions = tuple(
+        replace(c, readings=tuple(replace(r, valid=False, why=why) for r in c.readings))
+        if c.configuration == name
+        else c
+        for c in measurements.conditions
+    )
+    return replace(measurements, conditions=conditions)
+
+
+def schedule(*names: str) -> Schedule:
+    """Two short runs of each configuration."""
+    train = PulseTrain(zero_readings=2, readings_per_voltage=2)
+    return make_schedule(train, [Place(name, POSITIONS_M[:2]) for name in names or ("long",)])
+
+
+def session(path: Path, measurements: Measurements | None, **changes: object) -> Path:
+    """A recorded session that holds `measurements`."""
+    names = tuple(measurements.sheets) if measurements else ("long",)
+    record(path, schedule(*names), **({"texts": TEXTS} | changes))
+    if measurements is not None:
+        store_measurements(path, measurements)
+    return path
+
+
+def stopped_session(path: Path, after_runs: int) -> Path:
+    """A session that was stopped by its operator after so many runs."""
+    plan = schedule("long", "short")
+    with SessionWriter(path, **(settings(plan) | {"texts": TEXTS})) as writer:
+        done = 0
+        for event in session_events(plan):
+            if done == after_runs and isinstance(event, ev.OperatorAsked):
+                break
+            writer.handle(event)
+            done += isinstance(event, ev.RunStopped)
+        last = ev.SessionStopped(
+            event.time_s, ev.Outcome.ABORTED, "stopped by Ctrl-C", ev.OutputState.SAFE, "2026"
+        )
+        writer.handle(last)
+    return path

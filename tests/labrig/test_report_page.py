@@ -1,0 +1,189 @@
+"""The report of a session: complete, self-contained, and honest about what is missing."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from labrig.errors import BadInputError
+from labrig.report.figures import NAMES
+from labrig.report.svg import inline
+from labrig.report.write import write_report
+from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
+
+VOID = {"meta", "br", "hr", "img", "link", "input"}
+
+
+class Balanced(HTMLParser):
+    """Raises AssertionError where tags do not close in the order they were opened."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.ids += [value for key, value in attrs if key == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.ids += [value for key, value in attrs if key == "id"]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def read(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    parser = Balanced()
+    parser.feed(text)
+    assert parser.open == []
+    return text
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    path = session(folder / "made.h5", measure())
+    return write_report(path, folder / "out")
+
+
+@pytest.mark.slow
+def test_the_page_is_well_formed_and_names_nothing_twice(whole):
+    parser = Balanced()
+    parser.feed(whole.read_text(encoding="utf-8"))
+    assert parser.open == []
+    assert len(parser.ids) == len(set(parser.ids))
+
+
+@pytest.mark.slow
+def test_the_page_asks_no_other_host_for_anything(whole):
+    text = read(whole)
+    spaces = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
+    assert "http://" not in spaces
+    assert "https://" not in spaces
+    assert "<script" not in text
+    assert all(
+        link.startswith(("#", "data:")) for link in re.findall(r'(?:href|src)="([^"]*)"', text)
+    )
+    assert "default-src 'none'" in text
+
+
+@pytest.mark.slow
+def test_the_page_has_the_papers_tables_and_figures(whole):
+    text = read(whole)
+    for number in (3, 4, 5, 6):
+        assert f"Table {number}." in text
+    for number in (5, 6, 7, 8, 9):
+        assert f"Figure {number}." in text
+    for quoted in ("0.322", "0.622", "0.424", "2.23"):
+        assert f'class="quoted">{quoted}<' in text
+    files = {path.name for path in (whole.parent / "figures").iterdir()}
+    wanted = {f"{name}.{kind}" for name in NAMES if name != "frames" for kind in ("png", "svg")}
+    assert wanted <= files
+    assert not [name for name in files if name.endswith(".part")]
+
+
+@pytest.mark.slow
+def test_the_page_holds_what_the_session_was_made_with(whole):
+    text = read(whole)
+    assert "free_length_mm = 50.0" in text
+    assert "sensitivity_V_per_N" in text
+    assert "All runs were done." in text
+
+
+@pytest.mark.slow
+def test_figures_take_the_colour_of_the_page(whole):
+    svg = re.findall(r"<svg.*?</svg>", read(whole), re.DOTALL)
+    assert len(svg) >= 6
+    assert all("currentColor" in one and "#1b1f24" not in one for one in svg)
+
+
+@pytest.mark.slow
+def test_a_second_report_removes_the_figures_that_it_no_longer_has(tmp_path):
+    path = session(tmp_path / "made.h5", measure("long"))
+    write_report(path, tmp_path / "out")
+    assert (tmp_path / "out" / "figures" / "figure-7.png").exists()
+    other = session(tmp_path / "bare.h5", measure("long", curves=False))
+    write_report(other, tmp_path / "out")
+    assert not (tmp_path / "out" / "figures" / "figure-7.png").exists()
+
+
+@pytest.mark.slow
+def test_one_configuration_alone_is_reported_and_said(tmp_path):
+    text = read(write_report(session(tmp_path / "made.h5", measure("long"))))
+    assert "Only the configuration long was measured." in text
+    assert "short, this session" not in text
+
+
+@pytest.mark.slow
+def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
+    stuck = invalid(measure("long"), "long", "the sheet <stuck> in the rolls")
+    text = read(write_report(session(tmp_path / "made.h5", stuck)))
+    assert "The configuration long could not be fitted" in text
+    assert "&lt;stuck&gt;" in text
+    assert "<stuck>" not in text
+    assert "Table 4." not in text
+    assert "Figure 7." in text
+
+
+@pytest.mark.slow
+def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
+    path = stopped_session(tmp_path / "half.h5", after_runs=1)
+    told = []
+    text = read(write_report(path, tell=told.append))
+    assert "not analysed yet" in told[0]
+    assert "The session did not end as planned: aborted (stopped by Ctrl-C)." in text
+    assert "1 of 4" in text
+
+
+@pytest.mark.slow
+def test_a_session_in_which_nothing_was_run_gets_a_page_all_the_same(tmp_path):
+    text = read(write_report(stopped_session(tmp_path / "none.h5", after_runs=0)))
+    assert "Nothing could be measured" in text
+    assert "Figure 5." not in text
+
+
+@pytest.mark.slow
+def test_texts_of_a_session_cannot_put_markup_into_the_page(tmp_path):
+    evil = "# </pre><script>alert(1)</script>\n" + TEXTS["sheet.toml"]
+    path = session(tmp_path / "evil.h5", None, texts=TEXTS | {"sheet.toml": evil})
+    text = read(write_report(path))
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+
+
+def test_a_file_where_the_folder_should_be_is_refused(tmp_path):
+    path = session(tmp_path / "made.h5", None)
+    (tmp_path / "out").write_text("mine")
+    with pytest.raises(BadInputError, match="a folder is needed"):
+        write_report(path, tmp_path / "out")
+
+
+def test_what_is_no_session_is_refused_before_anything_is_written(tmp_path):
+    (tmp_path / "made.h5").write_text("no")
+    with pytest.raises(BadInputError, match="no HDF5 file"):
+        write_report(tmp_path / "made.h5")
+    assert not (tmp_path / "made-report").exists()
+
+
+def test_an_inline_figure_has_names_of_its_own_and_no_metadata():
+    svg = (
+        '<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg width="72pt" height="36.5pt" '
+        'viewBox="0 0 72 36.5"><metadata>who</metadata><defs><path id="a"/></defs>'
+        '<use xlink:href="#a" clip-path="url(#b)" style="stroke: #1b1f24"/></svg>'
+    )
+    text = inline(svg, "figure-5", 'a "b" <c>')
+    assert text.startswith("<svg role")
+    assert 'id="figure-5-a"' in text
+    assert 'href="#figure-5-a"' in text
+    assert "url(#figure-5-b)" in text
+    assert "who" not in text
+    assert 'width="72pt"' not in text
+    assert "max-width: 108px" in text
+    assert "stroke: currentColor" in text
+    assert "a &quot;b&quot; &lt;c>" in text

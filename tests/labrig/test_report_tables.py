@@ -1,0 +1,185 @@
+"""The paper's tables: this session's numbers are measured ones, the paper's stand beside them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from labrig.report.chosen import force_line, mean_force, rest_position_m
+from labrig.report.fit_tables import residual_table, trust
+from labrig.report.fitted import fit_what_can_be
+from labrig.report.measured_tables import measurements_as_dict, measurements_tables
+from labrig.report.observations import observations
+from labrig.report.paper_tables import compared_conditions, table_3, table_4, table_5, table_6
+from labrig.report.quality import scatter_and_drift
+from labrig.report.table import fixed, interval, number, with_sigma
+from model import Condition, Reading
+from tests.labrig.report_data import STIFFNESS, invalid, measure
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return measure()
+
+
+@pytest.fixture(scope="module")
+def fit(measured):
+    return fit_what_can_be(measured).fit
+
+
+def cell(table, row, column):
+    line = next(line for line in table.rows if line[0] == row)
+    return line[table.columns.index(column)]
+
+
+def value(text):
+    return float(text.split(" ")[0])
+
+
+def test_table_3_tells_this_session_from_the_paper(measured, fit):
+    table = table_3(measured, ["long", "short"], fit)
+    assert cell(table, "free length l, mm", "short, this session") == "4.5"
+    assert cell(table, "rigid elongation, mm", "short, this session") == "40"
+    assert cell(table, "held in the clamp, mm", "long, paper") == "1.5"
+    assert {table.columns[i] for i in table.quoted} == {"long, paper", "short, paper"}
+    assert "24.0 to 6.9" in cell(table, "initial curvature k0, 1/m", "long, this session")
+
+
+def test_table_4_has_the_true_parameters_within_their_intervals(fit):
+    table = table_4(fit)
+    for name, B in STIFFNESS.items():
+        text = cell(table, "bending stiffness B, µN·m²", name)
+        sigma = float(text.split("± ")[1])
+        assert abs(value(text) - 1e6 * B) < 4 * sigma
+        low, high = map(
+            float, cell(table, "bending stiffness B, µN·m²", f"{name}, 90 %").split(" to ")
+        )
+        assert low < value(text) < high
+    E_MPa = 12 * STIFFNESS["long"] / (0.011 * 0.00021**3) / 1e6
+    young = cell(table, "equivalent Young modulus E, MPa", "long")
+    assert value(young) == pytest.approx(E_MPa, rel=0.03)
+    assert value(cell(table, "constant EIBM at -2 V, µN·m", "long")) < 0
+
+
+def test_table_5_and_6_have_errors_like_the_papers_for_a_sheet_like_the_papers(measured, fit):
+    compared = compared_conditions(measured, fit)
+    assert [(c.configuration, c.position_m, c.voltage_V) for c in compared] == [
+        ("long", 0.0, 2.0),
+        ("short", 0.0, 2.0),
+    ]
+    five, six = table_5(fit, compared), table_6(fit)
+    assert cell(five, "constant EIBM", "long, paper") == "2.23"
+    assert 1.5 < value(cell(five, "constant EIBM", "long, this session")) < 3.0
+    assert value(cell(five, "varying EIBM", "long, this session")) < 0.1
+    assert cell(six, "varying EIBM: force, mN", "short, paper") == "0.424"
+    assert 0.3 < value(cell(six, "constant EIBM: force, mN", "long, this session")) < 0.7
+    assert value(cell(six, "varying EIBM: force, mN", "long, this session")) < 0.05
+
+
+def test_a_sheet_that_the_paper_does_not_have_gets_no_columns_of_the_paper(measured):
+    long = measured.sheets["long"]
+    other = replace(
+        measured,
+        sheets={"wide": replace(long, configuration="wide")},
+        conditions=tuple(
+            replace(c, configuration="wide")
+            for c in measured.conditions
+            if c.configuration == "long"
+        ),
+    )
+    fit = fit_what_can_be(other).fit
+    assert table_6(fit).columns == ("", "wide, this session")
+    assert not table_6(fit).quoted
+
+
+def test_a_configuration_without_valid_readings_is_left_out_and_named(measured):
+    fitted = fit_what_can_be(invalid(measured, "short", "the sheet stuck"))
+    assert list(fitted.fit.configurations) == ["long"]
+    assert "the sheet stuck" in fitted.missing["short"]
+
+
+def test_a_session_without_any_valid_reading_has_no_fit_but_reasons(measured):
+    nothing = invalid(invalid(measured, "short", "it stuck"), "long", "it dried")
+    fitted = fit_what_can_be(nothing)
+    assert fitted.fit is None
+    assert set(fitted.missing) == {"long", "short"}
+
+
+def test_a_fit_without_curves_says_what_it_rests_on():
+    fit = fit_what_can_be(measure("long", curves=False)).fit
+    assert any("no neutral curves" in text for text in trust(fit))
+
+
+def test_observations_have_the_rest_positions_and_the_straight_line_of_the_short_sheet(
+    measured, fit
+):
+    table = observations(measured, fit)
+    assert value(cell(table, "the undriven long sheet rests at p, mm", "this session")) == (
+        pytest.approx(14.3, abs=0.6)
+    )
+    share = cell(table, "straightness of F(p), short sheet, +2 V, 0 V, -2 V", "this session")
+    assert all(float(text.rstrip(" %")) < 1.0 for text in share.split(", "))
+
+
+def test_a_rest_position_outside_of_the_positions_is_not_made_up(measured):
+    far = tuple(c for c in measured.conditions if c.position_m != 0.0 and c.position_m != 0.01)
+    assert rest_position_m(replace(measured, conditions=far), "long") is None
+
+
+def test_a_line_needs_three_positions(measured):
+    two = tuple(c for c in measured.conditions if c.position_m < 0.015)
+    assert force_line(replace(measured, conditions=two), "short", 0.0) is None
+
+
+def test_the_mean_force_leaves_out_what_does_not_count():
+    readings = [Reading(i, "kept", 1e-3) for i in range(3)]
+    readings += [Reading(3, "kept", 9.0, valid=False), Reading(4, "discarded", 9.0)]
+    force = mean_force(Condition("long", 0.0, 2.0, tuple(readings)))
+    assert (force.mean_N, force.readings) == (pytest.approx(1e-3), 3)
+
+
+def test_scatter_is_taken_about_the_drift():
+    force = 1e-3 + 1e-5 * np.arange(10)
+    readings = tuple(Reading(2 * i, "kept", float(F)) for i, F in enumerate(force))
+    scatter_N, drift_N = scatter_and_drift(Condition("long", 0.0, 2.0, readings))
+    assert scatter_N < 1e-12
+    assert drift_N == pytest.approx(9e-5)
+
+
+def test_every_condition_stands_against_both_simulations(measured, fit):
+    assert len(residual_table(fit).rows) == len(measured.conditions)
+
+
+def test_the_analysis_tables_name_failed_curves_and_invalid_readings(measured):
+    broken = invalid(measured, "short", "it stuck")
+    first = replace(broken.conditions[0], curve=None)
+    broken = replace(broken, conditions=(first, *broken.conditions[1:]))
+    rows, summary = measurements_tables(broken)
+    assert cell(rows, "long, 0 mm, 0 V", "curve") == "none"
+    assert cell(rows, "short, 0 mm, +2 V", "invalid") == "10"
+    assert cell(summary, "short", "with force") == "0"
+    assert cell(summary, "long", "with curve") == "11"
+    found = measurements_as_dict(broken)
+    one = next(c for c in found["conditions"] if c["configuration"] == "short")
+    assert one["force_mN"] is None
+    assert one["invalid"][0]["why"] == "it stuck"
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        (with_sigma(1.27549, 0.0068), "1.2755 ± 0.0068"),
+        (with_sigma(150.25, 12.3), "150 ± 12"),
+        (with_sigma(2.0, 0.0), "2"),
+        (with_sigma(float("nan"), 0.1), "-"),
+        (interval(1.2636165, 1.2873643), "1.2636 to 1.2874"),
+        (interval(float("nan"), 1.0), "-"),
+        (number(110.4, 2), "110"),
+        (number(0.00012345), "0.000123"),
+        (fixed(None, 2), "-"),
+    ],
+)
+def test_numbers_have_the_digits_that_their_uncertainty_allows(text, wanted):
+    assert text == wanted
