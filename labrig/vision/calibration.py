@@ -26,6 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 
 MOST_RESIDUAL_PX = 1.0
 TOLD_RESIDUAL_PX = 0.3
+CORNER_SIGMA_PX = 0.05
 
 
 @dataclass(frozen=True)
@@ -67,10 +68,10 @@ def calibrate_camera(
     found = [find_corners(image, board, f"picture {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
-    lens = np.zeros(5)
+    lens, lens_sigma = np.zeros(5), 0.3
     if len(found) >= 3:
-        camera, lens = _lens_from_views(found, camera, size)
-    fit = _fit_plane(*found[0], camera, lens)
+        (camera, lens), lens_sigma = _lens_from_views(found, camera, size), 0.03
+    fit = _fit_plane(*found[0], camera, lens, lens_sigma)
     return _as_calibration(
         fit, camera, size, clamp_px, along_px, board_scale_sigma, date, len(images)
     )
@@ -134,8 +135,13 @@ def _lens_from_views(
     return np.asarray(matrix, dtype=float), np.asarray(lens, dtype=float).ravel()[:5]
 
 
-def _fit_plane(mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray) -> _PlaneFit:
-    """The board's plane to undistorted pixels, and k1 and k2 as they are best in that plane."""
+def _fit_plane(
+    mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray, lens_sigma: float
+) -> _PlaneFit:
+    """The board's plane to undistorted pixels, and k1 and k2 as they are best in that plane.
+
+    `lens_sigma`: how far k1 and k2 may be from the known ones.
+    """
     import cv2
     from scipy.optimize import least_squares
 
@@ -152,15 +158,16 @@ def _fit_plane(mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatA
     guess = np.concatenate([start.ravel()[:8], known[:2]])
 
     def misses(q: FloatArray) -> FloatArray:
-        return (shown(q * typical) - px).ravel()
+        stray = (q[8:] * typical[8:] - known[:2]) * CORNER_SIGMA_PX / lens_sigma
+        return np.concatenate([(shown(q * typical) - px).ravel(), stray])
 
     fit = least_squares(misses, guess / typical, method="lm")
     p = fit.x * typical
     homography = np.append(p[:8], 1.0).reshape(3, 3)
     bent = known.copy()
     bent[:2] = p[8:]
-    residuals = fit.fun.reshape(-1, 2)
-    variance = float((fit.fun**2).sum() / max(1, fit.fun.size - len(guess)))
+    residuals = fit.fun[:-2].reshape(-1, 2)
+    variance = float((residuals**2).sum() / max(1, residuals.size - len(guess)))
     jacobian = np.asarray(fit.jac)
     covariance: FloatArray = np.linalg.pinv(jacobian.T @ jacobian) * variance
     return _PlaneFit(bent, homography, residuals, _scale_share(p, typical, covariance, mm))

@@ -103,8 +103,8 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if runs_beside_opposite(fit, setting)
         else "",
         f"the sheet ends {'at least ' if tip.at_least else ''}"
-        f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} "
-        f"the stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
+        f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "
+        f"stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]

@@ -49,7 +49,7 @@ def _charuco(grey: npt.NDArray[np.uint8], board: Board) -> tuple[FloatArray, Flo
         return None
     which = np.asarray(ids).reshape(-1)
     pixels = np.asarray(corners, dtype=np.float32).reshape(-1, 2)
-    return board.corners_mm()[which], _sharpened(grey, pixels)
+    return board.corners_mm()[which], _sharpened(grey, pixels, board)
 
 
 def _checkerboard(
@@ -64,12 +64,16 @@ def _checkerboard(
     return board.corners_mm(), np.asarray(corners, dtype=float).reshape(-1, 2)
 
 
-def _sharpened(grey: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float32]) -> FloatArray:
+def _sharpened(
+    grey: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float32], board: Board
+) -> FloatArray:
     import cv2
 
     spacing = np.hypot(*(pixels[:, None] - pixels[None]).transpose(2, 0, 1))
     spacing[spacing == 0] = np.inf
-    half = int(np.clip(np.median(spacing.min(axis=1)) * 0.2, 2, 9))
+    # a window that reached the markers would be pulled by them
+    margin = 0.5 * (board.square_mm - board.marker_mm) / board.square_mm
+    half = int(np.clip(np.median(spacing.min(axis=1)) * margin * 0.8, 2, 9))
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-4)
     fine = cv2.cornerSubPix(grey, pixels.reshape(-1, 1, 2).copy(), (half, half), (-1, -1), stop)
     return np.asarray(fine, dtype=float).reshape(-1, 2)

@@ -63,14 +63,14 @@ def test_what_is_missing_is_said(tmp_path, plain, scenes):
         extract_curves([tmp_path], tmp_path / "out")
     scenes.save(plain, tmp_path, "a")
     (tmp_path / "a.optics.json").unlink()
-    with pytest.raises(BadInputError, match="neither a.optics.json nor optics.json"):
+    with pytest.raises(BadInputError, match=r"neither a\.optics\.json nor optics\.json"):
         extract_curves([tmp_path / "a.png"], tmp_path / "out")
 
 
 def test_two_pictures_never_write_one_file(tmp_path, plain, scenes):
     scenes.save(plain, tmp_path, "a")
     cv2.imwrite(str(tmp_path / "a.bmp"), plain.image)
-    with pytest.raises(BadInputError, match="both be written to a.json"):
+    with pytest.raises(BadInputError, match=r"both be written to a\.json"):
         extract_curves([tmp_path], tmp_path / "out")
 
 

@@ -1,4 +1,4 @@
-import datetime
+import datetime as dt
 import math
 from functools import lru_cache
 
@@ -90,7 +90,7 @@ def test_what_cannot_be_calibrated_is_said():
 
 
 def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
-    day = datetime.date(2026, 11, 21)
+    day = dt.date(2026, 11, 21)
     result = calibrate_ruler((640, 480), (100, 100), (500, 100), 45.0, clamp_px=(80, 240), date=day)
     assert result.optics.px_per_mm == pytest.approx(400 / 45)
     assert result.optics.px_per_mm_sigma == pytest.approx(400 / 45 * math.sqrt(2) * 0.7 / 400)
