@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -152,9 +151,9 @@ def verify(
     checks = verify_session(session)
     good = all(check.ok for check in checks)
     if as_json:
-        print_json({"ok": good, "checks": [asdict(check) for check in checks]})
+        print_json({"ok": good, "checks": [check.as_dict() for check in checks]})
     else:
-        rows = [["ok" if c.ok else "FAULT", c.name, c.found, c.wanted] for c in checks]
+        rows = [[c.word, c.name, c.found, c.wanted] for c in checks]
         print_table(f"{session}", ["", "check", "found", "wanted"], rows)
     if not good:
         faults: LabrigError = BadInputError(

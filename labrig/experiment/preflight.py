@@ -6,14 +6,13 @@ import datetime as dt
 import math
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from drivers.interfaces import Camera, DeviceError
 from drivers.load_cell import LoadState
+from labrig.check import Check
 from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
 from labrig.experiment.plan import Plan, load_plan
@@ -24,28 +23,6 @@ _LISTEN_S = 0.5
 _WATCH_S = 1.0
 _RATE_TOLERANCE = 0.1
 _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
-
-
-@dataclass(frozen=True)
-class Check:
-    """One thing that was looked at. A warning is worth a word but stops nothing."""
-
-    name: str
-    ok: bool
-    found: str
-    wanted: str
-    warning: bool = False
-
-    @property
-    def word(self) -> str:
-        """For a table."""
-        if not self.ok:
-            return "FAILED"
-        return "warning" if self.warning else "ok"
-
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return {"name": self.name, "ok": self.ok, "found": self.found, "wanted": self.wanted}
 
 
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:

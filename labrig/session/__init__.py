@@ -7,11 +7,10 @@ from labrig.session.recover import RecoverReport, recover
 from labrig.session.run_record import RunRecord
 from labrig.session.session import LoggedEvent, Session, open_session
 from labrig.session.tables import read_tables, write_tables
-from labrig.session.verify import Check, verify
+from labrig.session.verify import verify
 from labrig.session.writer import SessionWriter, WriterError
 
 __all__ = [
-    "Check",
     "LoggedEvent",
     "RecoverReport",
     "RunRecord",

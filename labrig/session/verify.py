@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from labrig.check import Check
 from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.derived import derived_digest
@@ -16,16 +16,6 @@ from labrig.session.recorder import digest
 from labrig.session.run_record import RunRecord
 from labrig.session.session import Session
 from protocols.events import Outcome
-
-
-@dataclass(frozen=True)
-class Check:
-    """One thing that was checked."""
-
-    name: str
-    ok: bool
-    found: str
-    wanted: str
 
 
 def verify(path: Path) -> list[Check]:
