@@ -98,19 +98,19 @@ def _free_distance(kappa: Field, o: Observation) -> float:
         return np.nan
     s = np.linspace(0.0, kappa.length_m, 401)
     x, y, _, _ = free_shape(kappa, s)
-    return _nearest(x, y, o.curve, kappa.length_m)
+    return distance_to(x, y, o.curve, kappa.length_m)
 
 
 def _distance(shapes: Shapes, i: int, curve: Curve | None, observed: Observed) -> float:
     if curve is None:
         return np.nan
     inside = shapes.s_m <= observed.sheet.free_length_m * (1.0 + 1e-9)
-    return _nearest(
+    return distance_to(
         shapes.x_m[i, inside], shapes.y_m[i, inside], curve, observed.sheet.free_length_m
     )
 
 
-def _nearest(x: FloatArray, y: FloatArray, curve: Curve, length_m: float) -> float:
+def distance_to(x: FloatArray, y: FloatArray, curve: Curve, length_m: float) -> float:
     """RMS distance of the measured points of the sheet from a polyline."""
     use = curve.s_m <= length_m * (1.0 + 1e-9)
     px, py = curve.x_m[use, None], curve.y_m[use, None]
