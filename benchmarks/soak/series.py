@@ -7,7 +7,9 @@ import random
 import signal
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import redirect_stderr, redirect_stdout, suppress
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 
@@ -17,7 +19,7 @@ from benchmarks.soak.record import WorldRecord
 from benchmarks.soak.rig import Bench, LabrigRun, serving, until
 from labrig.cli.main import run as labrig
 
-RUNS_PER_SERVER = 20
+RUNS_PER_SERVER = 10
 EARLY = 0.1  # of all faults come before the first voltage, or just after it
 _EARLY_S, _LATE_S = 6.0, 7.0  # moments are drawn up to here
 _ENERGISED_S = 60.0  # a busy computer starts slowly
@@ -26,21 +28,47 @@ _END_S = 60.0  # for a program that lives on after a fault
 _GUARD_S = 20.0  # for the guard to end
 
 
+@dataclass(frozen=True)
+class Planned:
+    """A run of a series: what is done to it, and when."""
+
+    number: int
+    fault: Fault
+    after_s: float
+
+
 def soak(
-    runs: int, seed: int, folder: Path, tell: Callable[[Verdict], None], first: int = 0
+    runs: int, seed: int, folder: Path, tell: Callable[[Verdict], None], jobs: int = 1
 ) -> list[Verdict]:
-    """Do the runs, one after the other; `tell` is called after each."""
+    """Do the runs, `jobs` rigs side by side; `tell` is called for each of a rig's when it is done.
+
+    What is done, and when, is the same for the same seed. With one job `tell` is called at once.
+    """
     dice = random.Random(seed)
     faults = list(Fault)
-    plan = [(number, faults[number % len(faults)], _moment_s(dice)) for number in range(runs)]
-    verdicts = []
-    for begin in range(first, runs, RUNS_PER_SERVER):
-        with serving(folder / f"rig{begin:04d}") as bench:
-            for number, fault, after_s in plan[begin : begin + RUNS_PER_SERVER]:
-                verdict = Verdict(number, fault, after_s)
-                _one(bench, verdict)
+    plan = [Planned(n, faults[n % len(faults)], _moment_s(dice)) for n in range(runs)]
+    parts = [plan[at : at + RUNS_PER_SERVER] for at in range(0, runs, RUNS_PER_SERVER)]
+    if jobs == 1:
+        return [verdict for part in parts for verdict in _on_one_rig(part, folder, tell)]
+    found: list[Verdict] = []
+    with ProcessPoolExecutor(jobs) as pool:
+        for done in as_completed(pool.submit(_on_one_rig, part, folder) for part in parts):
+            for verdict in done.result():
                 tell(verdict)
-                verdicts.append(verdict)
+                found.append(verdict)
+    return found
+
+
+def _on_one_rig(
+    part: list[Planned], folder: Path, tell: Callable[[Verdict], None] = lambda _: None
+) -> list[Verdict]:
+    verdicts = []
+    with serving(folder / f"rig{part[0].number:04d}") as bench:
+        for planned in part:
+            verdict = Verdict(planned.number, planned.fault, planned.after_s)
+            _one(bench, verdict)
+            tell(verdict)
+            verdicts.append(verdict)
     return verdicts
 
 
