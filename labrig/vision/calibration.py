@@ -68,9 +68,9 @@ def calibrate_camera(
     found = [find_corners(image, board, f"picture {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
-    lens, lens_sigma = np.zeros(5), 0.3
+    lens, lens_sigma = np.zeros(5), np.array([0.3, 0.3])
     if len(found) >= 3:
-        (camera, lens), lens_sigma = _lens_from_views(found, camera, size), 0.03
+        (camera, lens), lens_sigma = _lens_from_views(found, camera, size), np.array([0.03, 0.3])
     fit = _fit_plane(*found[0], camera, lens, lens_sigma)
     return _as_calibration(
         fit, camera, size, clamp_px, along_px, board_scale_sigma, date, len(images)
@@ -136,11 +136,11 @@ def _lens_from_views(
 
 
 def _fit_plane(
-    mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray, lens_sigma: float
+    mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray, lens_sigma: FloatArray
 ) -> _PlaneFit:
     """The board's plane to undistorted pixels, and k1 and k2 as they are best in that plane.
 
-    `lens_sigma`: how far k1 and k2 may be from the known ones.
+    `lens_sigma` (2,): how far k1 and k2 may be from the known ones; k2 is never known well.
     """
     import cv2
     from scipy.optimize import least_squares

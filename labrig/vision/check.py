@@ -74,7 +74,8 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
-        "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's length."
+        "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's "
+        "length."
         if not inside
         else "",
         f"no sheet was found that starts at the clamp: only {covered:.0%} of the best path looks "

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import ConfigDict, Field, model_validator
 
-from labrig.config.base import Closed, read_text, validate
+from labrig.config.base import Closed, parse_json, read_text, validate
 from labrig.errors import BadInputError
 from labrig.vision.lens import distort, undistort
 
@@ -77,10 +77,7 @@ class Optics(Closed):
     @classmethod
     def from_json(cls, text: str, name: str = "optics.json") -> Self:
         """The text of an optics.json; `name` is the file's name for the errors."""
-        try:
-            data = json.loads(text)
-        except json.JSONDecodeError as error:
-            raise BadInputError(f"{name}: not valid JSON: {error}.") from None
+        data = parse_json(text, name)
         if not isinstance(data, dict):
             raise BadInputError(f"{name}: must hold one JSON object with px_per_mm and clamp_px.")
         return validate(cls, data, name)

@@ -31,8 +31,8 @@ def view(board, turn, place, seed=0):
 
 
 def plane_error_um(optics: Optics, plane):
-    """RMS error of distances in the plane, whatever its axes."""
-    mm = np.stack(np.meshgrid(np.linspace(2, 58, 15), np.linspace(2, 43, 12)), -1).reshape(-1, 2)
+    """RMS error of the places in the plane where the board has corners, whatever its axes."""
+    mm = np.stack(np.meshgrid(np.linspace(5, 55, 15), np.linspace(5, 40, 12)), -1).reshape(-1, 2)
     on = np.column_stack([mm, np.ones(len(mm))]) @ plane.T
     rays = np.column_stack([on[:, :2] / on[:, 2:], np.ones(len(on))])
     raw, _ = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), CAMERA, LENS)
