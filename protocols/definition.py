@@ -16,6 +16,9 @@ LARGEST_HALF_WINDOW_S = 0.02
 # More readings than this in one step are a slip of the pen; the raw signals are recorded anyway.
 MOST_READINGS = 10_000
 
+# A session of so many steps and readings would take more than a day at the rig.
+MOST_IN_SESSION = 200_000
+
 StepsAndReadings = tuple[tuple[VoltageStep, ...], tuple[PlannedReading, ...], float]
 
 
@@ -42,6 +45,7 @@ class Builder:
         """Hold a voltage for a time, after all that has been added before."""
         self._steps.append(VoltageStep(self._end_s, voltage_V))
         self._end_s = round(self._end_s + lasts_s, DECIMALS)
+        require_measure(len(self._steps) + len(self._readings))
 
     def reading(self, delay_s: float, half_window_s: float, kind: ReadingKind) -> None:
         """Take a reading in the step added last."""
@@ -56,6 +60,7 @@ class Builder:
                 kind=kind,
             )
         )
+        require_measure(len(self._steps) + len(self._readings))
 
     def readings_every(self, every_s: float, lasts_s: float, kind: ReadingKind) -> None:
         """Take readings at every multiple of `every_s` whose window fits into the last step."""
@@ -75,6 +80,15 @@ class Builder:
         if self._steps[-1].voltage_V != 0.0:
             self.step(0.0, 0.0)
         return tuple(self._steps), tuple(self._readings), self._end_s
+
+
+def require_measure(count: int) -> None:
+    """Raise ScheduleError when there are too many steps and readings to be meant."""
+    if count > MOST_IN_SESSION:
+        raise ScheduleError(
+            f"there are more than {MOST_IN_SESSION} steps and readings; ask for fewer voltages, "
+            "readings, positions or cycles"
+        )
 
 
 def fits(time_s: float, into_s: float) -> bool:

@@ -6,7 +6,7 @@ import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from protocols.definition import Builder, Definition, StepsAndReadings
+from protocols.definition import Builder, Definition, StepsAndReadings, require_measure
 from protocols.errors import ScheduleError, require_count, require_number
 from protocols.pulse_train import PulseTrain
 from protocols.schedule import PlannedRun, Purpose, ReadingKind, Schedule, VoltageStep
@@ -81,6 +81,7 @@ def make_schedule(
 class _Planner:
     def __init__(self, protocol: Definition, extras: Extras, moisten: bool) -> None:
         self.runs: list[PlannedRun] = []
+        self._size = 0  # steps and readings of all of them
         self._protocol = protocol
         self._extras = extras
         self._moisten = moisten
@@ -169,6 +170,8 @@ class _Planner:
         via_m: float | None = None,
     ) -> None:
         steps, readings, duration_s = parts
+        self._size += len(steps) + len(readings)
+        require_measure(self._size)
         driven = any(step.voltage_V for step in steps)
         self.runs.append(
             PlannedRun(

@@ -1,6 +1,6 @@
 """rig.toml, sheet.toml, protocol.toml and calibrations as validated objects."""
 
-from labrig.config.base import parse_toml, read_text
+from labrig.config.base import parse_json, parse_toml, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell
 from labrig.config.protocol import ProtocolConfig, load_protocol, parse_protocol
 from labrig.config.rig import ReplayConfig, RigConfig, load_rig, parse_rig
@@ -14,6 +14,7 @@ __all__ = [
     "load_protocol",
     "load_rig",
     "load_sheet",
+    "parse_json",
     "parse_load_cell",
     "parse_protocol",
     "parse_rig",

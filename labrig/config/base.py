@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import json
+import reprlib
+import stat
 import tomllib
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -18,31 +21,64 @@ class Closed(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+_KEY = 60  # characters of a key that are worth showing
+MOST_BYTES = 8 << 20  # of a file that a person writes
 Model = TypeVar("Model", bound=Closed)
 
 
-def read_text(path: Path) -> str:
-    """The content of a text file, or one sentence about why there is none."""
+def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
+    """The content of a text file, or one sentence about why there is none.
+
+    Only an ordinary file is opened: a pipe would be waited for, a device read without end.
+    """
     try:
-        return path.read_text(encoding="utf-8-sig")
+        _check_kind(path, most_bytes)
+        with path.open("rb") as file:
+            text = file.read(most_bytes).decode("utf-8-sig")
+        return text.replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise BadInputError(f"{path}: there is no such file.") from None
-    except IsADirectoryError:
-        raise BadInputError(f"{path}: this is a folder, a file is needed.") from None
     except UnicodeDecodeError as error:
         raise BadInputError(
             f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read)."
         ) from None
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+    except ValueError as error:  # a path that cannot be one
+        raise BadInputError(f"{str(path)!r}: cannot be read ({error}).") from None
+
+
+def _check_kind(path: Path, most_bytes: int) -> None:
+    found = path.stat()
+    if stat.S_ISDIR(found.st_mode):
+        raise BadInputError(f"{path}: this is a folder, a file is needed.")
+    if not stat.S_ISREG(found.st_mode):
+        raise BadInputError(f"{path}: this is a device or a pipe, an ordinary file is needed.")
+    if found.st_size > most_bytes:
+        raise BadInputError(
+            f"{path}: has {found.st_size / 1e6:.0f} MB; such a file has at most "
+            f"{most_bytes / 1e6:.0f} MB, so it is none."
+        )
 
 
 def parse_toml(text: str, name: str) -> dict[str, Any]:
     """TOML text as a dictionary; `name` is the file's name for the error."""
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise BadInputError(f"{name}: not valid TOML: too many brackets in one another.") from None
+    except ValueError as error:  # also of a number with thousands of digits
         raise BadInputError(f"{name}: not valid TOML: {error}.") from None
+
+
+def parse_json(text: str, name: str) -> Any:
+    """JSON text as what it holds; `name` is the file's name for the error."""
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise BadInputError(f"{name}: not valid JSON: too many brackets in one another.") from None
+    except ValueError as error:  # also of a number with thousands of digits
+        raise BadInputError(f"{name}: not valid JSON: {error}.") from None
 
 
 def validate(model: type[Model], data: dict[str, Any], name: str) -> Model:
@@ -67,8 +103,19 @@ def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:
         return f"{where} is not a known key{_suggestion(model, first['loc'])}"
     if first["type"] == "missing":
         return f"{where} is missing; it is required"
-    given = "" if isinstance(first["input"], dict) else f" = {first['input']!r}"
+    given = "" if isinstance(first["input"], dict) else f" = {_short(first['input'])}"
     return f"{where}{given}: {' or '.join(dict.fromkeys(map(_said, faults)))}"
+
+
+def _short(value: Any) -> str:
+    """A value as a person may want to see it: whole, but not a page of it."""
+    writer = reprlib.Repr()
+    writer.maxstring = writer.maxother = writer.maxlong = 80
+    return writer.repr(value)
+
+
+def _cut(key: str) -> str:
+    return key if len(key) <= _KEY else f"{key[:_KEY]}..."
 
 
 def _said(fault: Any) -> str:
@@ -80,7 +127,7 @@ def _said(fault: Any) -> str:
 
 def _where(location: tuple[Any, ...]) -> str:
     # Parts that pydantic adds for the branch of a union are no keys of the file.
-    keys = [str(part) for part in location if not _is_branch(part)]
+    keys = [_cut(str(part)) for part in location if not _is_branch(part)]
     if not keys:
         return "the file"
     if len(keys) == 1:
@@ -97,8 +144,8 @@ def _is_branch(part: Any) -> bool:
 
 
 def _suggestion(model: type[BaseModel], location: tuple[Any, ...]) -> str:
-    known = _known_keys(model)
-    close = difflib.get_close_matches(str(location[-1]), sorted(known), n=1)
+    known = _known_keys(model) - {str(location[-1])}  # known elsewhere is not known here
+    close = difflib.get_close_matches(_cut(str(location[-1])), sorted(known), n=1)
     return f"; did you mean {close[0]}" if close else ""
 
 

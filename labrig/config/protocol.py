@@ -174,20 +174,20 @@ class ProtocolConfig(Closed):
     def schedule(self, name: str) -> Schedule:
         """The schedule of the whole session; `name` is the file's name for the error."""
         config = next(getattr(self, kind) for kind in KINDS if getattr(self, kind) is not None)
-        places = [
-            Place(place.configuration, tuple(p / 1000 for p in place.positions_mm))
-            for place in self.places
-        ]
         try:
             return make_schedule(
                 config.protocol(),
-                places,
+                [_place(place) for place in self.places],
                 extras=self.extras.extras(),
                 moisten=self.moisten,
                 frame_rate_hz=self.camera.frame_rate_hz,
             )
         except ScheduleError as error:
             raise BadInputError(f"{name}: {error}") from None
+
+
+def _place(place: PlaceConfig) -> Place:
+    return Place(place.configuration, tuple(p / 1000 for p in place.positions_mm))
 
 
 KINDS = ("pulse_train", "step_response", "staircase", "hold")

@@ -11,6 +11,7 @@ from typing import TypeVar
 from labrig.config import read_text
 from labrig.errors import BadInputError
 
+MOST_BYTES = 256 << 20  # days of samples
 Value = TypeVar("Value")
 
 
@@ -52,7 +53,7 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> I
 
     Accepts a byte order mark and any line ending; lines without a value are passed over.
     """
-    reader = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
+    reader = csv.reader(io.StringIO(read_text(path, MOST_BYTES), newline=""), strict=True)
     try:
         header = [name.strip() for name in next(reader, [])]
         _check_header(path, header, required, optional)
