@@ -16,8 +16,8 @@ LARGEST_HALF_WINDOW_S = 0.02
 # More readings than this in one step are a slip of the pen; the raw signals are recorded anyway.
 MOST_READINGS = 10_000
 
-# A session of so many steps and readings would take more than a day at the rig.
-MOST_IN_SESSION = 200_000
+# A session of so many steps and readings would take most of a day at the rig.
+MOST_IN_SESSION = 100_000
 
 StepsAndReadings = tuple[tuple[VoltageStep, ...], tuple[PlannedReading, ...], float]
 

@@ -28,7 +28,7 @@ Voltage = Annotated[float, Field(ge=-30.0, le=30.0)]
 class PulseTrainConfig(Closed):
     """Readings at 0 V, then pulses of alternating voltages, as in the paper."""
 
-    voltages_V: list[Voltage] = Field([2.0, -2.0], min_length=1)
+    voltages_V: list[Voltage] = Field([2.0, -2.0], min_length=1, max_length=1000)
     zero_readings: int = Field(10, ge=0, le=1000)
     pulses_discarded: int = Field(2, ge=0, le=1000, description="recorded and marked, not used")
     readings_per_voltage: int = Field(10, ge=1, le=1000)
@@ -59,7 +59,9 @@ class StepResponseConfig(Closed):
 class StaircaseConfig(Closed):
     """A sweep over voltages, each held for the same time."""
 
-    voltages_V: list[Voltage] = Field([0.5, 1.0, 1.5, 2.0, 1.5, 1.0, 0.5], min_length=1)
+    voltages_V: list[Voltage] = Field(
+        [0.5, 1.0, 1.5, 2.0, 1.5, 1.0, 0.5], min_length=1, max_length=1000
+    )
     dwell_s: Seconds = 1.0
     sample_at_s: Seconds = 0.8
     half_window_s: Seconds = 0.1
@@ -87,7 +89,7 @@ class PlaceConfig(Closed):
     """One configuration of the sheet and the positions at which it is measured."""
 
     configuration: str
-    positions_mm: list[float] = Field(min_length=1)
+    positions_mm: list[float] = Field(min_length=1, max_length=1000)
 
 
 class CameraUse(Closed):
@@ -154,7 +156,7 @@ class ProtocolConfig(Closed):
     step_response: StepResponseConfig | None = None
     staircase: StaircaseConfig | None = None
     hold: HoldConfig | None = None
-    places: list[PlaceConfig] = Field(min_length=1)
+    places: list[PlaceConfig] = Field(min_length=1, max_length=1000)
     moisten: bool = Field(default=True, description="ask for it before each run")
     camera: CameraUse = CameraUse()
     extras: ExtrasConfig = ExtrasConfig()
