@@ -1,0 +1,78 @@
+"""`labrig design`: the questions of the paper's section 5 from the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.cli.main import run
+from labrig.model_file import save_model
+from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
+
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def model_file(tmp_path: Path) -> Path:
+    """A short sheet with an elongation, nearly straight, driven both ways alike."""
+    sheet = SheetGeometry("short", 4.5e-3, 11e-3, 0.21e-3, 40e-3, 40e-3, 0.0, None)
+    s = np.array([0.0, 4.5e-3])
+    zero = np.zeros(2)
+    B = 8.5e-7
+    one = ConfiguredSheet(
+        sheet=sheet,
+        B=Parameter(B, 0.01 * B, "N m^2"),
+        rest=Along(s, np.full(2, 28.0), zero, "1/m"),
+        eibm={
+            2.0: Along(s, np.full(2, 7e-5), np.full(2, 7e-7), "N m"),
+            -2.0: Along(s, np.full(2, -5.6e-5), np.full(2, 6e-7), "N m"),
+        },
+    )
+    path = tmp_path / "model.toml"
+    save_model(SheetModel({"short": one}), path)
+    return path
+
+
+def test_every_question_is_answered_with_its_uncertainty(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["design", str(model_file), "--section", "0:12", "--force-mN", "0.5", "--json"]
+    assert run(arguments) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    lines = {line["voltage_V"]: line for line in found["lines"]}
+    assert set(lines) == {-2.0, 0.0, 2.0}
+    # The paper: the short sheet's F(p) is a line within 1 %, its slope free of the voltage.
+    assert all(line["relative_error"] < 0.01 for line in lines.values())
+    slopes = [line["slope_N_per_m"]["value"] for line in lines.values()]
+    assert max(slopes) / min(slopes) == pytest.approx(1.0, abs=0.02)
+    assert lines[0.0]["slope_N_per_m"]["sigma"] == pytest.approx(-0.01 * slopes[1], rel=0.2)
+    assert found["least_area"]["with elongation"]["area_m2"]["value"] > 0
+    assert found["unanswered"] == {} or "without elongation" in found["unanswered"]
+
+
+def test_tables_and_figures_are_made(
+    model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "figures"
+    assert run(["design", str(model_file), "--section", "0:12", "-o", str(folder)]) == 0
+    printed = capsys.readouterr().out
+    for start in ("1. short: the best line", "2. shapes", "3. shortest", "4. largest", "5. force"):
+        assert start in printed
+    assert {path.stem for path in folder.iterdir()} == {
+        f"short-{name}" for name in ("forces", "shapes", "reach", "linear", "elongation")
+    }
+
+
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [("0-12", "two positions in mm"), ("12:0", "beginning below"), ("0:160", "not reachable")],
+)
+def test_a_section_that_is_none_is_told_in_a_sentence(
+    model_file: Path, capsys: pytest.CaptureFixture[str], section: str, said: str
+) -> None:
+    assert run(["design", str(model_file), "--section", section]) == 2
+    assert said in capsys.readouterr().err
