@@ -13,8 +13,8 @@ from labrig.errors import BadInputError
 from model import ModelError, SheetModel
 
 _HEADER = (
-    "The model of a sheet, written by labrig fit: each parameter with its standard uncertainty",
-    "and unit, SI throughout. labrig simulate reads it.",
+    "The model of a sheet, written by labrig fit; labrig simulate reads it. Parameters have their",
+    "standard uncertainty (sigma) and unit beside them; s_m is the distance from the clamp.",
 )
 
 

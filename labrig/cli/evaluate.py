@@ -1,14 +1,17 @@
-"""What comes of a session: analyze, fit, simulate, report."""
+"""What comes of a session: analyze, fit, simulate, compare, report."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from model import Fit, FitOptions, Measurements, Prediction
 
 Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
@@ -16,7 +19,7 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 
 def add_to(app: typer.Typer) -> None:
     """Add these commands."""
-    for command in (analyze, fit, simulate, report):
+    for command in (analyze, fit, simulate, compare, report):
         app.command()(command)
 
 
@@ -59,7 +62,6 @@ def fit(
     from labrig.model_file import save_model
     from labrig.report.findings import measured
     from labrig.report.fit_tables import scatter_table, trust
-    from labrig.report.fitted import fit_what_can_be
     from labrig.report.paper_tables import table_4, table_6
     from model import FitOptions
 
@@ -68,12 +70,7 @@ def fit(
     options = FitOptions(weight_exponent=q)
     with progress("analyze") as advance:
         measurements = measured(session, advance, warn)
-    fitted = fit_what_can_be(measurements, options)
-    for name, why in fitted.missing.items():
-        warn(f"{name}: could not be fitted: {why.rstrip('.')}.")
-    found = fitted.fit
-    if found is None:
-        raise BadInputError(f"{session}: no configuration can be fitted; see above.")
+    found = _fitted(session, measurements, options)
     if output is not None:
         save_model(found.varying_model if varying else found.model, output)
     if as_json:
@@ -85,6 +82,18 @@ def fit(
         say(text)
     if output is not None:
         say(f"wrote {output}")
+
+
+def _fitted(session: Path, measurements: Measurements, options: FitOptions) -> Fit:
+    """The fit of all configurations that allow one; the others are named on the screen."""
+    from labrig.report.fitted import fit_what_can_be
+
+    fitted = fit_what_can_be(measurements, options)
+    for name, why in fitted.missing.items():
+        warn(f"{name}: could not be fitted: {why.rstrip('.')}.")
+    if fitted.fit is None:
+        raise BadInputError(f"{session}: no configuration can be fitted; see above.")
+    return fitted.fit
 
 
 def simulate(
@@ -118,7 +127,7 @@ def simulate(
     print_table(f"{model}", columns, [_prediction_row(one) for one in found])
 
 
-def _prediction_row(found: Any) -> list[str]:
+def _prediction_row(found: Prediction) -> list[str]:
     import math
 
     from labrig.report.table import fixed
@@ -133,6 +142,29 @@ def _prediction_row(found: Any) -> list[str]:
         fixed(math.degrees(found.phi_hat_rad), 2),
         found.why or "-",
     ]
+
+
+def compare(session: Recorded, as_json: Json = False) -> None:
+    """Fit simpler models to a session too: what large deflection and a varying EIBM are worth."""
+    from dataclasses import replace
+
+    from labrig.report.baseline_table import baseline_table, baselines_as_list
+    from labrig.report.findings import measured
+    from model import FitOptions
+    from model.baselines import compare as compare_models
+
+    with progress("analyze") as advance:
+        measurements = measured(session, advance, warn)
+    fitted = _fitted(session, measurements, FitOptions())
+    rows = compare_models(
+        measurements, replace(fitted.options, configurations=tuple(fitted.configurations))
+    )
+    if as_json:
+        print_json(baselines_as_list(rows))
+        return
+    table = baseline_table(rows)
+    print_table(table.title, table.columns, table.rows)
+    say(table.note)
 
 
 def report(

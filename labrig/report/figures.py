@@ -70,11 +70,9 @@ def _measured(found: Findings) -> Iterator[tuple[str, tuple[str, str, Draw]]]:
     assert measurements is not None  # noqa: S101 - asked for before
     series = next((s for n in names if (s := series_of(measurements, n)) is not None), None)
     if series is not None:
-        caption = (
-            "The sheet's voltage as read back, and the sampling points. The shaded time is that of "
-            "each reading's symmetric filter."
-        )
         half_s = _half_window_s(found)
+        shaded = " The shaded time is that of each reading's symmetric filter." if half_s else ""
+        caption = "The sheet's voltage as read back, and the sampling points." + shaded
         yield (
             "figure-5",
             (

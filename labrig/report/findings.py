@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
 from labrig.report.chosen import configurations
 from labrig.report.fitted import Fitted, fit_what_can_be
 from labrig.report.quality import Quality, quality
 from labrig.session import Session, load_measurements, open_session
-from model import Fit, FitOptions, Measurements
+from model import Fit, FitOptions, Measurements, ModelError
+
+if TYPE_CHECKING:
+    from model.baselines import Row
 
 Progress = Callable[[float, str], None]
 
@@ -35,6 +39,19 @@ class Findings:
     def names(self) -> list[str]:
         """The configurations that were measured."""
         return [] if self.measurements is None else configurations(self.measurements)
+
+    @cached_property
+    def baselines(self) -> tuple[Row, ...]:
+        """Simpler models fitted to the same; empty where the data do not allow it."""
+        if self.fit is None or self.measurements is None:
+            return ()
+        from model.baselines import compare
+
+        names = tuple(self.fit.configurations)
+        try:
+            return compare(self.measurements, replace(self.fit.options, configurations=names))
+        except ModelError:
+            return ()
 
     @cached_property
     def quality(self) -> Quality:

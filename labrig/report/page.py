@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.report.baseline_table import baseline_table
 from labrig.report.figures import Drawn
 from labrig.report.findings import Findings
 from labrig.report.fit_tables import one_by_one_table, residual_table, scatter_table, trust
@@ -32,6 +33,11 @@ class Section:
     title: str
     items: tuple[Table | Drawn | Folded, ...] = ()
     sentences: tuple[str, ...] = field(default=())
+
+    @property
+    def is_folded(self) -> bool:
+        """Whether nothing of it is seen before it is asked for."""
+        return not self.sentences and all(isinstance(item, Folded) for item in self.items)
 
     @property
     def anchor(self) -> str:
@@ -92,6 +98,8 @@ def _simulations(found: Findings, drawn: dict[str, Drawn]) -> Section:
         items.append(table_6(fit))
     if measurements is not None and found.names:
         items.append(observations(measurements, fit))
+    if found.baselines:
+        items.append(baseline_table(found.baselines))
     if fit is not None:
         table = residual_table(fit)
         items.append(Folded(table.title, table))
@@ -100,7 +108,8 @@ def _simulations(found: Findings, drawn: dict[str, Drawn]) -> Section:
 
 def _quality(found: Findings) -> Section:
     runs = overview(found.session).tables()[1]
-    return Section("Quality of the data", (*found.quality.tables, Folded("All runs", runs)))
+    folded = (Folded("All runs", runs),) if runs.rows else ()
+    return Section("Quality of the data", (*found.quality.tables, *folded))
 
 
 def _configuration(found: Findings) -> Section:

@@ -30,7 +30,8 @@ def quality(session: Session, measurements: Measurements | None) -> Quality:
     started = [run for run in session.runs if run.started]
     tables: list[Table] = []
     remarks: list[str] = []
-    for part in (_timing(started), _losses(session, started), _saturation(started)):
+    raw = (_timing(started), _losses(session, started), _saturation(started)) if started else ()
+    for part in raw:
         tables += part.tables
         remarks += part.remarks
     if measurements is not None:
@@ -87,7 +88,7 @@ def _losses(session: Session, runs: list[RunRecord]) -> Quality:
 
 def _saturation(runs: list[RunRecord]) -> Quality:
     rows, remarks = [], []
-    for channel in runs[0].channels if runs else ():
+    for channel in runs[0].channels:
         limit, largest, hit = runs[0].ranges_V[channel], 0.0, 0
         for run in runs:
             size_V = np.abs(run.signal_V(channel))
@@ -100,7 +101,7 @@ def _saturation(runs: list[RunRecord]) -> Quality:
             remarks.append(f"{hit} samples of the channel {channel} are at the end of its range.")
     columns = ("channel", "range V", "largest V", "of range", "samples at its end")
     table = Table("Saturation", columns, tuple(rows))
-    return Quality((table,) if rows else (), tuple(remarks))
+    return Quality((table,), tuple(remarks))
 
 
 def _invalid(measurements: Measurements) -> Quality:

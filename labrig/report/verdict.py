@@ -39,10 +39,9 @@ def cards(found: Findings) -> list[Card]:
 def _session(found: Findings) -> Card:
     session = found.session
     done = sum(run.completed for run in session.runs)
-    lines = [
-        ("outcome", session.outcome.value, ""),
-        ("runs complete", f"{done} of {len(session.runs)}", ""),
-    ]
+    lines = [("outcome", session.outcome.value, "")]
+    if session.runs:
+        lines.append(("runs complete", f"{done} of {len(session.runs)}", ""))
     if found.measurements is not None:
         conditions = found.measurements.conditions
         readings = [reading for c in conditions for reading in c.readings]
@@ -121,7 +120,7 @@ def remarks(found: Findings) -> list[str]:
     if session.outcome is not Outcome.COMPLETED:
         reason = session.reason.rstrip(".") or "no reason was recorded"
         said.append(f"The session did not end as planned: {session.outcome.value} ({reason}).")
-    if session.output_state is not OutputState.SAFE:
+    if session.runs and session.output_state is not OutputState.SAFE:
         said.append(f"The output was left {session.output_state.value}.")
     if found.measurements is None:
         said.append(f"Nothing could be measured: {found.why_not}")

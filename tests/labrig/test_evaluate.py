@@ -210,3 +210,14 @@ def test_a_bad_model_file_is_refused_with_file_and_key(tmp_path, old, new, said)
 def test_a_model_file_that_cannot_be_written_is_one_sentence(tmp_path):
     with pytest.raises(BadInputError, match="cannot be written"):
         save_model(truth(), tmp_path / "nowhere" / "model.toml")
+
+
+@pytest.mark.slow
+def test_compare_shows_what_large_deflection_and_a_varying_eibm_are_worth(recorded, capsys):
+    assert run(["compare", str(recorded), "--json"]) == 0
+    rows = json.loads(printed(capsys)[0])
+    errors = {(row["configuration"], row["model"]): row["curve_rmse_mm"] for row in rows}
+    assert errors["long", "linear beam"] > 1.0
+    assert errors["long", "full model, EIBM along the sheet"] < 0.1
+    assert run(["compare", str(recorded)]) == 0
+    assert "short: constant curvature" in printed(capsys)[0]

@@ -12,6 +12,7 @@ from labrig.errors import BadInputError
 from labrig.report.figures import NAMES
 from labrig.report.svg import inline
 from labrig.report.write import write_report
+from labrig.session import export_session, import_session
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 
 VOID = {"meta", "br", "hr", "img", "link", "input"}
@@ -187,3 +188,18 @@ def test_an_inline_figure_has_names_of_its_own_and_no_metadata():
     assert "max-width: 108px" in text
     assert "stroke: currentColor" in text
     assert "a &quot;b&quot; &lt;c>" in text
+
+
+@pytest.mark.slow
+def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path):
+    path = session(tmp_path / "made.h5", measure("long"))
+    forces, curves, _ = export_session(path, tmp_path / "csv")
+    sheet = tmp_path / "sheet.toml"
+    sheet.write_text(TEXTS["sheet.toml"], encoding="utf-8")
+    import_session(sheet, forces, tmp_path / "imported.h5", curves=curves)
+    text = read(write_report(tmp_path / "imported.h5"))
+    assert "imported tables" in text
+    assert "Table 4." in text
+    assert "Figure 5." not in text
+    assert "The output was left" not in text
+    assert "Saturation" not in text
