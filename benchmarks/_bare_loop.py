@@ -23,4 +23,6 @@ def lateness_s(due_s: list[float]) -> list[float]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(lateness_s(json.loads(sys.stdin.readline()))))
+    told = sys.stdin.readline()
+    if told:  # else whoever started it has ended
+        print(json.dumps(lateness_s(json.loads(told))))

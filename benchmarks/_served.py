@@ -1,4 +1,4 @@
-"""A simulated rig behind sockets, and labrig's plan for it."""
+"""A simulated rig behind sockets, and labrig's files for it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from labrig.config.templates import write_templates
-from labrig.experiment.plan import Plan, load_plan
 
 _START_S = 60.0
 _END_S = 5.0
@@ -58,9 +57,8 @@ def served(*arguments: str) -> Iterator[dict[str, str]]:
             process.wait()
 
 
-def plan_for(folder: Path, addresses: dict[str, str], protocol: str) -> Plan:
-    """What labrig makes of rig.toml with these addresses and of this protocol.toml."""
+def write_files(folder: Path, addresses: dict[str, str], protocol: str) -> None:
+    """Write the files for a rig at these addresses, with this protocol.toml."""
     write_templates(folder, simulated=True)
     (folder / "rig.toml").write_text(_RIG.format(**addresses), encoding="utf-8")
     (folder / "protocol.toml").write_text(protocol, encoding="utf-8")
-    return load_plan(folder / "rig.toml", folder / "protocol.toml", folder / "sheet.toml")
