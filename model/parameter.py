@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import reprlib
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from model.measurements import ModelError
 
@@ -57,6 +57,11 @@ class Parameter:
 
 def finite(value: object, where: str) -> float:
     """A finite number, or an error that names the place."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
-        raise ModelError(f"{where}: a finite number is wanted, found {value!r}")
-    return float(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:  # an integer with hundreds of digits
+            number = math.inf
+        if math.isfinite(number):
+            return number
+    raise ModelError(f"{where}: a finite number is wanted, found {reprlib.repr(value)}")

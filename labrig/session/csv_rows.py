@@ -12,6 +12,7 @@ from labrig.config import read_text
 from labrig.errors import BadInputError
 
 MOST_BYTES = 256 << 20  # days of samples
+_MOST_DIGITS = 9  # a session counts in 32 bits
 Value = TypeVar("Value")
 
 
@@ -93,7 +94,7 @@ def _check_header(
 
 def integer(text: str) -> int:
     """A whole number that is not negative. Raises ValueError."""
-    if not text.isascii() or not text.isdigit():
+    if not text.isascii() or not text.isdigit() or len(text) > _MOST_DIGITS:
         raise ValueError(text)
     return int(text)
 
