@@ -28,13 +28,18 @@ class NiDevice:
 class NiConnection:
     """The NI-DAQmx driver of this computer ("local"), or an NI gRPC Device Server ("host:port").
 
-    `channel`: a ready grpc.Channel instead (in-process use); then `address` is only its name.
+    `channel`: a ready grpc.Channel instead (in-process use); then `address` is only its name. It
+    is given our deadlines, too.
     """
 
     def __init__(self, address: str = "local", channel: Any = None) -> None:
         self.address = address
         self._own_channel = channel is None and address != "local"
-        self._channel: Any = channel
+        self._channel: Any = None
+        if channel is not None:
+            from drivers.ni_deadlines import with_deadlines
+
+            self._channel = with_deadlines(channel)
         if self._own_channel:
             _check_address(address)
 

@@ -69,6 +69,9 @@ def channel_to(target: str) -> Any:
         ("grpc.use_local_subchannel_pool", 1),  # else two channels share one connection
         ("grpc.enable_http_proxy", 0),  # a rig's server is never behind the web's proxy
     ]
-    return grpc.intercept_channel(
-        grpc.insecure_channel(target, options=options), DeadlineInterceptor()
-    )
+    return with_deadlines(grpc.insecure_channel(target, options=options))
+
+
+def with_deadlines(channel: Any) -> Any:
+    """The same channel, every call of which ends in time."""
+    return grpc.intercept_channel(channel, DeadlineInterceptor())

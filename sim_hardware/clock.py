@@ -69,6 +69,11 @@ class VirtualClock:
         self._set_alarm(when, me, me.waits)
         self._wait(me)
 
+    def jump(self, seconds: float) -> None:
+        """Time has passed and nobody woke: the computer was suspended."""
+        with self._guard:
+            self._now += seconds
+
     def start_thread(self, target: Callable[[], None], name: str) -> VirtualThread:
         """See `Clock.start_thread`. The thread gets its first turn when the caller waits."""
         self._me()

@@ -22,6 +22,7 @@ from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
 from sim_hardware.ni.device_server import DEFAULT_DEVICES
 
 if TYPE_CHECKING:
+    from sim_hardware.serial_devices import SerialFaults
     from sim_hardware.world import World
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
@@ -129,17 +130,14 @@ def _check(options: argparse.Namespace) -> None:
 def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     """Start everything; each thing's end is on the stack. The lines to print."""
     if options.wire:
-        return [
-            _serve_boards(LoopbackBench(options.wire), options, options.seed or 0, clock, stack)
-        ]
+        boards = _boards(LoopbackBench(options.wire), options, options.seed or 0, clock)
+        return [_serve_boards(boards, options, stack)]
     return _serve_world(options, clock, stack)
 
 
-def _serve_boards(
-    bench: Bench, options: argparse.Namespace, seed: int, clock: Clock, stack: ExitStack
-) -> str:
+def _boards(bench: Bench, options: argparse.Namespace, seed: int, clock: Clock) -> NiDeviceServer:
     try:
-        server = NiDeviceServer(
+        return NiDeviceServer(
             bench,
             clock,
             dict(options.device or DEFAULT_DEVICES),
@@ -149,12 +147,16 @@ def _serve_boards(
         )
     except ValueError as fault:
         raise ArgumentFaultError(str(fault)) from fault
+
+
+def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: ExitStack) -> str:
     stack.callback(server.stop)
     return f"grpc=127.0.0.1:{server.listen(options.port)}"
 
 
 def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     from sim_hardware.camera import CameraServer
+    from sim_hardware.faults import FaultyRig
     from sim_hardware.world import World, WorldError, load_world
 
     try:
@@ -169,19 +171,23 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
         raise ArgumentFaultError(str(fault)) from fault
     except OSError as fault:
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
-    lines = [_serve_boards(world, options, settings.seed, clock, stack)]
+    boards = _boards(world, options, settings.seed, clock)
+    boards.lines.wired = world.edge
+    faulty = FaultyRig(clock, world, boards)
+    lines = [_serve_boards(boards, options, stack)]
     try:
-        camera = CameraServer(world, clock, port=options.camera_port)
+        camera = CameraServer(world, clock, options.camera_port, faults=faulty.camera)
     except OSError as fault:
         raise PortTakenError(
             f"port {options.camera_port} cannot be taken for the camera: something else listens "
             "on it; choose another"
         ) from fault
     stack.callback(camera.stop)
-    return [*lines, f"camera={camera.url}", *_serve_serial(world, clock, stack)]
+    faulty.begin()
+    return [*lines, f"camera={camera.url}", *_serve_serial(world, clock, faulty.serial, stack)]
 
 
-def _serve_serial(world: World, clock: Clock, stack: ExitStack) -> list[str]:
+def _serve_serial(world: World, clock: Clock, faults: SerialFaults, stack: ExitStack) -> list[str]:
     """Meter and stage, where the system has pseudo-terminals."""
     from sim_hardware.serial_devices import Dpm3Meter, PtyPort, SerialDevice, ZaberStage
 
@@ -190,7 +196,7 @@ def _serve_serial(world: World, clock: Clock, stack: ExitStack) -> list[str]:
     devices: dict[str, SerialDevice] = {"meter": Dpm3Meter(world, clock), "stage": stage}
     for name, device in devices.items():
         try:
-            port = PtyPort(device)
+            port = PtyPort(device, faults)
         except OSError as fault:
             sys.stderr.write(f"no {name}: {fault}\n")
             continue

@@ -94,6 +94,7 @@ def _stage(
 def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     from sim_hardware.camera import SimulatedCapture
     from sim_hardware.clock import VirtualClock
+    from sim_hardware.faults import FaultyRig
     from sim_hardware.ni import NiDeviceServer
     from sim_hardware.person import SimulatedPerson
     from sim_hardware.serial_devices import InMemorySerial
@@ -108,17 +109,28 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     clock = VirtualClock()
     world = World(settings, clock)
     server = NiDeviceServer(world, clock, seed=settings.seed)
+    server.lines.wired = world.edge
+    faulty = FaultyRig(clock, world, server)
+    faulty.begin()
     connection = NiConnection(SIMULATED, channel=server.in_process_channel())
     output, signals = boards(config, connection, clock)
     person = RecordedOperator(SimulatedPerson(world), clock, emit)
     camera = None
     if config.camera is not None:
         camera = OpenCvCamera(
-            SIMULATED, clock, capture_factory=lambda _source: SimulatedCapture(world, clock)
+            SIMULATED,
+            clock,
+            lambda _source: SimulatedCapture(world, clock, faults=faulty.camera),
         )
 
-    def serial(*_arguments: Any, **_options: Any) -> Any:
-        return InMemorySerial(SimulatedStage(world, clock, homed=True), clock)
+    def serial(port: str, **options: Any) -> Any:
+        return InMemorySerial(
+            SimulatedStage(world, clock, homed=True),
+            clock,
+            port=port,
+            faults=faulty.serial,
+            **options,
+        )
 
     return Rig(
         config=config,

@@ -78,14 +78,15 @@ class SimulatedCapture:
         kept = max(1, int(self._properties[BUFFER_SIZE]))
         oldest = self._stream.latest_at(self._clock.now()) - kept + 1
         number = max(self._next, oldest)
-        while number in self.faults.drop and number not in self.faults.gone:
-            if self._stream.arrival_of(number) > wait_until:
+        stream = self._stream
+        while stream.suffers("drop", number) and not stream.suffers("gone", number):
+            if stream.arrival_of(number) > wait_until:
                 break
             number += 1
         self._next = number
-        if number in self.faults.gone:
+        if stream.suffers("gone", number):
             return False
-        arrival = self._stream.arrival_of(number)
+        arrival = stream.arrival_of(number)
         self._clock.sleep_until(min(arrival, wait_until))
         if arrival > wait_until:
             return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 FOREVER = 1 << 62
 
@@ -34,3 +34,11 @@ class CameraFaults:
     """Come with half the rows and columns."""
     gone: Container[int] = ()
     """The camera is unplugged; one such frame ends the stream for good."""
+    spans: dict[str, tuple[float, float]] = field(default_factory=dict)
+    """The same by time: what, such as `drop`, and from when until when frames are taken so."""
+
+    def strike(self, what: str, number: int, time_s: float) -> bool:
+        """Whether a frame suffers from this."""
+        numbers: Container[int] = getattr(self, what)
+        from_s, until_s = self.spans.get(what, (0.0, 0.0))
+        return number in numbers or from_s <= time_s < until_s

@@ -91,10 +91,10 @@ class CameraServer:
     def _produce(self) -> None:
         number = 0
         try:
-            while self._wait_for(number) and number not in self.faults.gone:
+            while self._wait_for(number) and not self._stream.suffers("gone", number):
                 with self._change:
                     watched = bool(self._clients)
-                if watched and number not in self.faults.drop:
+                if watched and not self._stream.suffers("drop", number):
                     self._publish(number, self._stream.image(number))
                 oldest = self._stream.latest_at(self._clock.now()) - _BUFFERED + 1
                 number = max(number + 1, oldest)

@@ -36,8 +36,12 @@ class FrameStream:
 
     def arrival_of(self, number: int) -> float:
         """Clock time at which the frame can be read."""
-        late = self.faults.late_s if number in self.faults.late else 0.0
+        late = self.faults.late_s if self.suffers("late", number) else 0.0
         return self.time_of(number) + late
+
+    def suffers(self, what: str, number: int) -> bool:
+        """Whether the frame has this fault."""
+        return self.faults.strike(what, number, self.time_of(number))
 
     def latest_at(self, when_s: float) -> int:
         """Number of the last frame whose nominal time has passed; -1 before the first."""
@@ -46,15 +50,14 @@ class FrameStream:
 
     def image(self, number: int) -> Image:
         """The frame (rows, columns) as it arrives."""
-        faults = self.faults
-        if number in faults.black:
+        if self.suffers("black", number):
             return np.zeros(self.scene.frame_shape, dtype=np.uint8)
         with self._lock:
-            if number in faults.freeze and self._last_good is not None:
+            if self.suffers("freeze", number) and self._last_good is not None:
                 image = self._last_good
             else:
                 image = self.scene.picture(self.time_of(number), number)
                 self._last_good = image
-        if number in faults.wrong_size:
+        if self.suffers("wrong_size", number):
             image = image[::2, ::2]
         return image.copy()

@@ -41,10 +41,12 @@ class NiDeviceServer:
         """
         self.faults = Faults()
         self._strict = strict_ownership
+        boards = _known(devices or DEFAULT_DEVICES)
+        self.device_names = tuple(boards)
         self._engine = Engine(
             bench,
             clock,
-            _known(devices or DEFAULT_DEVICES),
+            boards,
             parse_version(driver_version),
             self.faults,
             seed,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 
@@ -23,6 +24,7 @@ class Lines:
     def __init__(self) -> None:
         self._high: dict[str, bool] = {}
         self.edges: deque[Edge] = deque(maxlen=self.KEPT_EDGES)
+        self.wired: Callable[[str, float], None] | None = None  # told of each edge: line, time
 
     def level(self, line: str) -> bool:
         """Whether a line is high; it is low until written."""
@@ -32,6 +34,8 @@ class Lines:
         """Set a line."""
         if high != self.level(line):
             self.edges.append(Edge(when, line, high))
+            if self.wired is not None:
+                self.wired(line, when)
         self._high[line] = high
 
     def last_edge_s(self, line: str) -> float | None:

@@ -8,12 +8,13 @@ from sim_hardware.world.reduced import (
     ReducedSession,
     reduced_session,
 )
-from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.settings import FaultSettings, WorldSettings
 from sim_hardware.world.world import World
 
 __all__ = [
     "CellFault",
     "CurveErrors",
+    "FaultSettings",
     "ReducedCondition",
     "ReducedSession",
     "World",

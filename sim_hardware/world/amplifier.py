@@ -23,6 +23,7 @@ class Amplifier:
         self._settling = signal_kernels.settling
         self._settings = settings
         self._lag_s = settings.lag_ms * 1e-3
+        self._supplied = True
         level = self._level(0.0)
         # One entry a write: time, level aimed at, output and its integral at that time.
         self._history: list[tuple[float, float, float, float]] = [(start_s, level, level, 0.0)]
@@ -31,17 +32,24 @@ class Amplifier:
 
     @property
     def asked_V(self) -> float:
-        """Sheet volts that the board asks for now: without offset and lag, within the rails."""
+        """Sheet volts that the board asks for now: without offset and lag, within the rails.
+
+        Nothing while the amplifier has no supply.
+        """
+        if not self._supplied:
+            return 0.0
         s = self._settings
         return max(-s.rail_V, min(s.rail_V, s.gain * self._board_V))
 
     def write(self, board_V: float, when: float) -> None:
         """The board's output changes; not earlier than the write before."""
-        when = max(when, self._history[-1][0])
-        output, integral = self._at(np.array([when]))
         self._board_V = board_V
-        self._history.append((when, self._level(board_V), float(output[0]), float(integral[0])))
-        self._table = None
+        self._turn(when)
+
+    def supply(self, when: float, *, on: bool) -> None:
+        """The relay in its supply closes or opens; not earlier than the last write."""
+        self._supplied = on
+        self._turn(when)
 
     def output_V(self, times: FloatArray) -> FloatArray:
         """Volts at the output."""
@@ -67,7 +75,17 @@ class Amplifier:
             del self._history[:keep]
             self._table = None
 
+    def _turn(self, when: float) -> None:
+        """From now on the output aims at another level."""
+        when = max(when, self._history[-1][0])
+        output, integral = self._at(np.array([when]))
+        level = self._level(self._board_V)
+        self._history.append((when, level, float(output[0]), float(integral[0])))
+        self._table = None
+
     def _level(self, board_V: float) -> float:
+        if not self._supplied:
+            return 0.0
         s = self._settings
         return max(-s.rail_V, min(s.rail_V, s.gain * (board_V + s.offset_mV * 1e-3)))
 

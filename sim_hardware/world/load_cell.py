@@ -17,6 +17,7 @@ _WHITE_STREAM, _DRIFT_STREAM = 0xCE110, 0xCE111
 _MAINS_HZ = 50.0
 _FILTERED = 200  # samples in the mean of a reading
 # An input that is connected to nothing drifts to the end of what the board's amplifier can do.
+_LEANING = 1.5  # of its capacity
 _OPEN_V = 11.0
 _OPEN_S = 0.5
 
@@ -27,6 +28,7 @@ class CellFault(StrEnum):
     NONE = "none"
     OPEN = "open"  # a broken signal wire: the input drifts to a rail
     NO_EXCITATION = "no_excitation"  # the bridge gives nothing but noise
+    OVERLOADED = "overloaded"  # somebody leans on it
 
 
 class LoadCell:
@@ -60,6 +62,9 @@ class LoadCell:
         noise_mN += s.hum_mN * self._hum(since_s)
         signal = np.where(self._excited(since_s), felt_N, 0.0) + noise_mN * 1e-3
         volts = s.offset_uV * 1e-6 + s.sensitivity_V_per_N * signal
+        if self._fault is CellFault.OVERLOADED:
+            more_N = _LEANING * s.capacity_mN * 1e-3
+            volts = volts + s.sensitivity_V_per_N * more_N * (since_s >= self._fault_s)
         if self._fault is CellFault.OPEN:
             gone = 1.0 - self._approach(np.maximum(0.0, since_s - self._fault_s), 1.0, 1 / _OPEN_S)
             volts = _OPEN_V + (volts - _OPEN_V) * gone

@@ -7,16 +7,42 @@ differs from it. Keys are in the units of their names; properties and methods ar
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from sim_hardware.optics import OpticsSettings
 
 FloatArray = npt.NDArray[np.float64]
 
+FaultKind = Literal[
+    "daq_refused",
+    "daq_hung",
+    "daq_read_hung",
+    "daq_slow",
+    "daq_write_refused",
+    "daq_reserved",
+    "daq_buffer_overflow",
+    "output_stuck",
+    "force_nan",
+    "drive_nan",
+    "current_saturated",
+    "cell_unplugged",
+    "cell_overloaded",
+    "camera_late",
+    "camera_dropped",
+    "camera_frozen",
+    "camera_black",
+    "camera_wrong_size",
+    "camera_gone",
+    "serial_garbage",
+    "serial_half_line",
+    "serial_silent",
+    "serial_unplugged",
+    "clock_jump",
+]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Ratio = Annotated[float, Field(ge=0, le=1)]
@@ -220,6 +246,34 @@ class ChainSettings(Closed):
     """Of the time grid on which the sheet's state moves."""
 
 
+class InterlockSettings(Closed):
+    """An external one-shot and relay in the amplifier's supply."""
+
+    line: str
+    """The digital line whose edges keep the relay closed, such as port0/line0; none: no relay."""
+    hold_s: Positive
+    """After the last edge the relay opens."""
+
+
+class FaultSettings(Closed):
+    """Something that goes wrong for a while."""
+
+    what: FaultKind
+    from_s: NotNegative
+    until_s: Positive | None = None
+    """None: for good."""
+    since: Literal["beginning", "first_voltage"] = "beginning"
+    """Of the world's time, or when the board was first told of a voltage other than 0."""
+    amount_s: Positive = 0.2
+    """Of a delay, or a jump."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.until_s is not None and self.until_s <= self.from_s:
+            raise ValueError(f"until_s = {self.until_s} must be later than from_s = {self.from_s}")
+        return self
+
+
 class WorldSettings(Closed):
     """A whole world."""
 
@@ -240,6 +294,8 @@ class WorldSettings(Closed):
     scatter: ScatterSettings
     chain: ChainSettings
     camera: OpticsSettings
+    interlock: InterlockSettings
+    faults: list[FaultSettings]
 
 
 def _fall(s_m: FloatArray, decay_mm: float) -> FloatArray:

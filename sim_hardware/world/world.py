@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -19,6 +20,7 @@ from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.noise import WhiteNoise
 from sim_hardware.world.record import Record
+from sim_hardware.world.relay import Relay
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.setup import Scatter, Setup
 from sim_hardware.world.view import contact_of, shape_of
@@ -51,6 +53,11 @@ class World:
         self._drawn = 0
         self._amplifier = Amplifier(settings.amplifier, clock.now())
         self._cell = LoadCell(settings.load_cell, settings.seed)
+        self._relay = Relay(settings.interlock.hold_s, closed=not settings.interlock.line)
+        if settings.interlock.line:
+            self._amplifier.supply(clock.now(), on=False)
+        self._driven_calls: list[Callable[[float], None]] = []
+        self._broken: dict[str, float] = {}
         self._current_noise = WhiteNoise(settings.seed, _CURRENT_STREAM)
         self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
         first = Stage(clock.now(), self._new_setup(next(iter(settings.configurations)), None))
@@ -106,7 +113,40 @@ class World:
         with self._lock:
             self._cell.fail(fault, self._now() - self._history.start_s)
 
+    def break_input(self, channel: str, volts: float | None) -> None:
+        """From now on this input reads these volts, whatever comes; None: as it is wired."""
+        with self._lock:
+            self._broken.pop(channel, None)
+            if volts is not None:
+                self._broken[channel] = volts
+
+    def when_first_driven(self, call: Callable[[float], None]) -> None:
+        """Call this, once, with the time at which a voltage other than 0 is first written."""
+        with self._lock:
+            self._driven_calls.append(call)
+
     # --------------------------------------------------------------------------------- boards
+
+    def edge(self, line: str, when: float) -> None:
+        """A digital line has changed (such as PCI6703/port0/line0)."""
+        wired = self.settings.interlock.line
+        if not wired or line.partition("/")[2] != wired:
+            return
+        with self._lock:
+            self._watch_supply(when)
+            if not self._relay.closed:
+                self._history.advance(when)
+                self._amplifier.supply(max(when, self._history.reached_s), on=True)
+            self._relay.edge(when)
+            self._write_row(when)
+
+    def _watch_supply(self, until_s: float) -> None:
+        """Before anything is asked of a time: the relay may have opened by then."""
+        dropped_s = self._relay.drop(until_s)
+        if dropped_s is not None:
+            self._history.advance(dropped_s)
+            self._amplifier.supply(max(dropped_s, self._history.reached_s), on=False)
+            self._write_row(dropped_s)
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """See `Bench.write`. Only the drive's channel has an effect, whatever the device."""
@@ -114,6 +154,11 @@ class World:
         if channel != DRIVE:
             return
         with self._lock:
+            self._watch_supply(when)
+            if volts != 0.0 and self._driven_calls:
+                calls, self._driven_calls = self._driven_calls, []
+                for call in calls:
+                    call(when)
             self._history.advance(when)
             when = max(when, self._history.reached_s)
             before = self._amplifier.asked_V
@@ -128,6 +173,9 @@ class World:
         if times.size == 0 or channel not in (FORCE, CURRENT, READBACK):
             return np.zeros(times.shape)
         with self._lock:
+            if channel in self._broken:
+                return np.full(times.shape, self._broken[channel])
+            self._watch_supply(float(times[-1]))
             since = times - self._history.start_s
             if channel == FORCE:
                 moments = self._history.at(times)
@@ -169,6 +217,7 @@ class World:
         camera = self.settings.camera
         with self._lock:
             seen_s = when - self.settings.frame_delay_s
+            self._watch_supply(seen_s)
             instants = seen_s - camera.exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
             moments = self._history.at(instants)
             drives = np.concatenate([m.drive for m in moments])
@@ -215,6 +264,7 @@ class World:
     def _now(self) -> float:
         """The clock's time, the state made up to it; what is done now cannot act earlier."""
         now = self._clock.now()
+        self._watch_supply(now)
         self._history.advance(now)
         return max(now, self._history.reached_s, self._history.stage.start_s)
 

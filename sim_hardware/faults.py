@@ -1,0 +1,137 @@
+"""What goes wrong with a simulated rig, and when: the `[[faults]]` of a world.toml come about."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from drivers.interfaces import Clock
+from sim_hardware.camera import CameraFaults
+from sim_hardware.camera.faults import from_frame
+from sim_hardware.clock import VirtualClock
+from sim_hardware.ni import NiDeviceServer
+from sim_hardware.serial_devices import SerialFaults
+from sim_hardware.world import CellFault, FaultSettings, World
+from sim_hardware.world.world import CURRENT, DRIVE, FORCE, READBACK
+
+_FOR_GOOD_S = 1e12
+_BEYOND_RANGE_V = 11.0
+_GONE, _RESERVED = -200324, -50103
+_ALL = from_frame(0)
+_RESERVING = ("TaskControl", "StartTask")
+# What of a `CameraFaults` each is.
+_CAMERA = {
+    "camera_late": "late",
+    "camera_dropped": "drop",
+    "camera_frozen": "freeze",
+    "camera_black": "black",
+    "camera_wrong_size": "wrong_size",
+    "camera_gone": "gone",
+}
+_SERIAL = {
+    "serial_garbage": "garbage",
+    "serial_half_line": "half_line",
+    "serial_silent": "silent",
+}
+
+
+@dataclass
+class FaultyRig:
+    """A simulated rig's parts, as far as something can go wrong with them."""
+
+    clock: Clock
+    world: World
+    boards: NiDeviceServer
+    camera: CameraFaults = field(default_factory=CameraFaults)
+    serial: SerialFaults = field(default_factory=SerialFaults)
+
+    def begin(self) -> None:
+        """From now on the world's faults come about at their times."""
+        faults = self.world.settings.faults
+        late = [fault for fault in faults if fault.since == "first_voltage"]
+        self._arm([fault for fault in faults if fault.since == "beginning"], self.clock.now())
+        if late:
+            self.world.when_first_driven(lambda when: self._arm(late, when))
+
+    def _arm(self, faults: Iterable[FaultSettings], origin_s: float) -> None:
+        moments: list[tuple[float, Callable[[], None]]] = []
+        for fault in faults:
+            from_s = origin_s + fault.from_s
+            until_s = _FOR_GOOD_S if fault.until_s is None else origin_s + fault.until_s
+            if fault.what in _CAMERA:
+                self.camera.late_s = fault.amount_s
+                self.camera.spans[_CAMERA[fault.what]] = (from_s, until_s)
+                continue
+            begin, end = self._switch(fault)
+            moments.append((from_s, begin))
+            if fault.until_s is not None:
+                moments.append((until_s, end))
+        moments.sort(key=lambda moment: moment[0])
+        if moments:
+            self.clock.start_thread(lambda: self._live_through(moments), "faults")
+
+    def _live_through(self, moments: list[tuple[float, Callable[[], None]]]) -> None:
+        for when, act in moments:
+            self.clock.sleep_until(when)
+            act()
+
+    def _switch(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
+        """How it begins, and how it ends."""
+        what = fault.what
+        if what in _SERIAL:
+            name = _SERIAL[what]
+            return (
+                lambda: setattr(self.serial, name, _ALL),
+                lambda: setattr(self.serial, name, ()),
+            )
+        if what == "serial_unplugged":
+            return _attribute(self.serial, "unplugged", on=True, off=False)
+        if what == "clock_jump":
+            return lambda: self._jump(fault.amount_s), _nothing
+        if what.startswith("cell_"):
+            kind = CellFault.OPEN if what == "cell_unplugged" else CellFault.OVERLOADED
+            world = self.world
+            return (
+                lambda: world.break_load_cell(kind),
+                lambda: world.break_load_cell(CellFault.NONE),
+            )
+        if what == "current_saturated":
+            world = self.world
+            return (
+                lambda: world.break_input(CURRENT, _BEYOND_RANGE_V),
+                lambda: world.break_input(CURRENT, None),
+            )
+        return self._of_boards(fault)
+
+    def _of_boards(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
+        def everywhere(channel: str) -> set[str]:
+            return {f"{name}/{channel}" for name in self.boards.device_names}
+
+        ways: dict[str, tuple[str, object, object]] = {
+            "daq_refused": ("unavailable", True, False),
+            "daq_slow": ("delay_s", fault.amount_s, 0.0),
+            "daq_buffer_overflow": ("lose_after_reads", 0, None),
+            "daq_hung": ("hang", {"*"}, set()),
+            "daq_read_hung": ("hang", {"ReadAnalogF64"}, set()),
+            "daq_write_refused": ("refuse", {"WriteAnalogScalarF64": _GONE}, {}),
+            "daq_reserved": ("refuse", dict.fromkeys(_RESERVING, _RESERVED), {}),
+            "output_stuck": ("stuck_outputs", everywhere(DRIVE), set()),
+            "force_nan": ("nan", everywhere(FORCE), set()),
+            "drive_nan": ("nan", everywhere(READBACK), set()),
+        }
+        name, on, off = ways[fault.what]
+        return _attribute(self.boards.faults, name, on=on, off=off)
+
+    def _jump(self, seconds: float) -> None:
+        if isinstance(self.clock, VirtualClock):  # the computer's clock cannot be made to
+            self.clock.jump(seconds)
+
+
+def _attribute(
+    of: object, name: str, *, on: object, off: object
+) -> tuple[Callable[[], None], Callable[[], None]]:
+    return lambda: setattr(of, name, on), lambda: setattr(of, name, off)
+
+
+def _nothing() -> None:
+    """It ends by itself."""

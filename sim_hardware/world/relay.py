@@ -1,0 +1,27 @@
+"""The interlock: a retriggerable one-shot that holds the relay in the amplifier's supply."""
+
+from __future__ import annotations
+
+import math
+
+
+class Relay:
+    """Closed by an edge for `hold_s`; each edge begins that time anew."""
+
+    def __init__(self, hold_s: float, *, closed: bool) -> None:
+        """`closed`: there is no interlock, and nothing opens it."""
+        self._hold_s = hold_s
+        self._opens_s = math.inf if closed else -math.inf
+        self.closed = closed
+
+    def edge(self, when: float) -> None:
+        """An edge has come."""
+        self.closed = True
+        self._opens_s = max(self._opens_s, when + self._hold_s)
+
+    def drop(self, until_s: float) -> float | None:
+        """When it opened, if it has by this time and nobody was told yet."""
+        if not self.closed or until_s <= self._opens_s:
+            return None
+        self.closed = False
+        return self._opens_s
