@@ -10,6 +10,8 @@ reference stiffness. Only k* and the geometry enter the shape; the force scales 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import pairwise
@@ -22,6 +24,7 @@ from model.field import Field, merged_breaks, padded
 from model.gauss import rule
 from model.measurements import FloatArray, ModelError
 
+LEAST_SHARE = 200  # problems that are worth a thread
 Engine = Literal["auto", "compiled", "numpy"]
 Accuracy = Literal["normal", "reference"]
 # nodes for panels that turn less than so many rad
@@ -75,12 +78,15 @@ def problems(
     fields = [kappa] if isinstance(kappa, Field) else kappa
     length = fields[0].length_m
     _check(fields, softness, angles, radius_m, elongation_m)
-    breaks = merged_breaks([f.breaks_m for f in fields] + ([softness.breaks_m] if softness else []))
+    first = fields[0].breaks_m
+    others = [f.breaks_m for f in fields[1:]] + ([softness.breaks_m] if softness else [])
+    breaks = merged_breaks([first, *others]) if others else first
     breaks = finer(breaks, max(f.largest() for f in fields), radius_m, accuracy)
     degree = max(f.coefficients.shape[1] for f in fields)
     rows = np.stack([padded(f.on(breaks).coefficients, degree) for f in fields])
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
-    rows = np.ascontiguousarray(np.broadcast_to(rows, (len(angles), *rows.shape[1:])))
+    if len(rows) < len(angles):
+        rows = np.repeat(rows, len(angles), axis=0)
     return Problems(breaks, rows, soft[None], radius_m, length + elongation_m, angles)
 
 
@@ -89,6 +95,8 @@ def finer(
 ) -> FloatArray:
     """Panels cut until each turns little enough for the collocation to be exact."""
     widest = min(_SHARE[accuracy] * radius_m, _TURN[accuracy] / max(curvature_per_m, 1e-9))
+    if len(breaks_m) == 2 and breaks_m[1] - breaks_m[0] <= widest:
+        return breaks_m
     pieces = [
         np.linspace(low, high, int(np.ceil((high - low) / widest - 1e-9)) + 1)[:-1]
         for low, high in pairwise(breaks_m)
@@ -220,10 +228,12 @@ def solve(
     start: Equilibria | None = None,
     accuracy: Accuracy = "normal",
     engine: Engine = "auto",
+    workers: int = 1,
 ) -> Equilibria:
     """The equilibrium of each problem on its physical branch: that continued from the free shape.
 
-    `start`: solutions of the same batch with other numbers, to begin from.
+    `start`: solutions of the same batch with other numbers, to begin from. `workers`: threads that
+    share a large batch.
     """
     nodes, K = nodes_for(batch, accuracy), len(batch)
     state = np.zeros((K, 4))
@@ -234,13 +244,30 @@ def solve(
     status = np.zeros(K, dtype=np.int64)
     warm = np.isfinite(state[:, 0]) if fits else np.zeros(K, dtype=np.bool_)
     for _ in range(_PASSES[accuracy]):
-        _engine(engine).solve_many(
-            batch.breaks_m, batch.kappa, batch.softness, rule(nodes), batch.radius_m,
-            batch.reach_m * (1.0 + 1e-12), batch.angle_rad, warm, psi, state, status,
-        )  # fmt: skip
+        _share(_engine(engine).solve_many, workers, batch, nodes, warm, psi, state, status)
         warm = status == Status.SOLVED
     state[status != Status.SOLVED] = np.nan
     return Equilibria(batch, status, state[:, 0], state[:, 1], state[:, 2], psi, nodes)
+
+
+def _share(
+    solve_many: Callable[..., None], workers: int, batch: Problems, nodes: int, *arrays: Any
+) -> None:
+    """Run the engine on slices of the batch, one thread each."""
+
+    def part(rows: slice) -> None:
+        soft = batch.softness if len(batch.softness) == 1 else batch.softness[rows]
+        solve_many(
+            batch.breaks_m, batch.kappa[rows], soft, rule(nodes), batch.radius_m,
+            batch.reach_m * (1.0 + 1e-12), batch.angle_rad[rows], *(a[rows] for a in arrays),
+        )  # fmt: skip
+
+    if workers <= 1 or len(batch) < 2 * LEAST_SHARE:
+        part(slice(None))
+        return
+    ends = np.linspace(0, len(batch), min(workers, len(batch) // LEAST_SHARE) + 1).astype(int)
+    with ThreadPoolExecutor(workers) as pool:
+        list(pool.map(part, [slice(a, b) for a, b in pairwise(ends)]))
 
 
 def _nothing(p: Problems) -> Directions:

@@ -1,0 +1,118 @@
+"""How often the stated 90 % intervals of B and EIBM hold the truth, and how wide they are.
+
+Sessions are simulated without pixels and volts by the world of `sim_hardware`, a chain of rigid
+links that shares no code with the model; its EIBM falls along the sheet. k0 is stated as a person
+would, in nodes every 10 mm rounded to 0.1 per m.
+
+    python -m benchmarks.coverage [SESSIONS] [WORLD.toml]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from model import Condition, Curve, FitOptions, Measurements, Reading, SheetGeometry
+from model.joint import joint_fit
+from model.observations import observe
+from sim_hardware.world import WorldSettings, load_world
+from sim_hardware.world.reduced import ReducedSession, reduced_session
+
+Z90 = 1.6449
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Arrays (sessions, quantities)."""
+
+    names: list[str]
+    error: np.ndarray  # relative
+    sigma: np.ndarray  # relative
+    inside: np.ndarray  # whether the interval holds the truth
+    width: np.ndarray  # of the interval, relative
+
+
+def measurements(session: ReducedSession, world: WorldSettings) -> Measurements:
+    """As the rig would hand it to `fit`."""
+    conditions = []
+    for c in session.conditions:
+        kind = "kept" if c.voltage_V else "zero"
+        readings = tuple(Reading(i, kind, float(f)) for i, f in enumerate(c.forces_N))
+        sigma = np.full(len(c.s_m), c.curve_sigma_m)
+        curve = Curve(c.s_m, c.x_m, c.y_m, sigma_m=sigma)
+        conditions.append(Condition(c.configuration, c.position_m, c.voltage_V, readings, curve))
+    names = dict.fromkeys(c.configuration for c in session.conditions)
+    return Measurements({n: geometry(world, n) for n in names}, tuple(conditions))
+
+
+def geometry(world: WorldSettings, name: str) -> SheetGeometry:
+    """sheet.toml as a person would write it."""
+    sheet = world.configurations[name]
+    length = sheet.free_length_m
+    s = np.linspace(0.0, length, 6) if length > 0.02 else np.zeros(1)
+    rest = np.round(np.asarray(sheet.rest_curvature(s)), 1)
+    return SheetGeometry(
+        name, length, sheet.width_mm * 1e-3, sheet.thickness_mm * 1e-3, sheet.elongation_m,
+        world.arc.radius_mm * 1e-3, float(np.radians(world.arc.origin_deg)), (s, rest),
+    )  # fmt: skip
+
+
+def tally(world: WorldSettings, seeds: Iterable[int]) -> Tally:
+    """Fit one session for each seed."""
+    names: list[str] = []
+    rows = []
+    for seed in seeds:
+        session = reduced_session(world, seed=seed)
+        data = measurements(session, world)
+        joint = joint_fit([observe(data, n) for n in data.sheets], FitOptions())
+        found = []
+        for n, name in enumerate(data.sheets):
+            found.append((f"{name} B", joint.stiffness(n), session.B_Nm2[name]))
+            for volts in (2.0, -2.0):
+                truth = session.mean_eibm_Nm[name, volts]
+                found.append((f"{name} EIBM {volts:+g} V", joint.constant_eibm(n, volts), truth))
+        names = [name for name, _, _ in found]
+        row = []
+        for _, parameter, truth in found:
+            low, high = parameter.interval()
+            width = (high - low) / abs(parameter.value)
+            error = parameter.value / truth - 1.0
+            row.append((error, parameter.sigma / abs(truth), low <= truth <= high, width))
+        rows.append(row)
+    error, sigma, inside, width = np.moveaxis(np.array(rows, dtype=float), 2, 0)
+    return Tally(names, error, sigma, inside, width)
+
+
+def wilson(share: float, count: int) -> tuple[float, float]:
+    """90 % interval of a share."""
+    z = Z90**2 / count
+    middle = (share + z / 2) / (1 + z)
+    half = np.sqrt(share * (1 - share) * z + z**2 / 4) / (1 + z)
+    return middle - half, middle + half
+
+
+def main(arguments: list[str]) -> None:
+    count = int(arguments[0]) if arguments else 200
+    world = load_world(Path(arguments[1]) if len(arguments) > 1 else None)
+    start = time.perf_counter()
+    found = tally(world, range(1000, 1000 + count))
+    print(f"{count} sessions, {(time.perf_counter() - start) / count:.2f} s each")
+    print(f"{'':18} {'bias %':>7} {'scatter %':>9} {'stated %':>8} {'covered':>8} {'width %':>8}")
+    for i, name in enumerate(found.names):
+        share = float(np.mean(found.inside[:, i]))
+        low, high = wilson(share, count)
+        print(
+            f"{name:18} {100 * found.error[:, i].mean():7.2f} {100 * found.error[:, i].std():9.2f}"
+            f" {100 * found.sigma[:, i].mean():8.2f} {share:8.3f}"
+            f" {100 * found.width[:, i].mean():8.2f}   ({low:.3f} .. {high:.3f})"
+        )
+    print(f"all: covered {np.mean(found.inside):.3f}, widest {100 * np.max(found.width):.1f} %")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,39 @@
+"""Stated intervals against a world that shares no code with the model."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.coverage import measurements, tally
+from sim_hardware.world import load_world
+from sim_hardware.world.reduced import reduced_session
+
+
+@pytest.mark.slow
+def test_stated_intervals_cover_the_world_s_truth_and_are_narrow():
+    """A small edition of `benchmarks/coverage.py`, which states the figures."""
+    found = tally(load_world(None), range(900, 912))
+    assert len(found.inside) == 12
+    share = float(np.mean(found.inside))
+    assert share > 0.75  # 72 intervals of 90 %, twelve of them independent
+    assert np.max(found.width) < 0.15
+
+
+@pytest.mark.slow
+def test_noisier_set_ups_give_wider_intervals():
+    world = load_world(None)
+    rough = world.scatter.model_copy(update={"eibm": 0.05, "stiffness": 0.05})
+    wide, narrow = (
+        tally(w, range(3)) for w in (world.model_copy(update={"scatter": rough}), world)
+    )
+    assert np.mean(wide.width) > 2.0 * np.mean(narrow.width)
+
+
+def test_a_reduced_session_becomes_measurements():
+    world = load_world(None)
+    session = reduced_session(world, seed=1, configurations=("short",), positions_m=(0.0, 0.02))
+    found = measurements(session, world)
+    assert len(found.conditions) == 6
+    assert found.conditions[0].used()[0].kind == "zero"
+    assert found.sheets["short"].initial_curvature is not None
