@@ -2,38 +2,49 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: setup demo test test-fast lint format bench clean
+.PHONY: setup setup-dev demo test test-fast lint format bench soak clean
 
-setup: $(STAMP)
+setup: $(VENV)/.installed
+setup-dev: $(VENV)/.installed-dev
 
-$(STAMP): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev]"
-	@touch $(STAMP)
+$(VENV)/.installed: pyproject.toml constraints.txt
+	@echo "installing labrig and what it needs into $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+	@$(PIP) -e .
+	@touch $@
+
+$(VENV)/.installed-dev: $(VENV)/.installed
+	@echo "installing what the tests and linters need ..."
+	@$(PIP) -e ".[dev]"
+	@touch $@
 
 demo: setup
-	$(BIN)/python -m labrig demo demo
+	@rm -rf demo
+	@$(BIN)/labrig demo demo
 
-test: setup
+test: setup-dev
 	$(BIN)/python -m pytest -n 2
 
-test-fast: setup
+test-fast: setup-dev
 	$(BIN)/python -m pytest -n 2 -m "not slow"
 
-lint: setup
+lint: setup-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: setup
+format: setup-dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-bench: setup
+bench: setup-dev
 	$(BIN)/python -m benchmarks
+
+soak: setup-dev
+	$(BIN)/python -m benchmarks.soak --runs 200
 
 clean:
 	rm -rf $(VENV) demo build *.egg-info
