@@ -93,7 +93,7 @@ def measure() -> Report:
     return Report(
         tables=(
             Table(
-                "time per reading without hardware",
+                "CPU time per reading without hardware, all threads",
                 ("", "median", "share of Bluesky's", "what it does"),
                 rows,
             ),

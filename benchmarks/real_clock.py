@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks._served import served, write_files
-from benchmarks.report import Report, Table
+from benchmarks.report import Report, Table, busy
 from labrig.errors import BadInputError
 from labrig.session import Session, open_session, recover
 
@@ -197,8 +197,9 @@ def _figures(values: np.ndarray) -> dict[str, float]:
 
 
 def measure() -> Report:
+    others = busy()
     late, late_figures, notes = lateness()
     with tempfile.TemporaryDirectory() as name:
         fast, fast_figures, more = throughput(Path(name))
     figures: dict[str, Any] = {"lateness": late_figures, "throughput": fast_figures}
-    return Report((late, fast), figures, (*notes, *more))
+    return Report((late, fast), figures, (*notes, *more, others))

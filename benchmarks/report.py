@@ -50,7 +50,6 @@ class Report:
 
 def machine() -> dict[str, Any]:
     """Where and when figures were made; how busy the machine was with other things."""
-    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
     return {
         "name": platform.node(),
         "cpu": _cpu(),
@@ -58,8 +57,21 @@ def machine() -> dict[str, Any]:
         "system": f"{platform.system()} {platform.release()}",
         "python": platform.python_version(),
         "date": dt.datetime.now(dt.UTC).isoformat(timespec="seconds"),
-        "load_before": load,
+        "load_before": load(),
     }
+
+
+def load() -> float | None:
+    """Processes that want a core, averaged over the last minute; None where nobody counts."""
+    return os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+
+
+def busy() -> str:
+    """A note on what else the machine does just before a measurement; figures suffer from it."""
+    wanting, cores = load(), os.cpu_count()
+    if wanting is None:
+        return "how busy the machine was with other things is not known"
+    return f"before it began {wanting:.1f} processes wanted one of the {cores} cores"
 
 
 def save(name: str, where: dict[str, Any], report: Report) -> Path:

@@ -16,7 +16,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchmarks.report import Report, Table
+from benchmarks.report import Report, Table, busy
 from labrig.config.templates import write_templates
 from labrig.experiment.plan import load_plan
 from labrig.session import open_session
@@ -54,6 +54,7 @@ def one_session(folder: Path, number: int) -> Cost:
 
 
 def measure() -> Report:
+    others = busy()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_templates(folder, simulated=True)
@@ -90,6 +91,7 @@ def measure() -> Report:
             f"medians of {REPEATS} (wall {walls} s), after a first one of {first.wall_s:.1f} s",
             f"peak memory {memory}; wanted below {MOST_BYTES / 1e6:.0f} MB",
             f"wanted at least {LEAST_RATIO:g} times faster: {reached}",
+            others,
             f"all sessions bit-identical: {'yes' if same else 'NO'}",
         ),
     )
