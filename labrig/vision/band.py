@@ -1,7 +1,8 @@
 """The pixels beside a curve, and what they say of it: the kernels of the intensity fit.
 
-Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P the
-band of the sheet's thickness blurred by the lens, and b, a, c slow along the sheet (solved in
+Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d) + f Q(d), with P
+the band of the sheet's thickness blurred by the lens, Q the sheet's far face where one is seen
+beside it, and b, a, c, f slow along the sheet (solved in
 windows). A shift of the curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what
 they could imitate of a shift are projected out, so what is left is the full likelihood's answer.
 """
@@ -103,20 +104,51 @@ def window_sums(sums: FloatArray, half: int) -> FloatArray:
 
 
 @jit
-def _solve3(n: FloatArray, r0: float, r1: float, r2: float) -> tuple[float, float, float]:
-    # symmetric 3 x 3: n = (11, 1d, 1P, dd, dP, PP), with a trace of a ridge for empty windows
-    tiny = 1e-9 * (n[0] + n[3] + n[5]) + 1e-12
-    a, b, c, d, e, f = n[0] + tiny, n[1], n[2], n[3] + tiny, n[4], n[5] + tiny
-    ca, cb, cc = d * f - e * e, c * e - b * f, b * e - c * d
-    determinant = a * ca + b * cb + c * cc
-    if not determinant > 0:
-        return 0.0, 0.0, 0.0
-    cd, ce, cf = a * f - c * c, b * c - a * e, a * d - b * b
-    return (
-        (ca * r0 + cb * r1 + cc * r2) / determinant,
-        (cb * r0 + cd * r1 + ce * r2) / determinant,
-        (cc * r0 + ce * r1 + cf * r2) / determinant,
-    )
+def _solve4(n: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve the window's four by four equations for the rows of `right` (k, 4).
+
+    n: the upper triangle by rows. A trace of a ridge keeps empty windows and absent faces solvable.
+    """
+    low = np.zeros((4, 4))
+    at = 0
+    tiny = 1e-9 * (n[0] + n[4] + n[7] + n[9]) + 1e-12
+    for i in range(4):
+        for j in range(i, 4):
+            low[j, i] = n[at] + (tiny if i == j else 0.0)
+            at += 1
+    for i in range(4):  # Cholesky
+        for j in range(i + 1):
+            total = low[i, j]
+            for q in range(j):
+                total -= low[i, q] * low[j, q]
+            low[i, j] = math.sqrt(max(total, tiny)) if i == j else total / low[j, j]
+    out = right.copy()
+    for k in range(len(right)):
+        for i in range(4):
+            for q in range(i):
+                out[k, i] -= low[i, q] * out[k, q]
+            out[k, i] /= low[i, i]
+        for i in range(3, -1, -1):
+            for q in range(i + 1, 4):
+                out[k, i] -= low[q, i] * out[k, q]
+            out[k, i] /= low[i, i]
+    return out
+
+
+@jit
+def _faces(
+    distance: FloatArray, first: IntArray, half_width: FloatArray, blur: float, face: FloatArray
+) -> FloatArray:
+    """The far face's plateau beside the band: `face` (cells,) pixels wide, negative: below it."""
+    out = np.zeros_like(distance)
+    for i in range(len(first) - 1):
+        if face[i] == 0:
+            continue
+        width, side = abs(face[i]), 1.0 if face[i] > 0 else -1.0
+        for q in range(first[i], first[i + 1]):
+            d = side * distance[q] - half_width[i] - 0.5 * width
+            out[q], _ = template(d, 0.5 * width, blur)
+    return out
 
 
 @jit
@@ -137,6 +169,29 @@ def _templates(
 
 
 @jit
+def _gather(
+    sums: FloatArray,
+    i: int,
+    low: int,
+    high: int,
+    basis: FloatArray,
+    weight: FloatArray,
+    right: FloatArray,
+) -> None:
+    """Sum the window equations of one cell: 10 products of the basis, 3 x 4 right-hand sides."""
+    for q in range(low, high):
+        w = weight[q]
+        at = 0
+        for a in range(4):
+            wa = w * basis[q, a]
+            for b in range(a, 4):
+                sums[i, at] += wa * basis[q, b]
+                at += 1
+            for r in range(3):
+                sums[i, 10 + 4 * r + a] += wa * right[q, r]
+
+
+@jit
 def measure(
     value: FloatArray,
     distance: FloatArray,
@@ -148,79 +203,59 @@ def measure(
     rounds: int,
     used: FloatArray,
     widen: FloatArray,
+    face: FloatArray,
 ) -> FloatArray:
-    """Per cell (cells, 10) what the pixels say.
+    """Per cell (cells, 11) what the pixels say.
 
-    g is the derivative of a pixel with respect to a shift, what b, a, c could imitate projected
-    out; h the same for the blur, or, where `widen` is not 0, for the half width. `noise` is one
-    pixel's, the scale of the robust weights; `half_width`, `used` and `widen` are (cells,).
     Columns: contrast c, background b, slope a, sum g^2, sum g res, sum res^2, sum of weights,
-    sum h res, sum h^2, mean intensity.
+    sum h res, sum h^2, mean intensity, the far face's contrast. g is the derivative of a pixel
+    with respect to a shift, what b, a, c and the face could imitate projected out; h the same for
+    the blur, or, where `widen` is not 0, for the half width. `noise` is one pixel's, the scale of
+    the robust weights; `half_width`, `used`, `widen` and `face` are (cells,).
     """
-    cells = len(first) - 1
-    pixels = len(value)
-    p, slope, look_slope = _templates(distance, first, half_width, blur, widen)
+    cells, pixels = len(first) - 1, len(value)
+    right = np.empty((pixels, 3))
+    basis = np.ones((pixels, 4))
+    right[:, 0] = value
+    basis[:, 1] = distance
+    basis[:, 2], right[:, 1], right[:, 2] = _templates(distance, first, half_width, blur, widen)
+    basis[:, 3] = _faces(distance, first, half_width, blur, face)
     weight = np.ones(pixels)
-    out = np.zeros((cells, 10))
-    sums = np.empty((cells, 15))
+    out = np.zeros((cells, 11))
     for turn in range(rounds):
+        sums = np.zeros((cells, 22))
         for i in range(cells):
-            for q in range(15):
-                sums[i, q] = 0.0
-            if used[i] <= 0:
-                continue
-            for q in range(first[i], first[i + 1]):
-                w, d, t, f = weight[q], distance[q], p[q], value[q]
-                sums[i, 0] += w
-                sums[i, 1] += w * d
-                sums[i, 2] += w * t
-                sums[i, 3] += w * d * d
-                sums[i, 4] += w * d * t
-                sums[i, 5] += w * t * t
-                sums[i, 6] += w * f
-                sums[i, 7] += w * f * d
-                sums[i, 8] += w * f * t
-                g = slope[q]
-                sums[i, 9] += w * g
-                sums[i, 10] += w * g * d
-                sums[i, 11] += w * g * t
-                g = look_slope[q]
-                sums[i, 12] += w * g
-                sums[i, 13] += w * g * d
-                sums[i, 14] += w * g * t
+            if used[i] > 0:
+                _gather(sums, i, first[i], first[i + 1], basis, weight, right)
         total = window_sums(sums, window)
-        last = turn == rounds - 1
         for i in range(cells):
-            n = total[i]
-            b, a, c = _solve3(n, n[6], n[7], n[8])
-            gb, ga, gc = _solve3(n, n[9], n[10], n[11])
-            hb, ha, hc = _solve3(n, n[12], n[13], n[14])
-            information, pull, square, share, bright = 0.0, 0.0, 0.0, 0.0, 0.0
-            look_pull, look_information = 0.0, 0.0
+            solved = _solve4(total[i], total[i, 10:].copy().reshape(3, 4))
+            c = solved[0, 2]
             for q in range(first[i], first[i + 1]):
-                d, t = distance[q], p[q]
-                miss = value[q] - b - a * d - c * t
-                # Tukey's weights: an outlier beyond 4.7 sigma counts for nothing
-                ratio = miss / (4.7 * noise)
-                w = (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
-                if last:
-                    w = weight[q]
-                    g = -c * (slope[q] - gb - ga * d - gc * t)
-                    h = c * (look_slope[q] - hb - ha * d - hc * t)
-                    information += w * g * g
-                    pull += w * g * miss
-                    square += w * miss * miss
-                    share += w
-                    bright += value[q]
-                    look_pull += w * h * miss
-                    look_information += w * h * h
-                else:
-                    weight[q] = w
-            if last:
-                out[i, 0], out[i, 1], out[i, 2] = c, b, a
-                out[i, 3], out[i, 4], out[i, 5], out[i, 6] = information, pull, square, share
-                out[i, 7], out[i, 8] = look_pull, look_information
-                out[i, 9] = bright / max(1, first[i + 1] - first[i])
+                miss, g, h = right[q, 0], right[q, 1], right[q, 2]
+                for a in range(4):
+                    miss -= basis[q, a] * solved[0, a]
+                    g -= basis[q, a] * solved[1, a]
+                    h -= basis[q, a] * solved[2, a]
+                if turn < rounds - 1:
+                    # Tukey's weights: an outlier beyond 4.7 sigma counts for nothing
+                    ratio = miss / (4.7 * noise)
+                    weight[q] = (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
+                    continue
+                w = weight[q]
+                out[i, 3] += w * c * c * g * g
+                out[i, 4] -= w * c * g * miss
+                out[i, 5] += w * miss * miss
+                out[i, 6] += w
+                out[i, 7] += w * c * h * miss
+                out[i, 8] += w * c * c * h * h
+                out[i, 9] += value[q] / (first[i + 1] - first[i])
+            out[i, 0], out[i, 1], out[i, 2], out[i, 10] = (
+                c,
+                solved[0, 0],
+                solved[0, 1],
+                solved[0, 3],
+            )
     return out
 
 

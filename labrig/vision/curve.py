@@ -81,6 +81,8 @@ class NeutralCurve:
     polarity: str = ""  # bright or dark, as found
     blur_px: float = 0.0  # standard deviation of the edge's blur, as found
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
+    excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
+    face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
     smoothness_per_m3: float = 0.0  # q of the prior int (dk/ds)^2 ds / q, as the picture chose it
 
     def as_curve(self) -> Curve:

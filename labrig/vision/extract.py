@@ -12,6 +12,7 @@ import numpy.typing as npt
 from labrig.vision.check import Verdict, judge
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.ends import Tip, find_tip
+from labrig.vision.face import with_face
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
@@ -19,6 +20,7 @@ from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
+from labrig.vision.width import excess_width_px
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -67,13 +69,15 @@ def neutral_curve(
         return NeutralCurve(ok=False, why=str(error))
     job = _Job(picture, optics, strip)
     best = job.followed(start) if start is not None and start.ok else None
-    if best is None:
-        best = job.cold()
+    if best is not None and start is not None:
+        return report(best.fit, best.setting, best.verdict, start.excess_px)
+    best = job.cold()
     if best is None:
         return NeutralCurve(
             ok=False, why="no path that a sheet could take leaves the clamp; check clamp_px."
         )
-    return report(best.fit, best.setting, best.verdict)
+    excess = None if best.verdict.why else excess_width_px(best.fit, best.setting)
+    return report(best.fit, best.setting, best.verdict, excess)
 
 
 class _Job:
@@ -111,7 +115,7 @@ class _Job:
         shape = self._shape_of(start)
         beyond = self._beyond()
         half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
-        band = Band(half, start.blur_px, beyond)
+        band = Band(half, start.blur_px, beyond, start.face_px[1:].copy())
         found = None
         for reaches in ((), (6, 4)):  # a fast move must be caught by ridge points first
             near = fit_points(shape, setting, half_width=half[-1], reaches=reaches)
@@ -194,13 +198,20 @@ class _Job:
         half = self._elongation_half_width(shape, setting)
         shape = fit_points(shape, setting, half_width=half)
         beyond = self._beyond()
-        band = Band(np.where(beyond, half, self.thickness_px / 2), 1.0, beyond)
+        band = Band(
+            np.where(beyond, half, self.thickness_px / 2), 1.0, beyond, np.zeros(len(beyond))
+        )
         best = self._judged(fit_intensities(shape, setting, band), setting)
         if best.verdict.covered < WELL_COVERED:
             # parts were lost: look for them further from the curve, now that most of it is known
             again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
             other = self._judged(fit_intensities(again, setting, best.fit.band), setting)
             best = max(best, other, key=lambda c: c.verdict.worth)
+        for _ in range(2):  # the curve moves when the face is taken off, and the face with it
+            faced = with_face(best.fit, setting, hint_only=not best.fit.band.face.any())
+            if faced is None or best.verdict.covered < 0.5:
+                break
+            best = self._judged(fit_intensities(best.fit.shape, setting, faced), setting)
         return self._anchored(best)
 
     def _judged(self, fit: Fit, setting: Setting) -> Candidate:

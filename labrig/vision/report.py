@@ -13,10 +13,16 @@ from labrig.vision.setting import Setting
 FloatArray = npt.NDArray[np.float64]
 
 LOOK_SIGMA_PX = 0.004
+LEAST_EXCESS_PX = 0.5
 
 
-def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
-    """The curve as others see it; empty, with the reason, when the self-check failed."""
+def report(
+    fit: Fit, setting: Setting, verdict: Verdict, excess_px: FloatArray | None = None
+) -> NeutralCurve:
+    """The curve as others see it; empty, with the reason, when the self-check failed.
+
+    `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it.
+    """
     warnings = setting.picture.warnings + verdict.warnings
     if verdict.why:
         return NeutralCurve(
@@ -34,6 +40,13 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
     rows = shape.basis.curvature
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
+    excess = np.zeros(len(shape.x)) if excess_px is None else excess_px
+    if excess.max() > LEAST_EXCESS_PX:
+        said = (
+            f"the sheet looks up to {excess.max():.1f} pixels wider than it is thick; its face is "
+            "seen with its edge, and the curve may be off by half of that"
+        )
+        warnings = (*warnings, said)
     contrast = float(np.median(np.abs(fit.contrast[fit.used])))
     noise_m = _spread(modes, covariance) / ppm
     return NeutralCurve(
@@ -43,7 +56,8 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
-        sigma_m=np.hypot(noise_m, systematic_m(fit, setting)),
+        sigma_m=np.sqrt(noise_m**2 + systematic_m(fit, setting) ** 2 + (excess / 2 / ppm) ** 2),
+        excess_px=excess,
         curvature_sigma_per_m=_spread(rows, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
         points_px=setting.nodes_px(shape),
@@ -60,6 +74,7 @@ def report(fit: Fit, setting: Setting, verdict: Verdict) -> NeutralCurve:
         elongation_width_px=2 * float(fit.band.half_width[-1])
         if fit.band.elongation.any()
         else 0.0,
+        face_px=np.append(fit.band.face, fit.band.face[-1]),
         smoothness_per_m3=fit.spectral * ppm**3,
     )
 

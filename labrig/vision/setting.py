@@ -43,6 +43,7 @@ class Band:
     half_width: FloatArray  # (cells,)
     blur: float
     elongation: BoolArray  # (cells,): beyond the free length, where the width is not known
+    face: FloatArray  # (cells,): visible width of the far face, to the side of its sign; 0: none
 
     @property
     def reach(self) -> float:
@@ -97,5 +98,6 @@ def look(
         2,
         used.astype(float),
         band.elongation.astype(float),
+        band.face,
     )
     return cells, np.diff(first) / (2 * band.reach * shape.basis.step_px)

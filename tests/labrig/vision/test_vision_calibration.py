@@ -68,7 +68,7 @@ def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
 @pytest.mark.slow
 def test_tilted_views_fix_the_lens():
     board = Board()
-    flat, plane = view(board, (0, 0, 0), (-30, -22.5, 170))
+    flat, plane = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
     tilted = [view(board, (0.3 * math.cos(q), 0.3 * math.sin(q), 0), (-30, -22, 190), q)[0]
               for q in range(1, 5)]  # fmt: skip
     result = calibrate_camera([flat, *tilted], board, clamp_px=(80.0, 240.0))
@@ -78,7 +78,7 @@ def test_tilted_views_fix_the_lens():
 
 def test_what_cannot_be_calibrated_is_said():
     board = Board()
-    image, _ = view(board, (0, 0, 0), (-30, -22.5, 170))
+    image, _ = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
     with pytest.raises(BadInputError, match="differ in size"):
         calibrate_camera([image, image[:400]], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="picture 1: only 0 corners"):

@@ -1,0 +1,77 @@
+"""How wide the sheet looks, against how thick it is: where it looks wider, something is with it.
+
+In a silhouette the sheet's face is as dark as its edge, and no fit can tell which part is which.
+The curve is then good to half the excess only; that goes into its band and into a warning.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit import Fit, ridge_points
+from labrig.vision.setting import Band, Setting, look
+
+FloatArray = npt.NDArray[np.float64]
+
+SMOOTH_NODES = 12
+TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about this
+SMOOTHING_PX = 1.0
+SUSPICIOUS_BLUR_PX = 1.5
+EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
+LEAST_GAIN = 50.0
+
+
+def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
+    """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
+    import cv2
+
+    smooth = cv2.GaussianBlur(setting.picture.grey, (0, 0), SMOOTHING_PX)
+    blur, wider = _sharper_look(fit, setting)
+    half = np.append(fit.band.half_width, fit.band.half_width[-1])
+    reach = np.full(len(half), round(2 * float(half.max()) + 10))
+    offset, _, width = ridge_points(smooth, fit.shape, setting, reach)
+    blur = float(np.hypot(blur, SMOOTHING_PX))
+    expected = np.array([_visible_width(h, blur) for h in np.unique(half)])
+    usual = expected[np.searchsorted(np.unique(half), half)]
+    good = np.isfinite(width) & (np.abs(offset) < width) & np.append(fit.used, fit.used[-1])
+    excess = np.where(good, width - usual, 0.0)
+    padded = np.pad(excess, SMOOTH_NODES, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_NODES + 1)
+    return np.asarray(np.maximum(np.median(windows, axis=1) - TOLERANCE_PX, wider))
+
+
+def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:
+    """The blur, and how much wider than it is thick the whole sheet is, when that fits better.
+
+    A wide band with sharp edges and a thin one with much blur differ in their flanks only.
+    """
+    band = fit.band
+    if band.blur < SUSPICIOUS_BLUR_PX:
+        return band.blur, 0.0
+    best, blur, wider = _misfit(fit, setting, band) - LEAST_GAIN, band.blur, 0.0
+    for extra in EXTRA_PX:
+        half = np.where(band.elongation, band.half_width, band.half_width + extra / 2)
+        thin, wide = 2 * band.half_width[0], 2 * band.half_width[0] + extra
+        spread = band.blur**2 + (thin**2 - wide**2) / 12  # of the same second moment
+        sharper = float(np.sqrt(max(spread, 0.5**2)))
+        misfit = _misfit(fit, setting, replace(band, half_width=half, blur=sharper))
+        if misfit < best:
+            best, blur, wider = misfit, sharper, extra
+    return blur, wider
+
+
+def _misfit(fit: Fit, setting: Setting, band: Band) -> float:
+    cells, _ = look(fit.shape, setting, band, 20 * fit.noise, fit.used)
+    return float(cells[fit.used & ~band.elongation, 5].sum()) / fit.noise**2
+
+
+def _visible_width(half_width: float, blur: float) -> float:
+    """Full width at half height of a blurred band."""
+    from labrig.vision.band import template
+
+    d = np.linspace(0, half_width + 4 * blur, 400)
+    profile = np.array([template(x, half_width, blur)[0] for x in d])
+    return 2 * float(d[np.argmax(profile < 0.5 * profile[0])])
