@@ -47,6 +47,14 @@ class SessionStarted(Event):
 
 
 @dataclass(frozen=True)
+class Resumed(Event):
+    """These runs were taken in an earlier session, of which this one is the continuation."""
+
+    identifier: str  # of that session
+    runs: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class OperatorAsked(Event):
     """The operator is being asked for something; the session waits."""
 

@@ -13,7 +13,7 @@ from protocols.devices import Devices, Rows
 from protocols.events import FramesArrived, ReadingTaken, VoltageSet
 from protocols.filters import symmetric_mean, window
 from protocols.lateness import lateness_s, written_s
-from protocols.rules import Rules, Timing, bad_samples, late_edge, wrong_drive
+from protocols.rules import Rules, Timing, bad_frame, bad_samples, late_edge, wrong_drive
 from protocols.samples import SampleBuffer
 from protocols.schedule import PlannedReading, PlannedRun
 
@@ -64,6 +64,7 @@ class ReadingMaker:
         self._reach_s = rules.frame_periods / frame_rate_hz
         self._pending: deque[_Pending] = deque()
         self._frames: deque[Frame] = deque()
+        self._last_frame: Frame | None = None  # of the last reading that had one
         self._used: set[int] = set()  # numbers of frames that went with a reading
         self.samples = SampleBuffer(len(devices.signals.channels))
 
@@ -150,7 +151,10 @@ class ReadingMaker:
             *bad_samples(inner, inputs.ranges_V, inputs.channels),
             *wrong_drive(float(drive_V), pending.edge.write.sheet_V, self._rules),
         ]
-        if frame is None and self._devices.camera is not None:
+        if frame is not None:
+            why += bad_frame(frame, self._last_frame, self._rules)
+            self._last_frame = frame
+        elif self._devices.camera is not None:
             why.append(f"no frame within {self._reach_s * 1e3:.0f} ms of the sampling point")
         return ReadingTaken(
             time_s=now_s,

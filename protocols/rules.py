@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.interfaces import FloatArray
+from drivers.interfaces import FloatArray, Frame
 
+_COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether there is a picture
 AT_THE_RAIL = 0.999  # of the input's range: the last counts of the converter
 
 
@@ -19,6 +20,7 @@ class Rules:
     late_edge_s: float = 0.005  # an edge written later spoils its reading
     drive_tolerance_V: float = 0.2  # of the read-back against the voltage that was written
     frame_periods: float = 1.5  # a frame further from the sampling point is not its frame
+    blank_frame: float = 0.01  # of full scale: a picture that varies less shows nothing
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
 
 
@@ -58,3 +60,13 @@ def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]
     """A reason when the sheet did not get what was written."""
     if abs(drive_V - written_V) > rules.drive_tolerance_V:
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
+
+
+def bad_frame(frame: Frame, before: Frame | None, rules: Rules) -> Iterator[str]:
+    """Reasons in a reading's picture; `before` is that of the reading before."""
+    coarse = frame.image[_COARSE, _COARSE]
+    if coarse.std() < rules.blank_frame * np.iinfo(frame.image.dtype).max:
+        yield "its frame is blank"
+    elif before is not None and np.array_equal(frame.image, before.image):
+        # Noise alone makes any two pictures differ.
+        yield "its frame is the picture of the reading before, bit by bit: the camera is frozen"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from labrig.cli.screen import Advance, progress, warn
 from labrig.experiment.people import ConsoleOperator, NobodyAsked
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.replay import replay_plan, replay_rig
+from labrig.experiment.resume import Resumption, output_beside, resumed_plan
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
@@ -33,18 +34,35 @@ from protocols.stop import StopLevel, StopRequest
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
 
 
-def run_and_follow(
-    rig_path: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool
-) -> Result:
+Files = tuple[Path, Path, Path]  # rig.toml, protocol.toml, sheet.toml
+
+
+def run_and_follow(rig: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool) -> Result:
     """`labrig run`: read the files, run the schedule, show the progress."""
-    plan = load_plan(rig_path, protocol, sheet)
+    return _run(load_plan(rig, protocol, sheet), output, None, yes=yes)
+
+
+def resume_and_follow(path: Path, files: Files | None, output: Path | None, *, yes: bool) -> Result:
+    """`labrig run --resume`: the runs of a session that are not complete."""
+    with open_session(path) as session:
+        resumption = Resumption(session)
+        plan = resumed_plan(session) if files is None else load_plan(*files)
+        resumption.check(plan)
+        return _run(plan, output or output_beside(path), resumption, yes=yes)
+
+
+def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) -> Result:
     operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
     hub = EventHub(threaded=not plan.rig.is_simulated)
-    with _stopping(stop, operator), _display(plan.schedule, pace=not plan.rig.is_simulated) as show:
+    done = resumption.done if resumption else frozenset()
+    with (
+        _stopping(stop, operator),
+        _display(plan.schedule, done, pace=not plan.rig.is_simulated) as show,
+    ):
         hub.add_watcher("the progress display", show)
         rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub)
+        return run_session(rig, plan, output, stop, hub, resumption=resumption)
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:
@@ -57,7 +75,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         hub = EventHub(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
         hub.add_critical("the recording", director.follow)
-        with _stopping(stop, None), _display(plan.schedule, pace=False) as show:
+        with _stopping(stop, None), _display(plan.schedule, frozenset(), pace=False) as show:
             hub.add_watcher("the progress display", show)
             return run_session(rig, plan, path, stop, hub, look_first=False)
 
@@ -75,33 +93,46 @@ def _stopping(stop: StopRequest, operator: ConsoleOperator | NobodyAsked | None)
 
 
 @contextmanager
-def _display(schedule: Schedule, *, pace: bool) -> Iterator[RunDisplay]:
+def _display(schedule: Schedule, done: Collection[int], *, pace: bool) -> Iterator[RunDisplay]:
     with progress("session") as advance:
-        yield RunDisplay(schedule, advance, move_s=_MOVE_S if pace else 0.0)
+        yield RunDisplay(schedule, advance, move_s=_MOVE_S if pace else 0.0, done=done)
 
 
 class RunDisplay:
     """Follows a session: a bar with what is being done, and a line for whatever matters."""
 
-    def __init__(self, schedule: Schedule, advance: Advance, move_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        schedule: Schedule,
+        advance: Advance,
+        move_s: float = 0.0,
+        done: Collection[int] = (),
+    ) -> None:
         self._advance = advance
         self._runs = schedule.runs
         self._whole_s = sum(run.duration_s + move_s for run in schedule.runs)
         self._move_s = move_s
-        self._done_s = 0.0
+        self._done_s = sum(run.duration_s + move_s for run in schedule.runs if run.index in done)
         self._output = OutputState.UNKNOWN
         self._run: PlannedRun | None = None
+        self._invalid: list[str] = []  # why, of this run's readings
 
     def __call__(self, event: Event) -> None:
         """See `protocols.hub`: called for each event."""
         if isinstance(event, RunStarted):
-            self._run = event.run
+            self._run, self._invalid = event.run, []
             self._tell(0.0, "")
         elif isinstance(event, ReadingTaken) and self._run is not None:
+            self._invalid += [event.why] * (not event.valid)
             fraction_s = self._run.time_of(event.planned)
             self._tell(fraction_s, f"F = {1e3 * event.force_N:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
             self._done_s += self._run.duration_s + self._move_s
+            if self._invalid:
+                warn(
+                    f"run {event.run + 1}: {len(self._invalid)} of {len(self._run.readings)} "
+                    f"readings are not valid: {'; '.join(dict.fromkeys(self._invalid))}"
+                )
             if event.lost_samples or event.frames_dropped:
                 warn(
                     f"run {event.run + 1}: {event.lost_samples} samples and "

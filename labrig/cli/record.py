@@ -21,22 +21,44 @@ def add_to(app: typer.Typer) -> None:
 
 
 def run(
-    rig: Rig,
-    protocol: Annotated[Path, typer.Argument(help="protocol.toml")],
-    sheet: Annotated[Path, typer.Argument(help="sheet.toml")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="the session file to make")],
+    rig: Annotated[Path | None, typer.Argument(help="rig.toml")] = None,
+    protocol: Annotated[Path | None, typer.Argument(help="protocol.toml")] = None,
+    sheet: Annotated[Path | None, typer.Argument(help="sheet.toml")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the session file to make")
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
     ] = False,
+    resume: Annotated[
+        Path | None,
+        typer.Option("--resume", help="a session to go on with; the files can be left out"),
+    ] = None,
 ) -> None:
     """Run the experiment and record it.
 
     Asks for moves and moistening. Ctrl-C once stops after the current pulse, twice at once; the
     output is 0 V either way. With a rig whose rig.toml says replay = "session.h5", plays that.
+
+    With --resume, runs what a session lacks: its complete runs are copied into a new session
+    (NAME-resumed.h5 unless -o says otherwise), the first incomplete one is begun anew.
     """
-    from labrig.cli.follow import run_and_follow
+    from labrig.cli.follow import resume_and_follow, run_and_follow
     from labrig.config import ReplayConfig, load_rig
 
+    if resume is not None and rig is None:
+        _finish(resume_and_follow(resume, None, output, yes=yes))
+        return
+    if rig is None or protocol is None or sheet is None:
+        raise BadInputError(
+            "labrig run needs rig.toml, protocol.toml and sheet.toml, in this order; with --resume "
+            "none of them."
+        )
+    if resume is not None:
+        _finish(resume_and_follow(resume, (rig, protocol, sheet), output, yes=yes))
+        return
+    if output is None:
+        raise BadInputError("labrig run needs -o with the name of the session file to make.")
     config = load_rig(rig)
     if isinstance(config, ReplayConfig):
         replay(config.replay, output)

@@ -11,6 +11,7 @@ from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
+from labrig.experiment.resume import Resumption
 from labrig.experiment.rig import Rig, opened
 from labrig.experiment.watching import Watch, watched
 from labrig.experiment.way_out import WayOut, way_out
@@ -52,12 +53,14 @@ def run_session(
     hub: EventHub,
     *,
     look_first: bool = True,
+    resumption: Resumption | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
 ) -> Result:
     """Open the rig, look whether it is ready, run the whole schedule, record it at `path`.
 
     `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
     `look_first` the devices are taken as they are: a recording shows nothing between its runs.
+    The complete runs of a `resumption` are copied instead of run.
     Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
     result: Result | None = None
@@ -65,7 +68,7 @@ def run_session(
         with opened(rig), _leaving_safely(rig) as way:
             if look_first:
                 _require_ready(rig, plan)
-            result = _record(rig, plan, path, stop, hub, way, on_scheduler)
+            result = _record(rig, plan, path, stop, hub, way, resumption, on_scheduler)
     except OutputUnknownError:
         # Of closing the devices. How the session ended says more, and what is known of the output.
         if result is None:
@@ -93,18 +96,23 @@ def _record(
     stop: StopRequest,
     hub: EventHub,
     way: WayOut,
+    resumption: Resumption | None,
     on_scheduler: Callable[[Scheduler], None] | None,
 ) -> Result:
+    if resumption is not None:
+        resumption.check_rig(rig)
     writer = _writer(rig, plan, path)
     hub.add_critical("the session file", writer.handle)
     try:
+        if resumption is not None:
+            resumption.tell(writer.handle, rig.clock.now())
         with watched(rig) as watch:
             way.watch = watch
             hub.add_critical("the output guard", _run_counter(watch))
             scheduler = _scheduler(rig, plan, hub.emit, stop, way)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
-            outcome = scheduler.run(plan.schedule)
+            outcome = scheduler.run(plan.schedule, resumption.done if resumption else ())
     finally:
         hub.close()
         writer.close()

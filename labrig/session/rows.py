@@ -47,6 +47,7 @@ class Translator:
         self._frames: dict[int, dict[int, int]] = {}  # run -> frame number -> row of its image
         self._ways: dict[type, Callable[[Any], list[Rows]]] = {
             ev.SessionStarted: self._session_started,
+            ev.Resumed: self._resumed,
             ev.OperatorAsked: self._asked,
             ev.OperatorAnswered: self._answered,
             ev.RunStarted: self._run_started,
@@ -102,6 +103,11 @@ class Translator:
 
     def _session_started(self, event: ev.SessionStarted) -> list[Rows]:
         return [self._status("start_time", event.wall), *self._log(event, "started")]
+
+    def _resumed(self, event: ev.Resumed) -> list[Rows]:
+        runs = ", ".join(map(str, event.runs)) or "none"
+        text = f"continues the session {event.identifier}; taken there: runs {runs}"
+        return self._log(event, "resumed", text)
 
     def _asked(self, event: ev.OperatorAsked) -> list[Rows]:
         return self._log(event, "asked", event.prompt.text, subject=event.prompt.kind)

@@ -121,10 +121,15 @@ class RunRecord:
         """Readings declared invalid, by a person or a rule, columns as in `layout.MARK_ROW`."""
         return self._table("marks", layout.MARK_ROW)
 
+    @property
+    def readings_as_taken(self) -> Array:
+        """Each reading, as if none had been marked later."""
+        return self._table("readings", layout.READING_ROW)
+
     @cached_property
     def readings(self) -> Array:
         """Each reading, columns as in `layout.READING_ROW`; marks are in `valid` and `why`."""
-        rows = self._table("readings", layout.READING_ROW)
+        rows = self.readings_as_taken
         for mark in self.marks:
             hit = rows["index"] == mark["reading"] if mark["reading"] >= 0 else slice(None)
             rows["valid"][hit] = False

@@ -233,7 +233,7 @@ class FakeCamera:
         """Let go."""
 
     def _frame(self, number: int) -> Frame:
-        image = np.full(self.frame_shape, number % 256, dtype=np.uint8)
+        image = ((np.arange(24) * 9 + number) % 256).astype(np.uint8).reshape(self.frame_shape)
         return Frame(number, self.start_s + (number + 1) * self.period_s, None, image)
 
     def _is_wanted(self, time_s: float) -> bool:

@@ -1,0 +1,214 @@
+"""Go on with a session that was not finished: what it has of complete runs, told as events again.
+
+The session stays as it is. The new one is a whole session: the complete runs are copied into it,
+through the same writer and journal, before the first voltage; then the others are run. So a kill
+at any moment costs no more than it does in a session of its own.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivers.interfaces import Frame, SignalBlock, VoltageWrite
+from labrig.config import RigConfig, parse_rig
+from labrig.errors import BadInputError
+from labrig.experiment.plan import Plan, make_plan
+from labrig.experiment.rig import Rig
+from labrig.session import RunRecord, Session
+from protocols import events as ev
+
+_BLOCK = 10_000  # samples in one event
+
+
+def resumed_plan(session: Session) -> Plan:
+    """What was to be done, from the configuration that the session holds.
+
+    A world that its rig.toml names is looked for beside the session.
+    """
+    rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
+    if not isinstance(rig, RigConfig):
+        raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")
+    if rig.simulated is not None and rig.simulated.world is not None:
+        world = session.path.parent / rig.simulated.world
+        simulated = rig.simulated.model_copy(update={"world": world})
+        rig = rig.model_copy(update={"simulated": simulated})
+    return make_plan(rig, session.texts)
+
+
+def output_beside(session: Path) -> Path:
+    """Where a resumed session goes unless it is told."""
+    return session.with_name(f"{session.stem}-resumed{session.suffix}")
+
+
+@dataclass(frozen=True)
+class Resumption:
+    """A session that is gone on with. `session` must stay open until its runs are copied."""
+
+    session: Session
+
+    @property
+    def done(self) -> frozenset[int]:
+        """The runs that are complete."""
+        return frozenset(run.planned.index for run in self.session.runs if run.completed)
+
+    def check(self, plan: Plan) -> None:
+        """BadInputError unless the plan is the session's, and something is left to do."""
+        path = self.session.path
+        if len(self.done) == len(self.session.runs):
+            raise BadInputError(f"{path}: all its runs are complete; there is nothing to resume.")
+        other = [
+            name for name in self.session.texts if self.session.texts[name] != _text(plan, name)
+        ]
+        other += [name for name in plan.texts if name not in self.session.texts]
+        if other:
+            raise BadInputError(
+                f"{path}: {', '.join(other)} is not what this session was begun with; leave the "
+                "files out, and those that the session holds are used, or begin a new session."
+            )
+        if plan.schedule != self.session.schedule:
+            raise BadInputError(
+                f"{path}: this labrig makes another schedule of the same protocol; finish it with "
+                f"the version that began it ({self.session.versions.get('labrig', 'not known')})."
+            )
+
+    def check_rig(self, rig: Rig) -> None:
+        """BadInputError unless the opened rig's signals and pictures are those of the session."""
+        session = self.session
+        shape, dtype = None, session.frame_dtype
+        if rig.camera is not None:
+            shape, dtype = rig.camera.frame_shape, rig.camera.dtype.name
+        found: dict[str, tuple[Any, Any]] = {
+            "the input channels": (tuple(rig.signals.channels), session.channels),
+            "the input ranges": (tuple(rig.signals.ranges_V), session.ranges_V),
+            "the sample rate": (rig.signals.rate_hz, session.rate_hz),
+            "the camera's picture": ((shape, dtype), (session.frame_shape, session.frame_dtype)),
+        }
+        for what, (now, then) in found.items():
+            if now != then:
+                raise BadInputError(
+                    f"{session.path}: {what} is {now} now and was {then} when this session was "
+                    "begun; begin a new one."
+                )
+
+    def tell(self, handle: Callable[[ev.Event], None], now_s: float) -> None:
+        """Tell of the complete runs again; `now_s` is the clock that the times are put into."""
+        shift_s = self._shift_s(now_s)
+        began_s = self.session.events[0].time_s if self.session.events else 0.0
+        done = tuple(sorted(self.done))
+        handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
+        for run in self.session.runs:
+            if run.completed:
+                for event in _retold(run, shift_s):
+                    handle(event)
+
+    def _shift_s(self, now_s: float) -> float:
+        """From the session's clock to the present one: by the time of day, which both know.
+
+        A simulated session's clock has nothing to do with that: it ends now.
+        """
+        events = self.session.events
+        if not events:
+            return now_s
+        if self.session.simulated or not self.session.started:
+            return now_s - events[-1].time_s
+        began = dt.datetime.fromisoformat(self.session.started)
+        ago_s = (dt.datetime.now(dt.UTC) - began).total_seconds()
+        return now_s - ago_s - events[0].time_s
+
+
+def _text(plan: Plan, name: str) -> str | None:
+    return plan.texts.get(name)
+
+
+def _retold(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
+    """The events of a complete run, in an order in which they might have come."""
+    planned, counts = run.planned, run.counts
+    zero_s = run.time_zero_s + shift_s
+    clock = run.sample_clock
+    clock = type(clock)(clock.start_s + shift_s, clock.start_uncertainty_s, clock.rate_hz)
+    shape = run.image(0).shape if run.frame_count else None
+    yield ev.RunStarted(
+        zero_s,
+        planned,
+        clock,
+        run.channels,
+        None if shape is None else (shape[0], shape[1]),
+        run.stage_position_m,
+        run.since_wetting_s,
+    )
+    yield from _writes(run, shift_s)
+    volts = np.stack([run.signal_V(name) for name in run.channels])
+    for first in range(0, volts.shape[1], _BLOCK):
+        block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
+        yield ev.SignalsArrived(zero_s, planned.index, block)
+    yield from _readings(run, zero_s)
+    for mark in run.marks:
+        reading = int(mark["reading"])
+        yield ev.ReadingMarked(
+            float(mark["time_s"]) + shift_s,
+            planned.index,
+            None if reading < 0 else reading,
+            str(mark["why"]),
+            str(mark["who"]),
+        )
+    yield ev.RunStopped(
+        zero_s + planned.duration_s,
+        planned.index,
+        completed=True,
+        lost_samples=counts.lost_samples,
+        frames_grabbed=counts.frames_grabbed,
+        frames_dropped=counts.frames_dropped,
+    )
+
+
+def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
+    for row in run.writes:
+        before_s, after_s = float(row["before_s"]) + shift_s, float(row["after_s"]) + shift_s
+        write = VoltageWrite(float(row["sheet_V"]), float(row["board_V"]), before_s, after_s)
+        due_s = float(row["due_s"]) + shift_s
+        yield ev.VoltageSet(after_s, run.planned.index, int(row["step"]), due_s, write)
+
+
+def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:
+    """Readings in their order, and before each of them the frames that were kept before its own."""
+    index, told = run.planned.index, 0
+    for row in run.readings_as_taken:
+        its = int(row["frame"])
+        others = range(told, its)
+        if others:
+            yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in others))
+        told = max(told, its + 1)
+        offset_s = float(row["frame_offset_s"])
+        yield ev.ReadingTaken(
+            time_s=zero_s,
+            run=index,
+            planned=run.planned.readings[int(row["index"])],
+            sample_index=float(row["sample_index"]),
+            sample_time_s=float(row["time_s"]) + zero_s,
+            force_N=float(row["force_N"]),
+            drive_V=float(row["drive_V"]),
+            current_A=float(row["current_A"]),
+            frame=None if its < 0 else _frame(run, its, zero_s),
+            frame_offset_s=None if np.isnan(offset_s) else offset_s,
+            valid=bool(row["valid"]),
+            why=str(row["why"]),
+        )
+    rest = range(told, run.frame_count)
+    if rest:
+        yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in rest))
+
+
+def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:
+    device_s = float(run.frame_column("device_time")[row])
+    return Frame(
+        int(run.frame_column("number")[row]),
+        float(run.frame_column("time")[row]) + zero_s,
+        None if np.isnan(device_s) else device_s,
+        run.image(row),
+    )

@@ -1,0 +1,128 @@
+"""`labrig run --resume`: what was complete is kept to the last bit, the rest is run."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.session import open_session, verify
+from protocols.events import Outcome, OutputState
+from tests.end_to_end.small_rig import labrig, make_rig
+
+pytestmark = pytest.mark.slow
+PROTOCOL = """
+[pulse_train]
+zero_readings = 1
+readings_per_voltage = 2
+pulses_discarded = 1
+[[places]]
+configuration = "long"
+positions_mm = [10, 15, 20]
+[extras]
+mode = "paper"
+"""
+# In the second run; the world's time in which one can be run is about 6 s.
+FAULT = """
+[[faults]]
+what = "cell_overloaded"
+since = "first_voltage"
+from_s = 5.0
+"""
+FILES = ("rig.toml", "protocol.toml", "sheet.toml")
+
+
+@pytest.fixture(scope="module")
+def failed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a rig whose session failed in its second run; its world is sound again."""
+    folder = make_rig(tmp_path_factory.mktemp("resume") / "rig", PROTOCOL, FAULT)
+    assert labrig("run", *(folder / f for f in FILES), "-o", folder / "s.h5") == 5
+    (folder / "world.toml").write_text("seed = 1\n")
+    with open_session(folder / "s.h5") as session:
+        assert [run.completed for run in session.runs] == [True, False, False]
+    return folder
+
+
+def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) -> None:
+    before = (failed / "s.h5").read_bytes()
+    assert labrig("run", "--resume", failed / "s.h5") == 0
+    assert (failed / "s.h5").read_bytes() == before
+    path = failed / "s-resumed.h5"
+    assert all(check.ok for check in verify(path))
+    with open_session(failed / "s.h5") as old, open_session(path) as new:
+        assert new.outcome is Outcome.COMPLETED
+        assert new.output_state is OutputState.SAFE
+        assert [run.completed for run in new.runs] == [True] * 3
+        assert new.identifier != old.identifier
+        first = new.events[0]
+        assert (first.kind, old.identifier in first.text) == ("resumed", True)
+        kept, copied = old.runs[0], new.runs[0]
+        for channel in old.channels:
+            np.testing.assert_array_equal(kept.signal_V(channel), copied.signal_V(channel))
+        for name in kept.readings.dtype.names:
+            if name == "time_s":
+                np.testing.assert_allclose(kept.readings[name], copied.readings[name], atol=1e-9)
+            else:
+                np.testing.assert_array_equal(kept.readings[name], copied.readings[name])
+        assert kept.frame_count == copied.frame_count > 0
+        for row in range(kept.frame_count):
+            np.testing.assert_array_equal(kept.image(row), copied.image(row))
+        np.testing.assert_allclose(kept.frame_column("time"), copied.frame_column("time"))
+        np.testing.assert_array_equal(kept.writes["sheet_V"], copied.writes["sheet_V"])
+        # In the clock of the new session the old run comes before the new ones.
+        zeros_s = [run.time_zero_s for run in new.runs]
+        assert zeros_s == sorted(zeros_s)
+        assert zeros_s[0] >= first.time_s
+
+
+def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "rig"
+    shutil.copytree(failed, folder)
+    (folder / "world.toml").write_text(FAULT)
+    assert labrig("run", "--resume", folder / "s.h5", "-o", folder / "second.h5") == 5
+    with open_session(folder / "second.h5") as session:
+        assert [run.completed for run in session.runs] == [True, True, False]
+    (folder / "world.toml").write_text("seed = 1\n")
+    assert labrig("run", "--resume", folder / "second.h5", "-o", folder / "third.h5") == 0
+    with open_session(folder / "third.h5") as session:
+        assert [run.completed for run in session.runs] == [True] * 3
+
+
+def test_the_files_may_be_given_when_they_are_those_of_the_session(
+    failed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "rig"
+    shutil.copytree(failed, folder)
+    files = [folder / name for name in FILES]
+    assert labrig("run", *files, "--resume", folder / "s.h5", "-o", folder / "whole.h5") == 0
+    text = (folder / "protocol.toml").read_text()
+    (folder / "protocol.toml").write_text(text.replace("zero_readings = 1", "zero_readings = 2"))
+    capsys.readouterr()
+    assert labrig("run", *files, "--resume", folder / "s.h5", "-o", folder / "other.h5") == 2
+    assert "protocol.toml is not what this session was begun with" in capsys.readouterr().err
+    assert not (folder / "other.h5").exists()
+
+
+def test_a_complete_session_is_not_resumed(
+    session: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert labrig("run", "--resume", session) == 2
+    assert "nothing to resume" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run"], "needs rig.toml, protocol.toml and sheet.toml"),
+        (["run", "rig.toml", "protocol.toml"], "needs rig.toml, protocol.toml and sheet.toml"),
+        (["run", "rig.toml", "protocol.toml", "sheet.toml"], "needs -o"),
+        (["run", "--resume", "no.h5"], "there is no such file"),
+    ],
+)
+def test_what_is_missing_is_said(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert labrig(*arguments) == 2
+    assert said in capsys.readouterr().err
