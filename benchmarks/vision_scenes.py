@@ -104,7 +104,7 @@ def make_scene(recipe: Recipe) -> Scene:
     rng = np.random.default_rng(recipe.seed)
     w, h = recipe.size
     for _ in range(200):
-        s, xy, k, phi = truth_curve(recipe, rng)
+        s, xy, k, _ = truth_curve(recipe, rng)
         if np.abs(k).max() > 200 or ((xy[200:, 0] < 0.5) & (np.abs(xy[200:, 1]) < 9)).any():
             continue
         origin = np.array(recipe.place or (rng.uniform(0.08, 0.5) * w, rng.uniform(0.2, 0.8) * h))
@@ -134,7 +134,7 @@ def make_scene(recipe: Recipe) -> Scene:
     jitter = rng.normal(0, 0.6, 2) if recipe.jitter else np.zeros(2)
     optics["clamp_px"] = (raw[0] + jitter).tolist()
     optics["clamp_angle_rad"] = float(rng.normal(0, 0.008)) if recipe.jitter else 0.0
-    image = _draw(recipe, rng, ideal, raw, phi - 0, s, K, dist, origin, optics)
+    image = _draw(recipe, rng, ideal, raw, s, K, dist, optics)
     strip = {
         "free_length_mm": recipe.free_mm,
         "elongation_mm": recipe.elongation_mm,
@@ -164,7 +164,7 @@ def _undistort(raw, K, dist):
     return np.asarray(out).reshape(-1, 2)
 
 
-def _draw(recipe, rng, ideal, raw, phi, s, K, dist, origin, optics):
+def _draw(recipe, rng, ideal, raw, s, K, dist, optics):
     w, h = recipe.size
     direction = 1.0 if recipe.bright else -1.0
     base = 50.0 if recipe.bright else 185.0
@@ -175,19 +175,30 @@ def _draw(recipe, rng, ideal, raw, phi, s, K, dist, origin, optics):
         picture = _clutter(picture, recipe, rng, contrast)
     for _ in range(recipe.spots):  # blurred reflections on whatever is there
         a, b, r = rng.uniform(0, w), rng.uniform(0, h), rng.uniform(2, 9)
-        picture += rng.uniform(0.3, 1.0) * abs(contrast) * np.exp(
-            -((uu - a) ** 2 + (vv - b) ** 2) / (2 * r * r)
+        picture += (
+            rng.uniform(0.3, 1.0)
+            * abs(contrast)
+            * np.exp(-((uu - a) ** 2 + (vv - b) ** 2) / (2 * r * r))
         )
     if recipe.wire:
         p = ideal[int(rng.uniform(0.25, 0.9) * len(ideal))]
         a = rng.uniform(0, np.pi)
         d = np.array([np.cos(a), np.sin(a)]) * 900
         m = np.zeros((h, w), np.uint8)
-        cv2.line(m, tuple(np.int32(p - d)), tuple(np.int32(p + d)), 255, int(rng.integers(1, 4)), cv2.LINE_AA)
+        cv2.line(
+            m,
+            tuple(np.int32(p - d)),
+            tuple(np.int32(p + d)),
+            255,
+            int(rng.integers(1, 4)),
+            cv2.LINE_AA,
+        )
         picture += (m / 255.0) * contrast * rng.uniform(0.4, 1.0)
     if recipe.sheet:
         picture = _sheet(picture, recipe, ideal, s, K, dist, base, contrast)
-    jaw = base + (0.6 if rng.random() < 0.5 else -0.25) * recipe.contrast * (1 if recipe.bright else -1)
+    jaw = base + (0.6 if rng.random() < 0.5 else -0.25) * recipe.contrast * (
+        1 if recipe.bright else -1
+    )
     c, sn = np.cos(recipe.roll_rad), np.sin(recipe.roll_rad)
     if recipe.clamp:
         R = np.array([[c, -sn], [sn, c]])
@@ -208,7 +219,9 @@ def _draw(recipe, rng, ideal, raw, phi, s, K, dist, origin, optics):
         for side in (-1, 1):
             centre = raw[i] + side * (radius + gap) * normal
             m = np.zeros((h, w), np.uint8)
-            cv2.circle(m, tuple(np.int32(np.round(centre * 64))), int(radius * 64), 255, -1, cv2.LINE_AA, 6)
+            cv2.circle(
+                m, tuple(np.int32(np.round(centre * 64))), int(radius * 64), 255, -1, cv2.LINE_AA, 6
+            )
             picture = picture * (1 - m / 255.0) + level * (m / 255.0)
             rolls.append([float(centre[0]), float(centre[1]), float(radius)])
         if rng.random() < 0.6:  # the holder in front of the sheet hides up to 40 px of it
@@ -239,7 +252,9 @@ def _sheet(picture, recipe, ideal, s, K, dist, base, contrast):
     mask = np.zeros((h, w), np.uint8)
     pts = np.int32(np.round(raw * 16)).reshape(-1, 1, 2)
     reach = int(2 * (thick / 2 + 3 + (12 if recipe.face else 0))) + 2
-    cv2.polylines(mask, [pts], False, 1, reach, cv2.LINE_8, 4)
+    cv2.polylines(
+        mask, [pts], isClosed=False, color=1, thickness=reach, lineType=cv2.LINE_8, shift=4
+    )
     rows, columns = np.nonzero(mask)
     sub = (np.arange(SUB) + 0.5) / SUB - 0.5
     du, dv = np.meshgrid(sub, sub)
@@ -279,13 +294,38 @@ def _clutter(picture, recipe, rng, contrast):
         a, b = rng.uniform(0, w), rng.uniform(0, h)
         if kind == 0:
             c, d = rng.uniform(0, w), rng.uniform(0, h)
-            cv2.line(m, (int(a), int(b)), (int(c), int(d)), 255, int(rng.integers(1, 5)), cv2.LINE_AA)
+            cv2.line(
+                m, (int(a), int(b)), (int(c), int(d)), 255, int(rng.integers(1, 5)), cv2.LINE_AA
+            )
         elif kind == 1:
-            cv2.circle(m, (int(a), int(b)), int(rng.uniform(5, 60)), 255, int(rng.choice([-1, 2, 3])), cv2.LINE_AA)
+            cv2.circle(
+                m,
+                (int(a), int(b)),
+                int(rng.uniform(5, 60)),
+                255,
+                int(rng.choice([-1, 2, 3])),
+                cv2.LINE_AA,
+            )
         elif kind == 2:
-            cv2.ellipse(m, (int(a), int(b)), (int(rng.uniform(20, 150)), int(rng.uniform(20, 150))), rng.uniform(0, 360), 0, rng.uniform(60, 300), 255, int(rng.integers(1, 4)), cv2.LINE_AA)
+            cv2.ellipse(
+                m,
+                (int(a), int(b)),
+                (int(rng.uniform(20, 150)), int(rng.uniform(20, 150))),
+                rng.uniform(0, 360),
+                0,
+                rng.uniform(60, 300),
+                255,
+                int(rng.integers(1, 4)),
+                cv2.LINE_AA,
+            )
         else:
-            cv2.rectangle(m, (int(a), int(b)), (int(a + rng.uniform(10, 150)), int(b + rng.uniform(10, 150))), 255, int(rng.choice([-1, 2])))
+            cv2.rectangle(
+                m,
+                (int(a), int(b)),
+                (int(a + rng.uniform(10, 150)), int(b + rng.uniform(10, 150))),
+                255,
+                int(rng.choice([-1, 2])),
+            )
         out += m / 255.0 * contrast * rng.uniform(-0.3, 1.0)
     return out
 
@@ -315,8 +355,18 @@ def mixed(seed: int) -> Recipe:
 
 def rmse_px(found_px: np.ndarray, truth_px: np.ndarray) -> float:
     """RMS orthogonal distance of the found points to the dense truth, its ends prolonged."""
-    head = truth_px[0] + (truth_px[0] - truth_px[4]) / np.hypot(*(truth_px[0] - truth_px[4])) * np.linspace(40, 0.05, 800)[:, None]
-    tail = truth_px[-1] + (truth_px[-1] - truth_px[-5]) / np.hypot(*(truth_px[-1] - truth_px[-5])) * np.linspace(0.05, 40, 800)[:, None]
+    head = (
+        truth_px[0]
+        + (truth_px[0] - truth_px[4])
+        / np.hypot(*(truth_px[0] - truth_px[4]))
+        * np.linspace(40, 0.05, 800)[:, None]
+    )
+    tail = (
+        truth_px[-1]
+        + (truth_px[-1] - truth_px[-5])
+        / np.hypot(*(truth_px[-1] - truth_px[-5]))
+        * np.linspace(0.05, 40, 800)[:, None]
+    )
     line = np.vstack([head, truth_px, tail])
     _, index = cKDTree(line).query(found_px)
     index = np.clip(index, 1, len(line) - 2)

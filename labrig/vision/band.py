@@ -104,35 +104,36 @@ def window_sums(sums: FloatArray, half: int) -> FloatArray:
 
 
 @jit
-def _solve4(n: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve the window's four by four equations for the rows of `right` (k, 4).
+def _solve(n: FloatArray, size: int, low: FloatArray, out: FloatArray) -> None:
+    """Solve a window's equations for three right-hand sides, into `out` (3, 4).
 
-    n: the upper triangle by rows. A trace of a ridge keeps empty windows and absent faces solvable.
+    n: the upper triangle of four by four by rows, then the right-hand sides; `size` 3 leaves the
+    face out; `low` (4, 4) is room to work in. A trace of a ridge keeps empty windows solvable.
     """
-    low = np.zeros((4, 4))
-    at = 0
     tiny = 1e-9 * (n[0] + n[4] + n[7] + n[9]) + 1e-12
-    for i in range(4):
-        for j in range(i, 4):
+    at = 0
+    for i in range(size):
+        for j in range(i, size):
             low[j, i] = n[at] + (tiny if i == j else 0.0)
             at += 1
-    for i in range(4):  # Cholesky
+        at += 4 - size
+    for i in range(size):  # Cholesky
         for j in range(i + 1):
             total = low[i, j]
             for q in range(j):
                 total -= low[i, q] * low[j, q]
             low[i, j] = math.sqrt(max(total, tiny)) if i == j else total / low[j, j]
-    out = right.copy()
-    for k in range(len(right)):
-        for i in range(4):
+    for k in range(3):
+        for i in range(size):
+            total = n[10 + 4 * k + i]
             for q in range(i):
-                out[k, i] -= low[i, q] * out[k, q]
-            out[k, i] /= low[i, i]
-        for i in range(3, -1, -1):
-            for q in range(i + 1, 4):
-                out[k, i] -= low[q, i] * out[k, q]
-            out[k, i] /= low[i, i]
-    return out
+                total -= low[i, q] * out[k, q]
+            out[k, i] = total / low[i, i]
+        for i in range(size - 1, -1, -1):
+            total = out[k, i]
+            for q in range(i + 1, size):
+                total -= low[q, i] * out[k, q]
+            out[k, i] = total / low[i, i]
 
 
 @jit
@@ -171,24 +172,25 @@ def _templates(
 @jit
 def _gather(
     sums: FloatArray,
-    i: int,
     low: int,
     high: int,
+    size: int,
     basis: FloatArray,
     weight: FloatArray,
     right: FloatArray,
 ) -> None:
-    """Sum the window equations of one cell: 10 products of the basis, 3 x 4 right-hand sides."""
+    """Sum the window equations of one cell: products of the basis, three right-hand sides."""
     for q in range(low, high):
-        w = weight[q]
         at = 0
-        for a in range(4):
-            wa = w * basis[q, a]
-            for b in range(a, 4):
-                sums[i, at] += wa * basis[q, b]
+        for a in range(size):
+            wa = weight[q] * basis[q, a]
+            for b in range(a, size):
+                sums[at] += wa * basis[q, b]
                 at += 1
-            for r in range(3):
-                sums[i, 10 + 4 * r + a] += wa * right[q, r]
+            at += 4 - size
+            sums[10 + a] += wa * right[q, 0]
+            sums[14 + a] += wa * right[q, 1]
+            sums[18 + a] += wa * right[q, 2]
 
 
 @jit
@@ -219,21 +221,24 @@ def measure(
     right[:, 0] = value
     basis[:, 1] = distance
     basis[:, 2], right[:, 1], right[:, 2] = _templates(distance, first, half_width, blur, widen)
-    basis[:, 3] = _faces(distance, first, half_width, blur, face)
+    size = 4 if np.any(face != 0) else 3
+    if size == 4:
+        basis[:, 3] = _faces(distance, first, half_width, blur, face)
+    low, solved = np.zeros((4, 4)), np.zeros((3, 4))
     weight = np.ones(pixels)
     out = np.zeros((cells, 11))
     for turn in range(rounds):
         sums = np.zeros((cells, 22))
         for i in range(cells):
             if used[i] > 0:
-                _gather(sums, i, first[i], first[i + 1], basis, weight, right)
+                _gather(sums[i], first[i], first[i + 1], size, basis, weight, right)
         total = window_sums(sums, window)
         for i in range(cells):
-            solved = _solve4(total[i], total[i, 10:].copy().reshape(3, 4))
+            _solve(total[i], size, low, solved)
             c = solved[0, 2]
             for q in range(first[i], first[i + 1]):
                 miss, g, h = right[q, 0], right[q, 1], right[q, 2]
-                for a in range(4):
+                for a in range(size):
                     miss -= basis[q, a] * solved[0, a]
                     g -= basis[q, a] * solved[1, a]
                     h -= basis[q, a] * solved[2, a]
