@@ -89,10 +89,12 @@ def _fitted(session: Path, measurements: Measurements, options: FitOptions) -> F
     from labrig.report.fitted import fit_what_can_be
 
     fitted = fit_what_can_be(measurements, options)
-    for name, why in fitted.missing.items():
-        warn(f"{name}: could not be fitted: {why.rstrip('.')}.")
+    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
     if fitted.fit is None:
-        raise BadInputError(f"{session}: no configuration can be fitted; see above.")
+        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
+        raise BadInputError(f"{session}: no configuration can be fitted: {why}.")
+    for name, why in lacking.items():
+        warn(f"{name}: could not be fitted: {why}.")
     return fitted.fit
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -73,8 +74,6 @@ def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Mea
 
 def workers() -> int:
     """Processes that may look for curves at a time."""
-    import os
-
     return max(1, min(4, os.cpu_count() or 1))
 
 

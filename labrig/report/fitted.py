@@ -31,7 +31,7 @@ def fit_what_can_be(measurements: Measurements, options: FitOptions | None = Non
         return Fitted(fit(measurements, options))
     except ModelError as error:
         if len(names) < 2:
-            return Fitted(None, dict.fromkeys(names or ["-"], str(error)))
+            return Fitted(None, dict.fromkeys(names, str(error)))
     missing = {name: _why_not(measurements, options, name) for name in names}
     good = tuple(name for name, why in missing.items() if not why)
     lacking = {name: why for name, why in missing.items() if why}

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from model import Prediction, SheetModel, predict
+from model.beam import solve
 from model.measurements import FloatArray
+from model.predict import batch
 
 
 @dataclass(frozen=True)
@@ -45,5 +47,6 @@ def force_curve_N(
     model: SheetModel, configuration: str, positions_m: FloatArray, voltage_V: float
 ) -> FloatArray:
     """F over positions, shape (positions,); NaN where a position cannot be reached."""
-    found = [predicted(model, configuration, float(p), voltage_V) for p in positions_m]
-    return np.array([np.nan if f is None else f.F_N for f in found])
+    setups = [model.setup(configuration, float(p), voltage_V) for p in positions_m]
+    found = solve(batch(setups))  # one batch: hundreds of points in the time of one `predict`
+    return found.force(np.array([setup.B_Nm2 for setup in setups]))

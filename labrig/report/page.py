@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from labrig.report.observations import observations
 from labrig.report.overview import overview
 from labrig.report.paper_tables import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.report.table import Table
-from labrig.report.verdict import cards, remarks
+from labrig.report.verdict import MOST_WARNINGS, cards, remarks
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,11 @@ def _simulations(found: Findings, drawn: dict[str, Drawn]) -> Section:
 
 def _quality(found: Findings) -> Section:
     runs = overview(found.session).tables()[1]
-    folded = (Folded("All runs", runs),) if runs.rows else ()
+    folded = [Folded("All runs", runs)] if runs.rows else []
+    warned = [] if found.measurements is None else found.measurements.warnings
+    if len(warned) > MOST_WARNINGS:
+        table = Table("", ("",), tuple((text,) for text in warned))
+        folded.append(Folded(f"All {len(warned)} warnings of the analysis", table))
     return Section("Quality of the data", (*found.quality.tables, *folded))
 
 
@@ -163,8 +168,6 @@ def render(found: Findings, drawn: dict[str, Drawn]) -> str:
 
 
 def _with_true_minus(text: str) -> str:
-    import re
-
     return re.sub(r"(?<![\w.])-(?=\d)|(?<= )-(?= )", "\N{MINUS SIGN}", text)
 
 

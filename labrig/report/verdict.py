@@ -16,6 +16,7 @@ from model import ConfigurationFit, Parameter
 from protocols.events import Outcome, OutputState
 
 KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
+MOST_WARNINGS: Final = 8  # of the analysis, shown at the top; beyond that a table has them all
 Parts = Mapping[str, ConfigurationFit]
 
 
@@ -132,5 +133,8 @@ def remarks(found: Findings) -> list[str]:
         said.append(f"The configuration {name} could not be fitted: {why.rstrip('.')}.")
     said += found.quality.remarks
     if found.measurements is not None:
-        said += [text.rstrip(".") + "." for text in found.measurements.warnings]
+        warned = found.measurements.warnings
+        said += [text.rstrip(".") + "." for text in warned[:MOST_WARNINGS]]
+        if len(warned) > MOST_WARNINGS:
+            said.append(f"{len(warned) - MOST_WARNINGS} more are listed with the data's quality.")
     return said

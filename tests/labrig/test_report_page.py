@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -10,9 +11,12 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.report.figures import NAMES
+from labrig.report.findings import Findings
+from labrig.report.fitted import Fitted
 from labrig.report.svg import inline
+from labrig.report.verdict import remarks
 from labrig.report.write import write_report
-from labrig.session import export_session, import_session
+from labrig.session import export_session, import_session, open_session
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 
 VOID = {"meta", "br", "hr", "img", "link", "input"}
@@ -203,3 +207,11 @@ def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path
     assert "Figure 5." not in text
     assert "The output was left" not in text
     assert "Saturation" not in text
+
+
+def test_many_warnings_are_counted_at_the_top(tmp_path):
+    many = replace(measure("long"), warnings=tuple(f"curve {i} is odd" for i in range(30)))
+    with open_session(session(tmp_path / "made.h5", many)) as opened:
+        said = remarks(Findings(opened, many, Fitted(None), ""))
+    assert said[-1] == "22 more are listed with the data's quality."
+    assert len(said) == 10

@@ -11,12 +11,13 @@ from labrig.report.chosen import force_line, mean_force, rest_position_m
 from labrig.report.fit_tables import residual_table, trust
 from labrig.report.fitted import fit_what_can_be
 from labrig.report.measured_tables import measurements_as_dict, measurements_tables
+from labrig.report.models import force_curve_N
 from labrig.report.observations import observations
 from labrig.report.paper_tables import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.report.quality import scatter_and_drift
 from labrig.report.table import fixed, interval, number, with_sigma
-from model import Condition, Reading
-from tests.labrig.report_data import STIFFNESS, invalid, measure
+from model import Condition, Reading, predict
+from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
 
 
 @pytest.fixture(scope="module")
@@ -183,3 +184,13 @@ def test_the_analysis_tables_name_failed_curves_and_invalid_readings(measured):
 )
 def test_numbers_have_the_digits_that_their_uncertainty_allows(text, wanted):
     assert text == wanted
+
+
+def test_a_simulated_force_curve_has_the_single_predictions_and_gaps_where_none_is_reachable():
+    model = truth("long")
+    places = np.array([0.0, 0.012, 0.03, 0.06])
+    force = force_curve_N(model, "long", places, -2.0)
+    single = [predict(model, "long", float(p), -2.0) for p in places]
+    assert force[:3] == pytest.approx([one.F_N for one in single[:3]], rel=1e-9)
+    assert not single[3].reachable
+    assert np.isnan(force[3])
