@@ -23,6 +23,7 @@ class Figures:
     finished: int  # readings that were over before the fault
     missing: int  # of those
     invalid: int  # readings that the program itself has marked, on a busy computer
+    disturbed: int  # attempts that ended before their fault, and were made again
     failed: int  # runs that were not as they should be
 
 
@@ -39,6 +40,7 @@ def figures(name: str, verdicts: Sequence[Verdict]) -> Figures:
         finished=sum(v.finished for v in verdicts),
         missing=sum(v.missing for v in verdicts),
         invalid=sum(v.invalid for v in verdicts),
+        disturbed=sum(v.disturbed for v in verdicts),
         failed=sum(bool(v.faults) for v in verdicts),
     )
 
@@ -50,15 +52,15 @@ def summary(verdicts: Sequence[Verdict]) -> list[str]:
     rows.append(figures("all", verdicts))
     head = (
         "| fault | runs | under voltage | 0 V after: median | longest | largest voltage "
-        "| readings over | not recovered | marked late | runs failed |"
+        "| readings over | not recovered | marked late | made again | runs failed |"
     )
-    return [head, "|---" * 10 + "|", *(_row(f) for f in rows)]
+    return [head, "|---" * 11 + "|", *(_row(f) for f in rows)]
 
 
 def _row(f: Figures) -> str:
     return (
         f"| {f.name} | {f.runs} | {f.energised} | {f.median_s:.3f} s | {f.longest_s:.3f} s "
-        f"| {f.largest_V:.3f} V | {f.finished} | {f.missing} | {f.invalid} | {f.failed} |"
+        f"| {f.largest_V:.3f} V | {f.finished} | {f.missing} | {f.invalid} | {f.disturbed} | {f.failed} |"
     )
 
 

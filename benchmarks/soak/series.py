@@ -25,6 +25,8 @@ _EARLY_S, _LATE_S = 6.0, 7.0  # moments are drawn up to here
 _ENERGISED_S = 60.0  # a busy computer starts slowly
 _AFTER_S = 1.5  # the world is watched so long after a fault
 _END_S = 60.0  # for a program that lives on after a fault
+_TRIES = 6
+_GUARD = "labrig's output guard:"  # how its words begin when it has acted
 _GUARD_S = 20.0  # for the guard to end
 
 
@@ -62,11 +64,10 @@ def soak(
 def _on_one_rig(
     part: list[Planned], folder: Path, tell: Callable[[Verdict], None] = lambda _: None
 ) -> list[Verdict]:
-    verdicts = []
+    verdicts: list[Verdict] = []
     with serving(folder / f"rig{part[0].number:04d}") as bench:
         for planned in part:
-            verdict = Verdict(planned.number, planned.fault, planned.after_s)
-            _one(bench, verdict)
+            verdict = _undisturbed(bench, planned)
             tell(verdict)
             verdicts.append(verdict)
     return verdicts
@@ -78,14 +79,33 @@ def _moment_s(dice: random.Random) -> float:
     return -at * _EARLY_S if early else at * _LATE_S
 
 
-def _one(bench: Bench, verdict: Verdict) -> None:
+def _undisturbed(bench: Bench, planned: Planned) -> Verdict:
+    """The run; again when it ended before its fault, as on a computer that is too busy."""
+    for attempt in range(_TRIES):
+        verdict = Verdict(planned.number, planned.fault, planned.after_s, disturbed=attempt)
+        try:
+            _one(bench, verdict, f"run{planned.number:04d}-{attempt}")
+        except DisturbedError as disturbance:
+            verdict.faults.append(str(disturbance))
+        except Exception as error:  # noqa: BLE001 - the other runs shall be made, and this one seen
+            verdict.faults.append(f"{type(error).__name__}: {error}")
+            return verdict
+        else:
+            return verdict
+    return verdict
+
+
+class DisturbedError(Exception):
+    """The run was over before anything was done to it."""
+
+
+def _one(bench: Bench, verdict: Verdict, name: str) -> None:
     relay = Relay(bench.boards) if verdict.fault.needs_relay else None
     world = bench.watch()
     world_begin = len(world.look())
-    run = bench.start(f"run{verdict.number:04d}", relay.address if relay else None)
+    run = bench.start(name, relay.address if relay else None)
     try:
-        if not _wait_for(verdict, run, world):
-            verdict.faults.append(f"it ended by itself: {run.said[-300:]}")
+        _wait_for(verdict, run, world)
         do(verdict.fault, run.process, relay)
         fault_s = time.perf_counter()
         _let_it_end(verdict, run, world)
@@ -103,17 +123,15 @@ def _one(bench: Bench, verdict: Verdict) -> None:
             path.unlink()
 
 
-def _wait_for(verdict: Verdict, run: LabrigRun, world: WorldRecord) -> bool:
-    """Until the moment of the fault; False when the program did not get there."""
+def _wait_for(verdict: Verdict, run: LabrigRun, world: WorldRecord) -> None:
+    """Until the moment of the fault; DisturbedError when the program did not get there."""
     if verdict.after_s < 0:
         until(lambda: run.has_ended, -verdict.after_s)
-        return True
-    if not until(lambda: world.was_energised or run.has_ended, _ENERGISED_S):
-        return False
-    if not world.was_energised:
-        return False
-    until(lambda: run.has_ended, verdict.after_s)
-    return True
+    else:
+        until(lambda: world.was_energised or run.has_ended, _ENERGISED_S)
+        until(lambda: run.has_ended, verdict.after_s)
+    if _GUARD in run.said or (run.has_ended and run.process.returncode != 0):
+        raise DisturbedError(f"it ended before its fault: {run.said[-300:]}")
 
 
 def _let_it_end(verdict: Verdict, run: LabrigRun, world: WorldRecord) -> None:
