@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -11,6 +12,11 @@ from typing import Any, Protocol
 
 from rich.console import Console
 from rich.table import Table
+
+
+# Also with an uncertainty, an interval, a count out of another, or nothing known.
+_PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
+_NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
 
 
 def console() -> Console:
@@ -84,9 +90,7 @@ def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> li
 def _holds_numbers(rows: list[list[str]], column: int) -> bool:
     """Whether most of a column's cells begin like a number; the first column names the row."""
     cells = [row[column] for row in rows if row[column]]
-    numbers = [
-        cell for cell in cells if cell.lstrip("+-\N{MINUS SIGN}")[:1].isdigit() or cell == "-"
-    ]
+    numbers = [cell for cell in cells if _NUMBER.fullmatch(cell)]
     return column > 0 and 2 * len(numbers) > len(cells)
 
 
