@@ -13,7 +13,6 @@ from typing import Any, Protocol
 from rich.console import Console
 from rich.table import Table
 
-
 # Also with an uncertainty, an interval, a count out of another, or nothing known.
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
 _NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
