@@ -109,7 +109,7 @@ def lateness() -> tuple[Table, dict[str, Any], list[str]]:
         )
         for name, values in medians.items()
     )
-    title = f"lateness, medians of {len(found)} runs of {PULSES} edges in 20 s, TCP, real clock"
+    title = f"lateness over TCP, {PULSES} edges in 20 s, medians of {len(found)} run(s)"
     columns = ("", "median", "99th percentile", "largest", "99th percentile over bare loop's")
     figures = {"median_of_runs": medians, "runs": each, "invalid": invalid, "readings": taken}
     notes = [f"{invalid} of {taken} readings invalid", *(f"broken off: {why}" for why in broken)]
