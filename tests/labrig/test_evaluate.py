@@ -45,6 +45,7 @@ def test_fit_writes_a_model_that_predicts_like_the_sheet(recorded, tmp_path, cap
     assert pytest.approx(wanted.F_N, rel=0.05) == found.F_N
 
 
+@pytest.mark.slow
 def test_fit_json_is_one_object_of_the_documented_shape(recorded, capsys):
     assert run(["fit", str(recorded), "--json", "--q", "0"]) == 0
     found = json.loads(printed(capsys)[0])
@@ -57,6 +58,7 @@ def test_fit_json_is_one_object_of_the_documented_shape(recorded, capsys):
         assert set(one["EIBM_along_sheet"]["2.0"]) == {"s_mm", "Me_Nm", "sigma"}
 
 
+@pytest.mark.slow
 def test_fit_does_not_overwrite_a_model_unless_told_to(recorded, tmp_path, capsys):
     path = tmp_path / "model.toml"
     path.write_text("mine")
@@ -77,6 +79,7 @@ def test_fit_of_a_session_without_valid_readings_is_one_sentence(tmp_path, capsy
     assert not (tmp_path / "model.toml").exists()
 
 
+@pytest.mark.slow
 def test_fit_leaves_out_and_names_a_configuration_that_cannot_be_fitted(tmp_path, capsys):
     path = session(tmp_path / "made.h5", invalid(measure(), "short", "the sheet stuck"))
     assert run(["fit", str(path), "--json"]) == 0

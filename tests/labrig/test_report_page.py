@@ -210,8 +210,10 @@ def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path
 
 
 def test_many_warnings_are_counted_at_the_top(tmp_path):
-    many = replace(measure("long"), warnings=tuple(f"curve {i} is odd" for i in range(30)))
+    many = replace(
+        measure("long", curves=False), warnings=tuple(f"curve {i} is odd" for i in range(30))
+    )
     with open_session(session(tmp_path / "made.h5", many)) as opened:
         said = remarks(Findings(opened, many, Fitted(None), ""))
     assert said[-1] == "22 more are listed with the data's quality."
-    assert len(said) == 10
+    assert sum("is odd" in text for text in said) == 8

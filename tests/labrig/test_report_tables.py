@@ -79,6 +79,7 @@ def test_table_5_and_6_have_errors_like_the_papers_for_a_sheet_like_the_papers(m
     assert value(cell(six, "varying EIBM: force, mN", "long, this session")) < 0.05
 
 
+@pytest.mark.slow
 def test_a_sheet_that_the_paper_does_not_have_gets_no_columns_of_the_paper(measured):
     long = measured.sheets["long"]
     other = replace(
@@ -95,6 +96,7 @@ def test_a_sheet_that_the_paper_does_not_have_gets_no_columns_of_the_paper(measu
     assert not table_6(fit).quoted
 
 
+@pytest.mark.slow
 def test_a_configuration_without_valid_readings_is_left_out_and_named(measured):
     fitted = fit_what_can_be(invalid(measured, "short", "the sheet stuck"))
     assert list(fitted.fit.configurations) == ["long"]
@@ -108,6 +110,7 @@ def test_a_session_without_any_valid_reading_has_no_fit_but_reasons(measured):
     assert set(fitted.missing) == {"long", "short"}
 
 
+@pytest.mark.slow
 def test_a_fit_without_curves_says_what_it_rests_on():
     fit = fit_what_can_be(measure("long", curves=False)).fit
     assert any("no neutral curves" in text for text in trust(fit))
