@@ -158,14 +158,15 @@ def _templates(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """P, P' and the derivative for the look (blur or half width) of each pixel."""
     p, slope, look_slope = np.empty_like(distance), np.empty_like(distance), np.empty_like(distance)
-    unit = math.sqrt(2 * math.pi) * blur
+    unit, root = math.sqrt(2 * math.pi) * blur, math.sqrt(0.5)
     for i in range(len(first) - 1):
         for q in range(first[i], first[i + 1]):
-            p[q], slope[q] = template(distance[q], half_width[i], blur)
-            up, low = distance[q] + half_width[i], distance[q] - half_width[i]
-            high = math.exp(-0.5 * up * up / (blur * blur)) / unit
-            deep = math.exp(-0.5 * low * low / (blur * blur)) / unit
-            look_slope[q] = high + deep if widen[i] > 0 else -(up * high - low * deep) / blur
+            up, low = (distance[q] + half_width[i]) / blur, (distance[q] - half_width[i]) / blur
+            high = math.exp(-0.5 * up * up) / unit
+            deep = math.exp(-0.5 * low * low) / unit
+            p[q] = 0.5 * (math.erf(up * root) - math.erf(low * root))
+            slope[q] = high - deep
+            look_slope[q] = high + deep if widen[i] > 0 else low * deep - up * high
     return p, slope, look_slope
 
 
@@ -181,16 +182,34 @@ def _gather(
 ) -> None:
     """Sum the window equations of one cell: products of the basis, three right-hand sides."""
     for q in range(low, high):
-        at = 0
-        for a in range(size):
-            wa = weight[q] * basis[q, a]
-            for b in range(a, size):
-                sums[at] += wa * basis[q, b]
-                at += 1
-            at += 4 - size
-            sums[10 + a] += wa * right[q, 0]
-            sums[14 + a] += wa * right[q, 1]
-            sums[18 + a] += wa * right[q, 2]
+        w, d, t = weight[q], basis[q, 1], basis[q, 2]
+        f, g, h = right[q, 0], right[q, 1], right[q, 2]
+        wd, wt = w * d, w * t
+        sums[0] += w
+        sums[1] += wd
+        sums[2] += wt
+        sums[4] += wd * d
+        sums[5] += wd * t
+        sums[7] += wt * t
+        sums[10] += w * f
+        sums[11] += wd * f
+        sums[12] += wt * f
+        sums[14] += w * g
+        sums[15] += wd * g
+        sums[16] += wt * g
+        sums[18] += w * h
+        sums[19] += wd * h
+        sums[20] += wt * h
+        if size == 4:
+            e = basis[q, 3]
+            we = w * e
+            sums[3] += we
+            sums[6] += wd * e
+            sums[8] += wt * e
+            sums[9] += we * e
+            sums[13] += we * f
+            sums[17] += we * g
+            sums[21] += we * h
 
 
 @jit
@@ -217,7 +236,8 @@ def measure(
     """
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))
-    basis = np.ones((pixels, 4))
+    basis = np.zeros((pixels, 4))
+    basis[:, 0] = 1.0
     right[:, 0] = value
     basis[:, 1] = distance
     basis[:, 2], right[:, 1], right[:, 2] = _templates(distance, first, half_width, blur, widen)
@@ -235,18 +255,19 @@ def measure(
         total = window_sums(sums, window)
         for i in range(cells):
             _solve(total[i], size, low, solved)
-            c = solved[0, 2]
+            b0, b1, c, b3 = solved[0]
+            g0, g1, g2, g3 = solved[1]
+            h0, h1, h2, h3 = solved[2]
             for q in range(first[i], first[i + 1]):
-                miss, g, h = right[q, 0], right[q, 1], right[q, 2]
-                for a in range(size):
-                    miss -= basis[q, a] * solved[0, a]
-                    g -= basis[q, a] * solved[1, a]
-                    h -= basis[q, a] * solved[2, a]
+                d, t, e = basis[q, 1], basis[q, 2], basis[q, 3]
+                miss = right[q, 0] - (b0 + b1 * d + c * t + b3 * e)
                 if turn < rounds - 1:
                     # Tukey's weights: an outlier beyond 4.7 sigma counts for nothing
                     ratio = miss / (4.7 * noise)
                     weight[q] = (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
                     continue
+                g = right[q, 1] - (g0 + g1 * d + g2 * t + g3 * e)
+                h = right[q, 2] - (h0 + h1 * d + h2 * t + h3 * e)
                 w = weight[q]
                 out[i, 3] += w * c * c * g * g
                 out[i, 4] -= w * c * g * miss
@@ -255,12 +276,7 @@ def measure(
                 out[i, 7] += w * c * h * miss
                 out[i, 8] += w * c * c * h * h
                 out[i, 9] += value[q] / (first[i + 1] - first[i])
-            out[i, 0], out[i, 1], out[i, 2], out[i, 10] = (
-                c,
-                solved[0, 0],
-                solved[0, 1],
-                solved[0, 3],
-            )
+            out[i, 0], out[i, 1], out[i, 2], out[i, 10] = c, b0, b1, b3
     return out
 
 

@@ -229,7 +229,8 @@ class _Job:
         known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
         shape = found.fit.shape
         moved = shape.slid(known * beyond)
-        fit = fit_intensities(moved, found.setting, found.fit.band, rounds=4)
+        setting = replace(found.setting, spectral=found.fit.spectral)
+        fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
         return Candidate(fit, found.setting, found.tip, judge(fit, found.setting, found.tip))
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:

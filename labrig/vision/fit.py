@@ -22,6 +22,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
+CHOOSING_ROUNDS = (0, 2)  # the choice hardly changes once the curve is near
 LIKENESS = 0.01  # of the contrast: how well any band is like the template
 SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
@@ -156,8 +157,8 @@ def fit_intensities(
     contrast = contrast or _contrast(shape, setting, band)
     noise = max(setting.picture.noise, 0.1 * contrast)
     fit = _iteration(shape, setting, band, noise, used)
-    for _ in range(rounds - 1):
-        if choose:
+    for turn in range(rounds - 1):
+        if choose and turn in CHOOSING_ROUNDS:
             setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
         if fit.step_px < SETTLED_PX:
