@@ -25,10 +25,17 @@ from protocols.events import Event, RunStarted, RunStopped
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera shows sign of life when no recorded frame is near
 _NEAR_S = 0.4
+_NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 
 
 def replay_plan(session: Session) -> Plan:
     """What was done, from the configuration that the session holds."""
+    for name in _NEEDED:
+        if name not in session.texts:
+            raise BadInputError(
+                f"{session.path}: holds no {name}; only a session that labrig has recorded can be "
+                "replayed."
+            )
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was itself recorded from a replay.")

@@ -23,11 +23,15 @@ from typing import Any, BinaryIO
 from labrig.session.locking import lock, unlock
 from labrig.session.rows import Rows
 from labrig.session.setup import Setup
+from protocols.errors import ScheduleError
 
 _MAGIC = b"LRJ1"
 _FIXED = struct.Struct("<4sQIQ")
 _CRC = struct.Struct("<I")
 _LONGEST_HEAD = 1 << 28
+_MOST_ROWS = 1 << 40
+# What a text that is no setup makes of itself.
+_NO_SETUP = (AttributeError, KeyError, OverflowError, TypeError, ValueError)
 
 
 def journal_path(session: Path) -> Path:
@@ -94,10 +98,10 @@ class JournalReader:
         with self.path.open("rb") as file:
             file.seek(self.first_row)
             for head, blob in _records(file, first=1):
-                try:
-                    yield Rows(head["path"], head["at"], head["count"], blob, head["packed"])
-                except KeyError:
+                rows = _rows(head, blob)
+                if rows is None:
                     return
+                yield rows
 
     def whole_bytes(self) -> int:
         """How many bytes from the beginning are whole records."""
@@ -115,8 +119,17 @@ def read_journal(path: Path) -> JournalReader | None:
                 return JournalReader(path, Setup.from_json(head["setup"]), file.tell())
     except FileNotFoundError:
         return None
-    except (KeyError, TypeError, ValueError):
+    except (*_NO_SETUP, RecursionError, ScheduleError):
         return None
+    return None
+
+
+def _rows(head: dict[str, Any], blob: bytes) -> Rows | None:
+    """A record as rows; None when its head is none of ours."""
+    match head:
+        case {"path": str(path), "at": None | int() as at, "count": int(count), "packed": bool(p)}:
+            if 0 <= count < _MOST_ROWS and 0 <= (at or 0) < _MOST_ROWS:
+                return Rows(path, at, count, blob, p)
     return None
 
 
@@ -147,5 +160,8 @@ def _record(file: BinaryIO, number: int, size: int) -> tuple[dict[str, Any], byt
     text, blob = file.read(head_length), file.read(blob_length)
     if zlib.crc32(blob, zlib.crc32(text, zlib.crc32(fixed))) != _CRC.unpack(wanted)[0]:
         return None
-    head = json.loads(text)
+    try:
+        head = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
     return (head, blob) if isinstance(head, dict) else None

@@ -22,14 +22,20 @@ def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
     for name in sorted(dataset_names(new, Path(new.filename))):
         try:
             source = old[name]
-            if source.shape == ():
+            if new[name].shape == ():
                 if status_too:
-                    new[name][()] = source[()]
+                    _copy_scalar(new[name], source)
             elif name not in (layout.CHECKSUMS, f"{layout.SETUP}/signals"):
                 _extend(new[name], source)
         except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
             notes.append(f"{name} of the session file cannot be read ({error}).")
     return notes
+
+
+def _copy_scalar(target: Any, source: Any) -> None:
+    if source.shape != () or source.dtype != target.dtype:
+        raise ValueError("it has another type")
+    target[()] = source[()]
 
 
 def _extend(target: Any, source: Any) -> None:

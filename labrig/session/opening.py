@@ -21,6 +21,7 @@ _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Deflate cannot pack denser than 1 : 1032; a file that claims more holds nothing but the claim.
 _DENSEST = 1100
 _SMALL_BYTES = 1 << 20
+_DEEPEST = 8  # groups in one another; a session has four
 
 
 def open_file(path: Path, *, live: bool = False) -> Any:
@@ -99,24 +100,36 @@ def check_format(file: Any, path: Path) -> None:
 def check_objects(file: Any, path: Path) -> None:
     """Raise BadInputError when the file holds anything that a session never holds."""
     size = path.stat().st_size
+    seen = {_place(file["/"])}
 
-    def visit(group: Any) -> None:
+    def visit(group: Any, depth: int) -> None:
         for name in group:
             where = f"{group.name.rstrip('/')}/{name}"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
                 raise BadInputError(f"{path}: {where} is a link, which a session never holds.")
             item = group[name]
+            # A second name would be a second way to it, and with others of its kind countless.
+            if _place(item) in seen:
+                raise BadInputError(f"{path}: {where} is there under another name, too.")
+            seen.add(_place(item))
+            if depth > _DEEPEST:
+                raise BadInputError(f"{path}: {where} lies deeper than anything in a session.")
             if isinstance(item, h5py.Group):
-                visit(item)
+                visit(item, depth + 1)
             elif isinstance(item, h5py.Dataset):
                 _check_dataset(item, where, path, size)
             else:
                 raise BadInputError(f"{path}: {where} is of a kind that a session never holds.")
 
     try:
-        visit(file)
+        visit(file, 1)
     except (KeyError, ValueError) as error:  # names and types that make no sense
         raise OSError(str(error)) from None
+
+
+def _place(item: Any) -> int:
+    """Where in its file an object lies: the same by whichever name it is reached."""
+    return int(h5py.h5o.get_info(item.id).addr)
 
 
 def _check_dataset(dataset: Any, where: str, path: Path, size: int) -> None:

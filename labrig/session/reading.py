@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from labrig.config import parse_json
 from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.layout import Array
@@ -23,7 +23,7 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
     """What the library says of a damaged file, as BadInputError in a sentence."""
     try:
         yield
-    except (OSError, RuntimeError) as error:
+    except (KeyError, OSError, RuntimeError) as error:
         raise BadInputError(
             f"{path}: {what} is damaged ({error}); where its journal still lies beside the file, "
             f"run labrig recover {path}."
@@ -81,7 +81,7 @@ def dataset_names(file: Any, path: Path) -> set[str]:
 def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
     """A table, its texts as str. Raises BadInputError when it has other columns."""
     dataset = read_dataset(file, name, path)
-    if dataset.dtype != kind:
+    if dataset.dtype != kind or len(dataset.shape) > 1:
         raise BadInputError(f"{path}: {name} has other columns than a session has.")
     return with_str(read_array(dataset, path))
 
@@ -130,7 +130,4 @@ def read_setup(file: Any, path: Path) -> Setup:
 
 def _json(file: Any, name: str, path: Path) -> Any:
     text = read_text(file, f"{layout.SETUP}/{name}", path)
-    try:
-        return json.loads(text)
-    except ValueError:
-        raise BadInputError(f"{path}: {layout.SETUP}/{name} is no JSON.") from None
+    return parse_json(text, f"{path}: {layout.SETUP}/{name}")

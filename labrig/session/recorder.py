@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+import h5py
 import numpy as np
 
 from labrig.session import layout
@@ -50,6 +51,8 @@ class Recorder:
         """Take rows. Raises MisplacedRowsError, KeyError (no such dataset), OSError (the disk)."""
         if rows.at is None:
             dataset = self._file[rows.path]
+            if not isinstance(dataset, h5py.Dataset) or dataset.shape != ():
+                raise MisplacedRowsError(f"{rows.path} is no single value")
             dataset[()] = rows.array(dataset.dtype, ())
             return
         growing = self._grown(rows.path)
@@ -61,6 +64,8 @@ class Recorder:
         if rows.count == 0:
             return
         values = rows.array(growing.row_type, growing.row_shape)
+        if rows.packed and (rows.count != 1 or dataset.chunks != (1, *growing.row_shape)):
+            raise MisplacedRowsError(f"{rows.path} takes no packed image")
         if rows.packed:
             # Deflated already, outside of the library and its lock: goes to the disk as it is.
             dataset.resize(rows.at + 1, axis=0)
@@ -87,6 +92,8 @@ class Recorder:
         found = self._growing.get(path)
         if found is None:
             dataset = self._file[path]
+            if not isinstance(dataset, h5py.Dataset) or not dataset.shape or not dataset.chunks:
+                raise MisplacedRowsError(f"{path} takes no rows")
             length, *row_shape = dataset.shape
             found = _Growing(dataset, dataset.dtype, tuple(row_shape), length)
             self._growing[path] = found

@@ -22,7 +22,7 @@ from labrig.session.journal import JournalReader, journal_path, read_journal
 from labrig.session.locking import is_locked
 from labrig.session.merge import add_missing, trim
 from labrig.session.opening import check_format, check_is_hdf5
-from labrig.session.reading import read_setup
+from labrig.session.reading import damage_told, read_setup
 from labrig.session.recorder import MisplacedRowsError, Recorder
 from labrig.session.session import open_session
 from labrig.session.setup import Setup
@@ -111,7 +111,8 @@ def _open_old(path: Path, journal: JournalReader | None, until: ExitStack, notes
 def _setup(path: Path, journal: JournalReader | None, old: Any) -> Setup:
     if journal is not None:
         return journal.setup
-    check_format(old, path)
+    with damage_told(path):
+        check_format(old, path)
     return read_setup(old, path)
 
 

@@ -5,6 +5,7 @@ A `Rows` goes both to the file and to the journal, so replaying the journal make
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,9 +33,20 @@ class Rows:
 
     def array(self, dtype: np.dtype[np.void], row_shape: tuple[int, ...]) -> Array:
         """The content as an array of the dataset's type. Raises ValueError when it does not fit."""
-        raw = zlib.decompress(self.blob) if self.packed else self.blob
         shape = () if self.at is None else (self.count, *row_shape)
+        size = dtype.itemsize * math.prod(shape)
+        raw = _unpacked(self.blob, size) if self.packed else self.blob
+        if len(raw) != size:
+            raise ValueError(f"{len(raw)} bytes are no rows of {self.path}")
         return np.frombuffer(raw, dtype=dtype).reshape(shape)
+
+
+def _unpacked(blob: bytes, size: int) -> bytes:
+    """Inflate to at most one byte more than `size`, whatever the blob would make of itself."""
+    try:
+        return zlib.decompressobj().decompress(blob, size + 1)
+    except zlib.error as error:
+        raise ValueError(f"a packed image cannot be unpacked ({error})") from None
 
 
 class Translator:

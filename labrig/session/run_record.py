@@ -37,13 +37,17 @@ class RunRecord:
         self._file = file
         self._path = path
         self._has_frames = setup.frame_shape is not None
+        self._frame_shape = setup.frame_shape
 
     # --------------------------------------------------------------------------------- its course
 
     @cached_property
     def _acquisition(self) -> Any:
         name = f"{layout.run_path(self.planned.index)}/acquisition"
-        return read_table(self._file, name, layout.ACQUISITION, self._path)[()]
+        found = read_table(self._file, name, layout.ACQUISITION, self._path)
+        if found.shape != ():
+            raise BadInputError(f"{self._path}: {name} has another shape than in a session.")
+        return found[()]
 
     @property
     def started(self) -> bool:
@@ -95,19 +99,19 @@ class RunRecord:
     @property
     def samples(self) -> int:
         """How many samples of each channel were recorded."""
-        return int(self._dataset("signals/time").shape[0])
+        return int(self._column("signals/time").shape[0])
 
     def signal_V(self, channel: str) -> FloatArray:
         """A channel's raw samples in V; samples that were lost are NaN."""
         if channel not in self.channels:
             known = ", ".join(self.channels)
             raise BadInputError(f"{self._path}: no channel {channel} among {known}.")
-        return read_array(self._dataset(f"signals/{channel}"), self._path)
+        return read_array(self._column(f"signals/{channel}"), self._path)
 
     @property
     def time_s(self) -> FloatArray:
         """Time of each sample since the run's beginning."""
-        return read_array(self._dataset("signals/time"), self._path)
+        return read_array(self._column("signals/time"), self._path)
 
     # ------------------------------------------------------------------------------------- tables
 
@@ -141,17 +145,22 @@ class RunRecord:
     @property
     def frame_count(self) -> int:
         """How many images were recorded."""
-        return int(self._dataset("frames/images").shape[0]) if self._has_frames else 0
+        return int(self._images().shape[0]) if self._has_frames else 0
 
     def image(self, row: int) -> GreyImage:
         """An image by its row, 0 to `frame_count` - 1."""
-        return read_array(self._dataset("frames/images"), self._path, row)
+        if not 0 <= row < self.frame_count:
+            raise BadInputError(
+                f"{self._path}: run {self.planned.index} has {self.frame_count} images and none "
+                f"in row {row}."
+            )
+        return read_array(self._images(), self._path, row)
 
     def frame_column(self, name: str) -> Array:
         """One of `layout.FRAME_COLUMNS` for all images."""
         if not self._has_frames:
             return np.empty(0)
-        return read_array(self._dataset(f"frames/{name}"), self._path)
+        return read_array(self._column(f"frames/{name}"), self._path)
 
     def frame(self, reading_index: int) -> GreyImage | None:
         """A reading's image; None when it has none or was not taken."""
@@ -171,8 +180,20 @@ class RunRecord:
         found = np.flatnonzero(self.readings["index"] == index)
         return self.readings[found[0]] if found.size else None
 
-    def _dataset(self, name: str) -> Any:
-        return read_dataset(self._file, f"{layout.run_path(self.planned.index)}/{name}", self._path)
+    def _images(self) -> Any:
+        return self._dataset("frames/images", "u", self._frame_shape or ())
+
+    def _column(self, name: str) -> Any:
+        return self._dataset(name, "fi", ())
+
+    def _dataset(self, name: str, kinds: str, row_shape: tuple[int, ...]) -> Any:
+        full = f"{layout.run_path(self.planned.index)}/{name}"
+        found = read_dataset(self._file, full, self._path)
+        if found.shape[1:] != row_shape or found.shape == () or found.dtype.kind not in kinds:
+            raise BadInputError(
+                f"{self._path}: {full} has another shape or type than in a session."
+            )
+        return found
 
     def _table(self, name: str, kind: np.dtype[Any]) -> Array:
         full = f"{layout.run_path(self.planned.index)}/{name}"

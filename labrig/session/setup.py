@@ -16,6 +16,9 @@ from labrig.errors import BadInputError
 from protocols import schedule_from_dict, schedule_to_dict
 from protocols.schedule import Schedule
 
+_MOST_HZ = 1e7
+_MOST_V = 1e3
+_MOST_PIXELS = 16_384  # rows or columns
 _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
 
 
@@ -64,6 +67,7 @@ class Setup:
     def __post_init__(self) -> None:
         _check_names("channel", self.channels, reserved=("time",))
         _check_names("configuration file", tuple(self.texts))
+        _check_numbers(self.rate_hz, self.ranges_V, self.frame_shape)
         if len(self.ranges_V) != len(self.channels):
             raise BadInputError(
                 f"There are {len(self.channels)} channels and {len(self.ranges_V)} input ranges; "
@@ -105,6 +109,17 @@ class Setup:
             frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
             **plain,
         )
+
+
+def _check_numbers(
+    rate_hz: float, ranges_V: Sequence[float], frame_shape: tuple[int, int] | None
+) -> None:
+    if not 0 <= rate_hz <= _MOST_HZ:
+        raise BadInputError(f"A sample rate of {rate_hz} Hz cannot be recorded.")
+    if not all(0 < volts <= _MOST_V for volts in ranges_V):
+        raise BadInputError(f"Input ranges of {ranges_V} V cannot be recorded.")
+    if frame_shape is not None and not all(0 < size <= _MOST_PIXELS for size in frame_shape):
+        raise BadInputError(f"Frames of {frame_shape} pixels cannot be recorded.")
 
 
 def _check_names(what: str, names: Sequence[str], reserved: tuple[str, ...] = ()) -> None:

@@ -64,7 +64,10 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
 def _derived(file: Any, path: Path) -> Check:
     with damage_told(path, layout.DERIVED):
         group = file[layout.DERIVED]
-        ok = group.attrs.get("sha256") == derived_digest(group).encode("ascii")
+        stored = group.attrs.get("sha256")
+        ok = isinstance(stored, bytes) and stored.decode("ascii", "replace") == derived_digest(
+            group
+        )
     found = "unchanged" if ok else "changed since they were stored; run labrig analyze again"
     return Check("derived measurements", ok, found, "unchanged")
 
