@@ -240,6 +240,8 @@ class Frame:
     time_s: float  # clock time at which the frame was complete on this computer
     device_time_s: float | None  # the camera's own time stamp where it gives one
     image: GreyImage
+    # how much later it came than its time stamp and those before it let expect; 0: nothing can tell
+    late_s: float = 0.0
 
 
 @dataclass(frozen=True)

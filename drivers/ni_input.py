@@ -125,9 +125,9 @@ class NiSignalInput:
         """See `SignalInput.stop`."""
         if self._task is None or not self._running:
             return
-        self._running = False
         with self._errors(f"stopping the inputs {self._wiring}"):
             self._task.stop()
+        self._running = False  # not before: whoever failed to stop it may try again
 
     def measure(self, duration_s: float) -> FloatArray:
         """See `SignalInput.measure`."""

@@ -152,7 +152,7 @@ class ReadingMaker:
             *wrong_drive(float(drive_V), pending.edge.write.sheet_V, self._rules),
         ]
         if frame is not None:
-            why += bad_frame(frame, self._last_frame, self._rules)
+            why += bad_frame(frame, self._last_frame, self._reach_s, self._rules)
             self._last_frame = frame
         elif self._devices.camera is not None:
             why.append(f"no frame within {self._reach_s * 1e3:.0f} ms of the sampling point")

@@ -62,8 +62,13 @@ def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
 
 
-def bad_frame(frame: Frame, before: Frame | None, rules: Rules) -> Iterator[str]:
-    """Reasons in a reading's picture; `before` is that of the reading before."""
+def bad_frame(frame: Frame, before: Frame | None, reach_s: float, rules: Rules) -> Iterator[str]:
+    """Reasons in a reading's picture; `before` is that of the reading before.
+
+    A frame that came later than `reach_s` shows a moment that is none of the reading's.
+    """
+    if frame.late_s > reach_s:
+        yield f"its frame came {frame.late_s * 1e3:.0f} ms late"
     coarse = frame.image[_COARSE, _COARSE]
     if coarse.std() < rules.blank_frame * np.iinfo(frame.image.dtype).max:
         yield "its frame is blank"

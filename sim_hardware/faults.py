@@ -67,6 +67,8 @@ class FaultyRig:
             if fault.until_s is not None:
                 moments.append((until_s, end))
         moments.sort(key=lambda moment: moment[0])
+        while moments and moments[0][0] <= self.clock.now():
+            moments.pop(0)[1]()
         if moments:
             self.clock.start_thread(lambda: self._live_through(moments), "faults")
 
