@@ -9,13 +9,22 @@ import numpy as np
 
 from labrig.config import parse_sheet
 from labrig.config.templates import template_text
-from labrig.session import store_measurements
-from model import Along, Condition, ConfiguredSheet, Curve, Measurements, Parameter, Reading
-from model import SheetModel, TimeSeries, predict
+from labrig.session import SessionWriter, store_measurements
+from model import (
+    Along,
+    Condition,
+    ConfiguredSheet,
+    Curve,
+    Measurements,
+    Parameter,
+    Reading,
+    SheetModel,
+    TimeSeries,
+    predict,
+)
 from protocols import Place, PulseTrain, Schedule, make_schedule
 from protocols import events as ev
 from tests.labrig.session.session_recording import record, session_events, settings
-from labrig.session import SessionWriter
 
 POSITIONS_M = (0.0, 0.01, 0.02, 0.03)
 VOLTAGES = (0.0, 2.0, -2.0)
