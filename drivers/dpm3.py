@@ -15,9 +15,10 @@ from drivers.serial_port import SerialLine
 
 GRAM_FORCE_N = 9.80665e-3
 BAUD_RATES = (300, 600, 1200, 2400, 4800, 9600, 19200)
-_REPLY = re.compile(rb"^\n?([+-](?:\d+\.\d*|\.\d+))([A-H]?)\n?$")
+_REPLY = re.compile(rb"^\n?([+-](?:\d{1,9}\.\d{0,9}|\.\d{1,9}))([A-H]?)\n?$")
 _ADDRESSES = "0123456789ABCDEFGHIJKLMNOPQRSTUV"
 _OVERLOADED = ("E", "F", "G", "H")  # A to D: alarms neither, first, second, both; E to H: and this
+_SHOWN = 60  # characters of a reply in an error
 _LONGEST_REPLY = 12  # characters, for the time-out at a low baud rate
 
 
@@ -93,8 +94,8 @@ class Dpm3Meter:
         match = _REPLY.match(line.removesuffix(b"\r"))
         if match is None or not line.endswith(b"\r"):
             raise DeviceError(
-                f"{self._line.name} sent {line!r} where a reading such as +999.99 was expected; "
-                "check baud rate and wiring"
+                f"{self._line.name} sent {line[:_SHOWN]!r} where a reading such as +999.99 was "
+                "expected; check baud rate and wiring"
             )
         self.alarm = match.group(2).decode("ascii")
         if self.alarm in _OVERLOADED:

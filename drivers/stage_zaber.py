@@ -25,6 +25,10 @@ _POLL_S = 0.05
 _MARGIN_S = 2.0
 _REPLY_S = 1.0
 _HOMING_S = 120.0
+_MOVE_MOST_S = 300.0
+_MOST = 2**31  # of any setting, and of its reverse
+_MOST_UNASKED = 100  # alerts before an answer
+_SHOWN = 80  # characters of a reply in an error
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,8 @@ class ZaberStage:
         distance = abs(target - self._get("pos"))
         self._forget_fault()
         self._ask(f"move abs {target}")
-        allowed_s = 2.0 * distance / self._steps_per_s + _MARGIN_S  # twice: it accelerates too
+        # Twice: it accelerates too. What it says of itself may be nonsense, so there is an end.
+        allowed_s = min(2.0 * distance / self._steps_per_s + _MARGIN_S, _MOVE_MOST_S)
         what = f"moving to {position_m * 1e3:g} mm"
         self._wait_until_idle(allowed_s, what)
         reached = self._get("pos")
@@ -178,35 +183,45 @@ class ZaberStage:
     def _get(self, setting: str) -> int:
         data = self._ask(f"get {setting}").data
         try:
-            return round(float(data.split()[0]))
+            number = float(data.split()[0])
+            if abs(number) <= _MOST:  # so written, NaN is refused too
+                return round(number)
         except (ValueError, IndexError):
-            raise DeviceError(
-                f"{self._line.name} answered '{data}' when asked for {setting}; a number was "
-                "expected"
-            ) from None
+            pass
+        raise DeviceError(
+            f"{self._line.name} answered '{data[:_SHOWN]}' when asked for {setting}; a number of "
+            "at most 32 bits was expected"
+        )
 
     def _ask(self, command: str) -> _Reply:
         self._line.write(f"/{self._device} 1 {command}".rstrip().encode("ascii") + b"\n")
-        while True:
+        for _ in range(_MOST_UNASKED):
             line = self._line.read_line(b"\n").decode("ascii", errors="replace")
             if not line.endswith("\n"):
                 raise DeviceTimeoutError(
-                    f"{self._line.name} did not answer '{command or 'status'}' (got {line!r}); "
-                    "check power, cable, baud rate and that its protocol is ASCII"
+                    f"{self._line.name} did not answer '{command or 'status'}' (got "
+                    f"{line[:_SHOWN]!r}); check power, cable, baud rate and that its protocol is "
+                    "ASCII"
                 )
             if not line.startswith(("!", "#")):  # alerts and info come unasked
                 return self._reply(command, line.strip())
+        raise DeviceTimeoutError(
+            f"{self._line.name} sends alerts without end (the last is {line[:_SHOWN]!r}) and no "
+            f"answer to '{command or 'status'}'; switch it off and on again"
+        )
 
     def _reply(self, command: str, line: str) -> _Reply:
         match = _REPLY.match(_without_checksum(line))
         if match is None or int(match.group(1)) != self._device:
             raise DeviceError(
-                f"{self._line.name} answered '{line}' to '{command or 'status'}', which is no "
-                f"reply of device {self._device}"
+                f"{self._line.name} answered '{line[:_SHOWN]}' to '{command or 'status'}', which "
+                f"is no reply of device {self._device}"
             )
         accepted, busy, warning, data = match.groups()[2:]
         if accepted == "RJ":
-            raise DeviceError(f"{self._line.name} rejected '{command or 'status'}': {data}")
+            raise DeviceError(
+                f"{self._line.name} rejected '{command or 'status'}': {data[:_SHOWN]}"
+            )
         if warning not in HARMLESS and in_words(warning) not in self.warnings:
             self.warnings.append(in_words(warning))
         return _Reply(busy == "BUSY", warning, data)
