@@ -84,7 +84,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         else "",
         "no sheet was found at the clamp: the first "
         f"{start} pixels of the best path do not look like one; check clamp_px."
-        if fit.used[2:start].mean() < LEAST_START_COVERED
+        if fit.used[2:start].mean() < LEAST_START_COVERED and not _shows(fit, setting, start)
         else "",
         f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
         if snr < LEAST_SNR
@@ -109,6 +109,13 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]
+
+
+def _shows(fit: Fit, setting: Setting, start: int) -> bool:
+    """Whether something of the sheet's brightness leaves the clamp, though of another width."""
+    contrast = setting.sign * fit.contrast
+    usual = float(np.median(contrast[fit.used])) if fit.used.any() else np.inf
+    return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)
 
 
 def _warnings(setting: Setting, tip: Tip, covered: float) -> list[str]:

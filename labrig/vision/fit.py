@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.setting import Band, Setting, look
+from labrig.vision.setting import WINDOW_CELLS, Band, Setting, look
 from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,7 +23,6 @@ SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
 CHOOSING_ROUNDS = (0, 2)  # the choice hardly changes once the curve is near
-LIKENESS = 0.01  # of the contrast: how well any band is like the template
 SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
 
@@ -204,13 +203,15 @@ def _newton(fit: Fit, where: BoolArray) -> float:
 
 
 def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray) -> Fit:
-    cells, present = look(shape, setting, band, noise, used)
+    # far from all that is used, contrast and background come from the doubtful cells themselves
+    asked = used | ~_grown(used, WINDOW_CELLS)
+    cells, present = look(shape, setting, band, noise, asked)
     used = usable_cells(cells, present, setting, band, noise)
     level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
     # Tukey's weights shrink the residuals of pure noise by 6 %
     # and no lens draws a band just as the template has it
     contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
-    noise = max(level * 1.06, 0.3 * setting.picture.noise, LIKENESS * contrast)
+    noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(band) * contrast)
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()
@@ -232,6 +233,14 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     )
 
 
+def _likeness(band: Band) -> float:
+    """How well any band is like the template, as a share of its contrast.
+
+    The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
+    """
+    return float(np.clip(0.01 * band.half_width[0], 0.01, 0.1))
+
+
 def usable_cells(
     cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
 ) -> BoolArray:
@@ -251,7 +260,7 @@ def usable_cells(
     # what does not look like a band here, such as a roll's rim, would only pull the curve
     misfit = _smooth(cells[:, 5], 2) / np.maximum(_smooth(cells[:, 6], 2), 1.0)
     usual = max(float(np.median(misfit[there])), 1e-12)
-    strange = misfit > np.maximum(2.0 * usual, (0.06 * contrast) ** 2)
+    strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(band)) * contrast) ** 2)
     lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
     return np.asarray(there & ~_grown(strange | lost, 2))
 

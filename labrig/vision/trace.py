@@ -61,7 +61,9 @@ def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMap
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
-    grey = picture.grey * np.float32(1 / picture.noise)
+    # a picture with hardly any noise has texture instead
+    unit = max(picture.noise, 0.01 * float(np.ptp(picture.grey)))
+    grey = picture.grey * np.float32(1 / unit)
     if scale > 1:
         size = (grey.shape[1] // scale, grey.shape[0] // scale)
         grey = grey[: size[1] * scale, : size[0] * scale]
@@ -98,7 +100,6 @@ def trace_from_clamp(
     sign: float,
     *,
     share: float = 1.0,
-    offsets_px: tuple[float, ...] = (-2.0, -1.0, 0.0, 1.0, 2.0),
     width: int = 120,
 ) -> Trace | None:
     """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do.
@@ -116,7 +117,13 @@ def trace_from_clamp(
     most_bend = math.ceil(most / (optics.px_per_m * local_scale) * scale * length / TURN)
     free_share = strip.free_length_m / strip.length_m
     u0, v0 = (np.array(optics.clamp_px) + 0.5) / scale - 0.5
-    spread = np.array([(o / scale, a) for o in offsets_px for a in (-0.03, 0.0, 0.03)])
+    spread = np.array(
+        [
+            (step * optics.clamp_sigma_px / scale, turn * optics.clamp_angle_sigma_rad)
+            for step in (-2, -1, 0, 1, 2)
+            for turn in (-2, 0, 2)
+        ]
+    )
     bent_steps = max(1, math.ceil(free_share * steps))
     path, gains, score = search(
         ridges.maps,
