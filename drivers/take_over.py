@@ -36,6 +36,7 @@ class OutputPlace:
     safe_below_V: float = 0.05
     output_task: str = OUTPUT_TASK
     input_task: str = INPUT_TASK
+    interlock_task: str | None = None  # None: the rig has no interlock
 
 
 def _wait() -> None:
@@ -70,6 +71,7 @@ def take_over(
 
     attempt(failures, lambda: _free_output(connection, place.output_task))
     attempt(failures, lambda: _free_input(connection, place.input_task))
+    attempt(failures, lambda: _free_interlock(connection, place.interlock_task))
     output = NiVoltageOutput(
         connection, clock, place.output_channel, place.limit_board_V, place.output_task
     )
@@ -99,6 +101,14 @@ def _free_input(connection: NiConnection, name: str) -> None:
         with connection.errors(f"stopping the task '{name}'"):
             task.stop()
     finally:
+        with connection.errors(f"freeing the task '{name}'"):
+            task.close()
+
+
+def _free_interlock(connection: NiConnection, name: str | None) -> None:
+    """Its edges have ended with the program that made them; the next one needs the line."""
+    task = None if name is None else connection.attach_task(name)
+    if task is not None:
         with connection.errors(f"freeing the task '{name}'"):
             task.close()
 

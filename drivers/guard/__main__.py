@@ -19,7 +19,7 @@ from drivers.ni_connection import NiConnection
 from drivers.safe import SafetyReport
 from drivers.take_over import take_over
 
-_TRIES = 5
+_PERSIST_S = 8.0  # with boards that refuse, or do not answer
 _BETWEEN_TRIES_S = 0.2
 _PATIENCE_S = 3.0
 _SAFE_CODE, _FAILED_CODE, _UNKNOWN_CODE = 0, 3, 6
@@ -62,10 +62,9 @@ def _act(
     on_held: Callable[[], None],
 ) -> SafetyReport:
     """Take the output over; again, on a new connection, when that did not end in 0 V."""
+    until_s = clock.now() + _PERSIST_S
     report = take_over(connection, clock, settings.place, _PATIENCE_S, on_held)
-    for _ in range(_TRIES - 1):
-        if report.is_safe:
-            break
+    while not report.is_safe and clock.now() < until_s:
         connection.close()
         clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
         with contextlib.suppress(DeviceError):

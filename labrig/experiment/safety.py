@@ -34,6 +34,7 @@ def output_place(config: RigConfig) -> OutputPlace:
         safe_below_V=config.limits.safe_below_V,
         output_task=config.ni.task_names.output,
         input_task=config.ni.task_names.input,
+        interlock_task=config.ni.task_names.interlock if config.interlock else None,
     )
 
 

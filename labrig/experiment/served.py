@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -16,13 +16,16 @@ _END_S = 5.0
 
 
 @contextmanager
-def served_rig(record: Path, configuration: str) -> Iterator[dict[str, str]]:
+def served_rig(
+    record: Path, configuration: str, options: Sequence[str] = ()
+) -> Iterator[dict[str, str]]:
     """Start `python -m sim_hardware serve`; yields the addresses that it prints.
 
-    `record` is where the world writes down what happens to it.
+    `record` is where the world writes down what happens to it; `options` are further ones of serve.
     """
     command = [sys.executable, "-m", "sim_hardware", "serve", "--port", "0"]
     command += ["--configuration", configuration, "--record", str(record)]
+    command += options
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         yield _addresses(process)

@@ -79,7 +79,18 @@ class ServedRig:
 
 
 @contextmanager
-def serving(folder: Path) -> Iterator[ServedRig]:
-    """Serve a rig until the block ends."""
-    with served_rig(folder / "world.csv", "long") as addresses:
-        yield ServedRig(folder, addresses)
+def serving(folder: Path, *options: str, world: str = "", more: str = "") -> Iterator[ServedRig]:
+    """Serve a rig until the block ends; `more` is added to its rig.toml."""
+    if world:
+        (folder / "faulty.toml").write_text(world)
+        options = (*options, "--world", str(folder / "faulty.toml"))
+    with served_rig(folder / "world.csv", "long", options) as addresses:
+        rig = ServedRig(folder, addresses)
+        with (folder / "rig" / "rig.toml").open("a") as file:
+            file.write(more)
+        yield rig
+
+
+def children(pid: int) -> list[int]:
+    """Processes that a process has started (Linux)."""
+    return [int(text) for text in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]

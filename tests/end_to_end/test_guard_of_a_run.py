@@ -1,0 +1,120 @@
+"""The guard of `labrig run`: programs that hang, boards that refuse, a run after one that died."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from labrig.session import open_session
+from protocols.events import Outcome, OutputState
+from tests.end_to_end.real_rig import ServedRig, children, serving
+from tests.end_to_end.small_rig import labrig
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="needs ptys, signals and /proc"),
+]
+AFTER_A_KILL_S, AFTER_A_HANG_S = 0.3, 1.0
+ROW_S = 0.02  # between two rows of the world's record
+INTERLOCK = '[interlock]\nline = "PCI6703/port0/line0"\n'
+
+
+def zeroed_after(rig: ServedRig, number: int) -> float:
+    """Send labrig a signal while the sheet is energised; seconds until the sheet was at 0 V."""
+    process = rig.start()
+    rig.until(lambda: len([r for r in rig.rows() if abs(float(r["drive_V"])) > 1.0]) > 50)
+    rig.until(rig.is_energised)
+    os.kill(process.pid, number)
+    sent_s = float(rig.rows()[-1]["time_s"])
+    rig.until(lambda: not rig.is_energised(), 3.0)
+    zero_s = float(rig.rows()[-1]["time_s"])
+    process.kill()
+    process.wait(5)
+    return zero_s - sent_s
+
+
+@pytest.mark.parametrize("options", [(), ("--strict-ownership",)], ids=["", "strict ownership"])
+@pytest.mark.parametrize(
+    ("number", "limit_s"),
+    [(signal.SIGKILL, AFTER_A_KILL_S), (signal.SIGSTOP, AFTER_A_HANG_S)],
+    ids=["killed", "hung"],
+)
+def test_the_output_is_at_0_V_in_time_whoever_owns_the_tasks(
+    tmp_path: Path, options: tuple[str, ...], number: int, limit_s: float
+) -> None:
+    with serving(tmp_path, *options) as rig:
+        assert zeroed_after(rig, number) < limit_s + ROW_S
+
+
+def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_guard(
+    tmp_path: Path,
+) -> None:
+    refused = '[[faults]]\nwhat = "daq_write_refused"\nsince = "first_voltage"\n'
+    with serving(tmp_path, world=refused + "from_s = 1.0\nuntil_s = 4.0\n") as rig:
+        process = rig.start()
+        assert process.wait(60) == 5
+        assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
+        assert "is there by name but does not answer" in rig.said()
+        with open_session(rig.session) as session:
+            assert session.outcome is Outcome.FAILED
+            assert session.output_state is OutputState.SAFE
+
+
+def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Program and guard are both killed: the one case in which nobody writes 0 V."""
+    with serving(tmp_path, more=INTERLOCK) as rig:
+        file = rig.folder / "rig" / "rig.toml"
+        process = rig.start()
+        rig.until(rig.is_energised)
+        for pid in (*children(process.pid), process.pid):
+            os.kill(pid, signal.SIGKILL)
+        process.wait(5)
+        rig.session.rename(rig.session.with_name("first.h5"))
+        Path(f"{rig.session}.journal").unlink()
+        assert rig.is_energised()
+        assert rig.start().wait(30) == 3
+        assert "`labrig safe` writes 0 V and frees it" in rig.said()
+        assert not rig.session.exists()
+        assert labrig("safe", file) == 0
+        assert "0 V written and read back" in capsys.readouterr().out
+        assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
+        again = rig.start()
+        rig.until(rig.is_energised)
+        again.terminate()
+        assert again.wait(10) == 4
+
+
+def test_labrig_safe_without_boards_to_speak_to_ends_with_code_6(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with serving(tmp_path) as rig:
+        file = rig.folder / "rig" / "rig.toml"
+    assert labrig("safe", file) == 6
+    said = capsys.readouterr().err
+    assert "switch the amplifier off by hand" in said
+    assert "no connection" in said
+
+
+def test_an_interlock_drops_the_supply_when_program_and_guard_are_both_killed(
+    tmp_path: Path,
+) -> None:
+    with serving(tmp_path, world='[interlock]\nline = "port0/line0"\n', more=INTERLOCK) as rig:
+        process = rig.start()
+        rig.until(rig.is_energised)
+        killed_s = float(rig.rows()[-1]["time_s"])
+        for pid in (*children(process.pid), process.pid):
+            os.kill(pid, signal.SIGKILL)
+        process.wait(5)
+        over_s = time.monotonic() + 0.5
+        rig.until(lambda: time.monotonic() > over_s)
+    rows = [(float(row["time_s"]), float(row["drive_V"])) for row in rig.rows()]
+    energised = [time_s for time_s, drive_V in rows if abs(drive_V) > 1.0]
+    assert rows[-1][1] == 0.0  # nobody has written it
+    assert max(energised) - killed_s < 0.3 + 0.05  # after an edge that came within 50 ms
