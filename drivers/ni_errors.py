@@ -5,6 +5,7 @@ Codes are those of NI-DAQmx; a code that is not in the table keeps NI's own word
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -29,6 +30,24 @@ class TaskGoneError(DeviceError):
 
 class DeviceReservedError(DeviceError):
     """Another task or program holds the device."""
+
+
+# What NI's package makes of a reply with other values, lengths or fields than it can have.
+_NONSENSE = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    TypeError,
+    ValueError,
+)
+
+
+def _is_of_ni(fault: BaseException) -> bool:
+    """Whether NI's package was at work when it was raised, and not only code of ours."""
+    frames = traceback.walk_tb(fault.__traceback__)
+    return any(str(f.f_globals.get("__name__")).split(".")[0] == "nidaqmx" for f, _ in frames)
 
 
 @dataclass(frozen=True)
@@ -118,7 +137,12 @@ def ni_errors(
         raise rpc_error(doing, where, name, str(fault.description)) from fault
     except errors.Error as fault:
         raise DeviceError(f"{doing} failed: {where}: {fault}") from fault
-    except ValueError as fault:
-        if "closed channel" not in str(fault):  # gRPC's way to say so
+    except _NONSENSE as fault:
+        if "closed channel" in str(fault):  # gRPC's way to say so
+            raise DeviceError(f"{doing} failed: the connection to {where} is closed") from fault
+        if not _is_of_ni(fault):
             raise
-        raise DeviceError(f"{doing} failed: the connection to {where} is closed") from fault
+        raise DeviceError(
+            f"{doing} failed: {where} gave an answer that makes no sense ({type(fault).__name__}: "
+            f"{str(fault)[:200]}); restart it, and check that its version fits"
+        ) from fault

@@ -28,6 +28,7 @@ from drivers.ni_errors import TaskGoneError
 
 INPUT_TASK = "labrig-input"
 BUFFER_S = 10.0  # samples unread for longer are lost
+_MOST_S = 600.0  # of samples in one read: far beyond any buffer, and still in memory
 MARGIN_S = 2.0  # a read may take this much longer than its samples
 
 
@@ -184,12 +185,28 @@ class NiSignalInput:
         task.control(TaskMode.TASK_VERIFY)  # settings are checked only when asked for
         self._rate_hz = float(task.timing.samp_clk_rate)
         self._ranges = tuple(float(chan.ai_max) for chan in task.ai_channels)
+        self._check_answers()
         task.control(TaskMode.TASK_COMMIT)  # takes the board, and makes the start itself short
         self._reader = AnalogMultiChannelReader(task.in_stream)
         self._reader.verify_array_shape = False  # ours fits; the check asks the server each time
 
+    def _check_answers(self) -> None:
+        """What the board says of itself is believed no further than it can be true."""
+        rate_fits = 0.5 < self._rate_hz / self._asked_hz < 2.0
+        if not rate_fits or not all(0.0 < volts < 1e3 for volts in self._ranges):
+            raise DeviceError(
+                f"{self._wiring}: the board says that it samples at {self._rate_hz:g} Hz with "
+                f"ranges of {', '.join(f'{volts:g}' for volts in self._ranges)} V, which makes no "
+                f"sense where {self._asked_hz:g} Hz were asked for; restart the server or driver"
+            )
+
     def _read(self, samples: int) -> FloatArray:
         """Exactly this many samples of each channel; waits until they have come."""
+        if not 0 <= samples <= _MOST_S * self._rate_hz:
+            raise DeviceError(
+                f"{self._wiring}: {samples} samples are said to wait, more than fit anywhere; "
+                "restart the server or driver"
+            )
         volts = np.empty((len(self._inputs), samples))
         if samples == 0:
             return volts
