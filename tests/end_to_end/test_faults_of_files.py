@@ -66,6 +66,28 @@ def test_a_full_disk_ends_the_run_at_0_V_and_what_came_before_is_recovered(
         assert len(session.runs[0].readings) == 2
 
 
+def test_a_disk_that_never_answers_at_the_end_is_not_waited_for(
+    rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Journal.remove
+    never = threading.Event()
+    threads = []
+
+    def remove(self: Journal) -> None:
+        threads.append(threading.current_thread())
+        never.wait(30.0)
+        real(self)
+
+    monkeypatch.setattr(writer, "CLOSE_S", 3.0)
+    monkeypatch.setattr(Journal, "remove", remove)
+    left = rig.run()
+    never.set()
+    threads[0].join(5.0)
+    assert left.code == 5
+    assert "the disk has not answered for 3 s" in left.said
+    assert left.board_V == 0.0
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows deletes no open file")
 def test_a_session_that_is_deleted_under_the_run_comes_back_from_its_journal(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
