@@ -98,6 +98,7 @@ def camera(
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
+    from labrig.vision.calibration_picture import write_calibration_picture
 
     images = [read_image(path) for path in pictures]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
@@ -114,6 +115,9 @@ def camera(
             along_px=None if along is None else (along[0], along[1]),
         )
     _tell(found, output)
+    picture = output.with_suffix(".png")
+    write_calibration_picture(picture, images[0], found.optics)
+    say(f"wrote {picture}: look whether its lines run along the board's")
 
 
 def board(
