@@ -1,0 +1,132 @@
+"""`labrig curves` and `labrig calibrate`: pictures and weights from the command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from labrig.cli.main import run
+from labrig.config import load_load_cell
+from labrig.config.templates import template_text, write_templates
+from labrig.vision import Board, load_optics
+from sim_hardware.clock import VirtualClock
+from sim_hardware.world import World, load_world
+
+pytestmark = pytest.mark.slow
+SHEET = "free_length_mm = 50.0\nelongation_mm = 0.0\nthickness_mm = 0.21\n"
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two pictures of the simulated long sheet, a blank one, and what is known of them."""
+    folder = tmp_path_factory.mktemp("pictures")
+    clock = VirtualClock()
+    world = World(load_world(None), clock)
+    world.mount("long")
+    for number, position_m in enumerate((0.01, 0.025)):
+        world.place(position_m)
+        clock.sleep_until(clock.now() + 0.1)
+        cv2.imwrite(str(folder / f"sheet{number}.png"), world.picture(clock.now(), number))
+    cv2.imwrite(str(folder / "blank.png"), np.full((480, 640), 40, np.uint8))
+    (folder / "optics.json").write_text(template_text("optics.json"))
+    (folder / "sheet.toml").write_text(SHEET)
+    return folder
+
+
+def arguments(folder: Path) -> list[str]:
+    return ["--optics", str(folder / "optics.json"), "--sheet", str(folder / "sheet.toml")]
+
+
+def test_a_picture_gives_one_json_object(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = ["-o", str(tmp_path / "c.csv"), "--overlay", str(tmp_path / "o.png"), "--json"]
+    assert run(["curves", str(pictures / "sheet0.png"), *arguments(pictures), *made]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["ok"] is True
+    assert found["why"] == ""
+    lengths = {len(found[key]) for key in ("x_mm", "y_mm", "s_mm", "sigma_mm", "points_px")}
+    assert len(lengths) == 1
+    assert max(np.diff(found["s_mm"])) <= 0.5
+    assert found["s_mm"][-1] == pytest.approx(50.0)
+    assert found["covered"] > 0.8
+    rows = (tmp_path / "c.csv").read_text().splitlines()
+    assert len(rows) == 1 + lengths.pop()
+    assert cv2.imread(str(tmp_path / "o.png")) is not None
+
+
+def test_a_batch_writes_a_json_for_each_picture_and_says_which_has_no_curve(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["curves", "--batch", str(pictures), "-o", str(tmp_path), *arguments(pictures)]) == 0
+    told = capsys.readouterr()
+    assert "3 pictures, 1 without a curve" in told.out
+    assert "blank: no curve" in told.err
+    ok = {p.stem: json.loads(p.read_text())["ok"] for p in tmp_path.glob("*.json")}
+    assert ok == {"sheet0": True, "sheet1": True, "blank": False}
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ([], "no picture was given"),
+        (["lost.png"], "there is no such file"),
+        (["--batch", "."], "takes -o FOLDER"),
+    ],
+)
+def test_what_is_wrong_with_the_request_is_said(
+    pictures: Path, capsys: pytest.CaptureFixture[str], asked: list[str], said: str
+) -> None:
+    assert run(["curves", *asked, *arguments(pictures)]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_board_in_the_sheets_plane_calibrates_the_camera(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scale = 8.0
+    shown = cv2.warpPerspective(
+        Board().picture(20),
+        np.array([[scale / 20, 0.0, 60.0], [0.0, scale / 20, 40.0], [0.0, 0.0, 1.0]]),
+        (640, 480),
+        flags=cv2.INTER_AREA,
+        borderValue=255,
+    )
+    cv2.imwrite(str(tmp_path / "board.png"), shown)
+    made = tmp_path / "optics.json"
+    picture = str(tmp_path / "board.png")
+    assert run(["calibrate", "camera", picture, "--clamp-px", "100,300", "-o", str(made)]) == 0
+    assert load_optics(made).px_per_mm == pytest.approx(scale, rel=2e-3)
+    assert made.with_suffix(".png").exists()
+    assert "pixels per mm" in capsys.readouterr().out
+
+
+def test_two_points_of_a_ruler_give_the_scale(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "ruler.png"), np.full((480, 640), 90, np.uint8))
+    made = tmp_path / "optics.json"
+    ruler = ["--ruler-px", "100,200,500,200", "--ruler-mm", "50", "--clamp-px", "80,240"]
+    assert run(["calibrate", "camera", str(tmp_path / "ruler.png"), *ruler, "-o", str(made)]) == 0
+    assert load_optics(made).px_per_mm == pytest.approx(8.0)
+
+
+def test_the_board_is_a_pdf(tmp_path: Path) -> None:
+    assert run(["calibrate", "board", "-o", str(tmp_path / "board.pdf")]) == 0
+    assert (tmp_path / "board.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_dead_weights_calibrate_the_load_cell_and_the_old_calibration_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_templates(tmp_path / "rig", simulated=True)
+    weights = [f"--weight-mN={mN}" for mN in (0, 20, 50, 0)]
+    assert run(["calibrate", "load-cell", str(tmp_path / "rig" / "rig.toml"), *weights]) == 0
+    made = load_load_cell(tmp_path / "rig" / "load_cell.toml")
+    assert made.sensitivity_V_per_N == pytest.approx(0.15296, rel=5e-3)
+    assert 0 < made.sensitivity_sigma_V_per_N < 1e-3
+    assert len(list((tmp_path / "rig").glob("load_cell.2*.toml"))) == 1
+    assert run(["calibrate", "load-cell", str(tmp_path / "rig" / "rig.toml"), "--weight-mN=0"]) == 2
+    assert "at least three readings" in capsys.readouterr().err
