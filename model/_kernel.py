@@ -28,7 +28,7 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 SOLVED, SLIPPED, FAILED = 0, 1, 2
 MOST_STEPS = 25
-SMALL_STEP = 1e-6
+SMALL_STEP = 2e-6
 
 
 def compiled(function: _Function) -> _Function:
@@ -246,6 +246,16 @@ def panel_of(breaks: Array, s: float) -> int:
 
 
 @compiled
+def keep(psi: Array, x: Array, to_psi: Array, to_x: Array) -> None:
+    """Copy a state; loops, for slices cost seconds of compiling."""
+    for i in range(len(x)):
+        to_x[i] = x[i]
+    for p in range(psi.shape[0]):
+        for j in range(psi.shape[1]):
+            to_psi[p, j] = psi[p, j]
+
+
+@compiled
 def restart(w: Work) -> None:
     """The answers at the end of one panel are those at the start of the next."""
     for j in range(w.ends.shape[1]):
@@ -268,10 +278,11 @@ def sweep(
     on_sheet = s_hat < length
     top = min(s_hat, length)
     psi_s, a_s, b_s = 0.0, s_hat - top, 0.0
-    w.ends[:] = 0.0
+    for q in range(w.ends.shape[1]):
+        w.ends[0, q] = w.ends[1, q] = w.ends[2, q] = 0.0
+        if q >= 2 and not newton and not on_sheet:
+            w.ends[1, q] = -dlength[q - 2]
     w.ends[1, 1] = 0.0 if on_sheet else 1.0
-    if not newton and not on_sheet:
-        w.ends[1, 2:] = -dlength
     contact = panel_of(breaks, top)
     for p in range(contact, -1, -1):
         h = top - breaks[p]
@@ -366,7 +377,9 @@ def newton(
         for p in range(contact + 1):
             for i in range(len(rule.c)):
                 psi[p, i] += scale * columns[p, i, 2]
-        psi[contact + 1 :] = 0.0
+        for p in range(contact + 1, len(psi)):
+            for i in range(len(rule.c)):
+                psi[p, i] = 0.0
         x[0] += scale * dnu
         x[1] = max(x[1] + scale * ds, 0.98 * R)
         if largest < SMALL_STEP:
@@ -444,12 +457,53 @@ def free_start(breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array)
 
 
 @compiled
+def cold(
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
+    psi: Array, x: Array, columns: Array, w: Work,
+) -> int:  # fmt: skip
+    """Newton straight from the free shape. 0: did not converge, or not surely on its branch."""
+    length = breaks[-1]
+    s_free, free = free_crossing(breaks, kappa, rule, R)
+    x[1] = s_free
+    x[0] = 3.0 * (free - angle) / (R * R * (1.0 - max(0.0, 1.0 - length / R) ** 3))
+    free_start(breaks, kappa, rule, s_free, psi)
+    steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
+    if x[1] <= length:  # on the sheet there is never a second one
+        return steps
+    return steps if determinant > 0.0 and steps < 9 and abs(free - angle) < 1.0 else 0
+
+
+@compiled
+def solve_many(
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
+    warm: Array, psi: Array, x: Array, status: Array,
+) -> None:  # fmt: skip
+    """Every problem of a batch that Newton solves at once: kappa (K, P, D), angles (K,).
+
+    psi (K, P, n) and x (K, 4) are the results, and the start where `warm`. What is left FAILED is
+    for `rescue_many`.
+    """
+    w = new_work(len(rule.c), 3)
+    columns = np.zeros((len(breaks) - 1, len(rule.c), 3))
+    for k in range(len(angles)):
+        c, steps, determinant = soft[min(k, len(soft) - 1)], 0, 0.0
+        if warm[k]:
+            steps, determinant = newton(
+                breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w
+            )
+        if steps == 0 or determinant <= 0.0 or x[k, 1] > reach:
+            steps = cold(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w)
+        status[k] = SOLVED if steps > 0 and x[k, 1] <= reach else FAILED
+
+
+@compiled
 def march(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, start: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
 ) -> tuple[int, float]:  # fmt: skip
     """Follow the branch from the equilibrium at `start` to `angle`, as fast as Newton likes."""
-    kept, kept_x, before = psi.copy(), x.copy(), x.copy()
+    kept, kept_x, before = np.empty_like(psi), np.empty_like(x), np.empty_like(x)
+    keep(psi, x, kept, kept_x)
     at, last, step, determinant = start, 0.0, 0.1, 0.0
     while at != angle:
         step = min(step, 0.3)
@@ -463,13 +517,15 @@ def march(
         )  # fmt: skip
         turned = determinant != 0.0 and found * determinant <= 0.0
         if steps == 0 or turned or abs(x[1] - kept_x[1]) > 0.1 * R:
-            psi[:], x[:] = kept, kept_x
+            keep(kept, kept_x, psi, x)
             step *= 0.4
             if step < 1e-4:
                 return 0, 0.0
         else:
-            before[:], last = kept_x, abs(aim - at)
-            kept[:], kept_x[:] = psi, x
+            for i in range(2):
+                before[i] = kept_x[i]
+            last = abs(aim - at)
+            keep(psi, x, kept, kept_x)
             at, determinant = aim, found
             step *= 2.0 if steps <= 5 else 1.0
     return 1, determinant
@@ -496,84 +552,57 @@ def from_straight(
     psi: Array, x: Array, columns: Array, w: Work,
 ) -> int:  # fmt: skip
     """Bring a straight sheet to the position, then let its free curvature grow."""
-    psi[:] = 0.0
-    x[0], x[1] = 0.0, R * 1.0001
-    scaled = np.zeros_like(kappa)
+    scaled, kept, kept_x = np.zeros_like(kappa), np.zeros_like(psi), np.zeros_like(x)
+    keep(kept, kept_x, psi, x)
+    x[1] = R * 1.0001
     if march(breaks, scaled, soft, rule, R, 0.0, angle, psi, x, columns, w)[0] == 0:
         return 0
-    kept, kept_x = psi.copy(), x.copy()
+    keep(psi, x, kept, kept_x)
     at, step = 0.0, 0.25
     while at < 1.0:
         aim = min(at + step, 1.0)
-        scaled[:] = aim * kappa
+        for p in range(kappa.shape[0]):
+            for d in range(kappa.shape[1]):
+                scaled[p, d] = aim * kappa[p, d]
         steps, _ = newton(breaks, scaled, soft, rule, R, angle, psi, x, columns, w)
         if steps == 0 or abs(x[1] - kept_x[1]) > 0.1 * R:
-            psi[:], x[:] = kept, kept_x
+            keep(kept, kept_x, psi, x)
             step *= 0.4
             if step < 1e-3:
                 return 0
         else:
-            kept[:], kept_x[:] = psi, x
+            keep(psi, x, kept, kept_x)
             at = aim
             step *= 1.6 if steps <= 6 else 1.0
     return 1
 
 
 @compiled
-def cold(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
-    psi: Array, x: Array, columns: Array, w: Work,
-) -> int:  # fmt: skip
-    """Newton straight from the free shape. 0: did not converge, or not surely on its branch."""
-    length = breaks[-1]
-    s_free, free = free_crossing(breaks, kappa, rule, R)
-    x[1] = s_free
-    x[0] = 3.0 * (free - angle) / (R * R * (1.0 - max(0.0, 1.0 - length / R) ** 3))
-    free_start(breaks, kappa, rule, s_free, psi)
-    steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
-    if x[1] <= length:  # on the sheet there is never a second one
-        return steps
-    return steps if determinant > 0.0 and steps < 9 and abs(free - angle) < 1.0 else 0
-
-
-@compiled
-def solve_one(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angle: float,
-    warm: bool, psi: Array, x: Array, columns: Array, w: Work,
-) -> int:  # fmt: skip
-    """On the physical branch; psi and x are the start where `warm`, and the result."""
-    if warm:
-        steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
-        if steps > 0 and determinant > 0.0 and x[1] <= reach:
-            return SOLVED
-    if cold(breaks, kappa, soft, rule, R, angle, psi, x, columns, w) > 0 and x[1] <= reach:
-        return SOLVED
-    free = from_free(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
-    if free > 0 and x[1] <= reach:
-        return SOLVED
-    # curled away from the arc when free, yet held by the rolls: the way it came there
-    straight = from_straight(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
-    if straight > 0 and x[1] <= reach:
-        return SOLVED
-    return SLIPPED if free + straight > 0 else FAILED
-
-
-@compiled
-def solve_many(
+def rescue_many(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
-    warm: Array, psi: Array, x: Array, status: Array,
+    psi: Array, x: Array, status: Array,
 ) -> None:  # fmt: skip
-    """Every problem of a batch: kappa (K, P, D), soft (K or 1, P, Dc), angles (K,).
-
-    psi (K, P, n) and x (K, 4) are the results, and the start where `warm`.
-    """
+    """Every problem that is still FAILED, step by step along its branch."""
     w = new_work(len(rule.c), 3)
     columns = np.zeros((len(breaks) - 1, len(rule.c), 3))
     for k in range(len(angles)):
-        c = soft[min(k, len(soft) - 1)]
-        status[k] = solve_one(
-            breaks, kappa[k], c, rule, R, reach, angles[k], warm[k], psi[k], x[k], columns, w
-        )
+        if status[k] != FAILED:
+            continue
+        c, ways = soft[min(k, len(soft) - 1)], 0
+        # curled away from the arc when free, a sheet may yet be held by the rolls: second way
+        for way in range(2):
+            if way == 0:
+                found = from_free(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w)
+            else:
+                found = from_straight(
+                    breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w
+                )
+            ways += found
+            if found > 0 and x[k, 1] <= reach:
+                status[k] = SOLVED
+                break
+        if status[k] == FAILED and ways > 0:
+            status[k] = SLIPPED
 
 
 @compiled

@@ -187,7 +187,7 @@ def solve_many(
     angles: Numbers, warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> None:  # fmt: skip
     """As `_kernel.solve_many`."""
-    case, shape = _case(breaks, kappa, soft, R, angles), psi.shape[1:]
+    case = _case(breaks, kappa, soft, R, angles)
     free, polar = _free(case, r)
     u = free.copy()
     share = 1.0 - max(0.0, 1.0 - breaks[-1] / R) ** 3
@@ -197,27 +197,44 @@ def solve_many(
     u, done = _newton(case, u, r)
     sure = done & ((u[:, -1] * R <= breaks[-1]) | (np.abs(polar - angles) < 1.0))
     status[:] = np.where(sure & (u[:, -1] * R <= reach), SOLVED, FAILED)
-    straight = free * 0.0
-    straight[:, -1] = 1.0001
+    _store(case, u, r, psi, x, np.arange(len(u)), status == SOLVED)
+
+
+def rescue_many(
+    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
+    angles: Numbers, psi: Numbers, x: Numbers, status: Numbers,
+) -> None:  # fmt: skip
+    """As `_kernel.rescue_many`."""
     for attempt in range(2):
-        left = np.flatnonzero(status != SOLVED)
+        left = np.flatnonzero(status == FAILED if attempt == 0 else status != SOLVED)
         if not len(left):
             break
-        part = case.pick(left)
+        case = _case(breaks, kappa, soft, R, angles).pick(left)
+        free, polar = _free(case, r)
         if attempt == 0:
-            v, done = _follow(part, free[left], replace(part, angle=polar[left]), r)
+            v, done = _follow(case, free, replace(case, angle=polar), r)
         else:
-            flat = replace(part, kappa=0.0 * part.kappa, angle=0.0 * part.angle)
-            there = replace(flat, angle=part.angle)
-            v, one = _follow(there, straight[left], flat, r)
-            v, done = _follow(part, v, there, r)
+            straight = np.zeros_like(free)
+            straight[:, -1] = 1.0001
+            flat = replace(case, kappa=0.0 * case.kappa, angle=0.0 * case.angle)
+            there = replace(flat, angle=case.angle)
+            v, one = _follow(there, straight, flat, r)
+            v, done = _follow(case, v, there, r)
             done &= one
-        u[left[done]] = v[done]
         found = np.where(v[:, -1] * R <= reach, SOLVED, SLIPPED)
         status[left] = np.where(done, found, status[left])
-    psi[:] = u[:, :-2].reshape(len(u), *shape)
-    x[:, 0], x[:, 1] = u[:, -2] / R**2, u[:, -1] * R
-    x[:, 2], x[:, 3] = -_loaded(case, psi, x[:, 0], x[:, 1], r).psi_end, angles
+        _store(case, v, r, psi, x, left, done)
+
+
+def _store(
+    case: Case, u: Numbers, r: Rule, psi: Numbers, x: Numbers, rows: Numbers, done: Numbers
+) -> None:
+    """Write unknowns where they belong, for the problems that are done."""
+    shaped = u[:, :-2].reshape(len(u), *psi.shape[1:])
+    nu, s_hat = u[:, -2] / case.R**2, u[:, -1] * case.R
+    phi_hat = -_loaded(case, shaped, nu, s_hat, r).psi_end
+    psi[rows[done]] = shaped[done]
+    x[rows[done]] = np.stack([nu, s_hat, phi_hat, case.angle], axis=1)[done]
 
 
 def _points(case: Case, u: Numbers, s: Numbers, r: Rule) -> tuple[Numbers, Numbers]:

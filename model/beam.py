@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import pairwise
+from math import isfinite
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -29,12 +30,12 @@ Engine = Literal["auto", "compiled", "numpy"]
 Accuracy = Literal["normal", "reference"]
 # nodes for panels that turn less than so many rad
 _NODES: dict[Accuracy, tuple[tuple[float, int], ...]] = {
-    "normal": ((0.04, 4), (0.12, 5), (0.3, 6), (0.7, 8), (np.inf, 10)),
+    "normal": ((0.04, 4), (0.12, 5), (0.4, 6), (0.7, 8), (np.inf, 10)),
     "reference": ((0.04, 6), (0.12, 8), (0.3, 10), (np.inf, 16)),
 }
 _PASSES: dict[Accuracy, int] = {"normal": 1, "reference": 2}
-_TURN: dict[Accuracy, float] = {"normal": 1.6, "reference": 1.0}  # rad of free curvature in a panel
-_SHARE: dict[Accuracy, float] = {"normal": 1.3, "reference": 0.7}  # of R in a panel
+_TURN: dict[Accuracy, float] = {"normal": 3.2, "reference": 1.0}  # rad of free curvature in a panel
+_SHARE: dict[Accuracy, float] = {"normal": 1.6, "reference": 0.7}  # of R in a panel
 
 
 class Status(IntEnum):
@@ -55,6 +56,7 @@ class Problems:
     radius_m: float
     reach_m: float  # the visible end of sheet or elongation
     angle_rad: FloatArray  # (K,) beta
+    turn_rad: float | None = None  # bound of what a panel of kappa turns; None: to be worked out
 
     def __len__(self) -> int:
         return len(self.angle_rad)
@@ -74,20 +76,25 @@ def problems(
     accuracy: Accuracy = "normal",
 ) -> Problems:
     """A batch from fields: one free curvature k* for each angle, or one for all."""
-    angles = np.atleast_1d(np.asarray(angle_rad, dtype=float))
+    angles = np.asarray(angle_rad, dtype=float).reshape(-1)
     fields = [kappa] if isinstance(kappa, Field) else kappa
     length = fields[0].length_m
     _check(fields, softness, angles, radius_m, elongation_m)
     first = fields[0].breaks_m
     others = [f.breaks_m for f in fields[1:]] + ([softness.breaks_m] if softness else [])
     breaks = merged_breaks([first, *others]) if others else first
-    breaks = finer(breaks, max(f.largest() for f in fields), radius_m, accuracy)
-    degree = max(f.coefficients.shape[1] for f in fields)
-    rows = np.stack([padded(f.on(breaks).coefficients, degree) for f in fields])
+    largest = max(f.largest for f in fields)
+    breaks = finer(breaks, largest, radius_m, accuracy)
+    if len(fields) == 1:
+        rows = fields[0].on(breaks).coefficients[None]
+    else:
+        degree = max(f.coefficients.shape[1] for f in fields)
+        rows = np.stack([padded(f.on(breaks).coefficients, degree) for f in fields])
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
     if len(rows) < len(angles):
         rows = np.repeat(rows, len(angles), axis=0)
-    return Problems(breaks, rows, soft[None], radius_m, length + elongation_m, angles)
+    turn = largest * float((breaks[1:] - breaks[:-1]).max())
+    return Problems(breaks, rows, soft[None], radius_m, length + elongation_m, angles, turn)
 
 
 def finer(
@@ -106,9 +113,11 @@ def finer(
 
 def nodes_for(batch: Problems, accuracy: Accuracy = "normal") -> int:
     """Collocation nodes a panel: as many as the one that turns most needs."""
-    widths = np.diff(batch.breaks_m)
-    turn = np.max(np.sum(np.abs(batch.kappa), axis=2) * widths, initial=0.0)
-    turn = max(float(turn), float(np.max(widths)) / batch.radius_m)
+    widths = batch.breaks_m[1:] - batch.breaks_m[:-1]
+    turn = batch.turn_rad
+    if turn is None:
+        turn = float(np.max(np.sum(np.abs(batch.kappa), axis=2) * widths, initial=0.0))
+    turn = max(turn, float(widths.max()) / batch.radius_m)
     return next(n for most, n in _NODES[accuracy] if turn < most)
 
 
@@ -245,8 +254,11 @@ def solve(
     warm = np.isfinite(state[:, 0]) if fits else np.zeros(K, dtype=np.bool_)
     for _ in range(_PASSES[accuracy]):
         _share(_engine(engine).solve_many, workers, batch, nodes, warm, psi, state, status)
+        if np.any(status == Status.FAILED):
+            _share(_engine(engine).rescue_many, workers, batch, nodes, psi, state, status)
         warm = status == Status.SOLVED
-    state[status != Status.SOLVED] = np.nan
+    if status.any():
+        state[status != Status.SOLVED] = np.nan
     return Equilibria(batch, status, state[:, 0], state[:, 1], state[:, 2], psi, nodes)
 
 
@@ -300,18 +312,18 @@ def _check(
     elongation_m: float,
 ) -> None:
     length = fields[0].length_m
-    if not (np.isfinite(radius_m) and radius_m > 0.0):
+    if not (isfinite(radius_m) and radius_m > 0.0):
         raise ModelError(f"the arc's radius must be positive, not {radius_m * 1e3:g} mm")
-    if not (np.isfinite(elongation_m) and elongation_m >= 0.0):
+    if not (isfinite(elongation_m) and elongation_m >= 0.0):
         raise ModelError(f"the elongation must be zero or longer, not {elongation_m * 1e3:g} mm")
-    if not np.all(np.isfinite(angles)):
+    if not np.isfinite(angles.sum()):
         raise ModelError("a position on the arc is not a finite number")
     if len(fields) not in (1, len(angles)):
         raise ModelError(f"{len(fields)} free curvatures were given for {len(angles)} positions")
     if any(f.length_m != length for f in fields) or not length > 0.0:
         raise ModelError("all quantities along the sheet must end where its free length ends")
     for field in fields:
-        if not np.all(np.isfinite(field.coefficients)):
+        if not isfinite(field.largest):
             raise ModelError("the sheet's free curvature is not finite everywhere")
     if softness is not None and np.min(softness(np.linspace(0.0, length, 201))) <= 0.0:
         raise ModelError("the bending stiffness must be positive along the whole sheet")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -76,7 +76,7 @@ class Field:
         breaks = np.array([done[0][0], *(high for _, high, _ in done)])
         return Field(breaks, np.array([c for _, _, c in done]))
 
-    @property
+    @cached_property
     def length_m(self) -> float:
         """The end of the last panel."""
         return float(self.breaks_m[-1])
@@ -134,9 +134,10 @@ class Field:
 
     __rmul__ = __mul__
 
+    @cached_property
     def largest(self) -> float:
         """An upper bound of the magnitude."""
-        return float(np.max(np.sum(np.abs(self.coefficients), axis=1)))
+        return float(np.abs(self.coefficients).sum(axis=1).max())
 
     def _local(self, s: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray]:
         panel = np.clip(

@@ -63,7 +63,7 @@ class _TipProblem:
         self, kappa: Field, force: tuple[float, float], follows: bool, softness: Field | None
     ) -> None:
         every = [kappa.breaks_m] + ([softness.breaks_m] if softness else [])
-        turn = kappa.largest() + np.hypot(*force) * kappa.length_m
+        turn = kappa.largest + np.hypot(*force) * kappa.length_m
         breaks = finer(merged_breaks(every), turn, kappa.length_m)
         self.rule, self.h = rule(NODES), np.diff(breaks)[::-1]
         self.s = breaks[1:][::-1, None] - self.h[:, None] * self.rule.c
