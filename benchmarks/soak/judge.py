@@ -172,7 +172,7 @@ def _compare_with_world(
 
 def _zero_readings(begun: list[float], over: list[record.Pulse]) -> int:
     """One for each run of which a pulse is over."""
-    ends = [*begun[1:], float("inf")]
+    ends = [*begun[1:], float("inf")][: len(begun)]
     return sum(
         any(begin <= pulse.begin_s < end for pulse in over)
         for begin, end in zip(begun, ends, strict=True)
