@@ -120,7 +120,13 @@ class _Job:
         for reaches in ((), (6, 4)):  # a fast move must be caught by ridge points first
             near = fit_points(shape, setting, half_width=half[-1], reaches=reaches)
             fit = fit_intensities(
-                near, setting, band, rounds=3, choose=False, contrast=start.contrast
+                near,
+                setting,
+                band,
+                rounds=3,
+                choose=False,
+                contrast=start.contrast,
+                settled_px=0.02,
             )
             found = Candidate(fit, setting, Tip(None), judge(fit, setting, Tip(None)))
             good = found.verdict.covered > start.covered - 0.04
@@ -235,14 +241,11 @@ class _Job:
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""
-        import cv2
-
         if self.strip.elongation_m == 0:
             return self.thickness_px / 2
         beyond = self.basis.s > self.basis.free_px
-        smooth = cv2.GaussianBlur(self.picture.grey, (0, 0), 1.0)
         reach = np.full(len(beyond), round(12 + 4 * self.thickness_px))
-        _, _, width = ridge_points(smooth, shape, setting, reach)
+        _, _, width = ridge_points(shape, setting, reach)
         seen = beyond & np.isfinite(width)
         if not seen.any():
             return self.thickness_px / 2

@@ -27,7 +27,7 @@ def with_face(fit: Fit, setting: Setting, *, hint_only: bool = True) -> Band | N
 
     `hint_only`: try one width first, and the others only when it explains something.
     """
-    plain = _cost(fit, setting, 0.0)
+    plain = _cost(fit, setting, 0.0) if fit.band.face.any() else _total(fit, fit.cells)
     hints = [_cost(fit, setting, width) for width in (4.0, -4.0)]
     if hint_only and np.mean(plain - np.minimum(*hints) > LEAST_GAIN) < LEAST_SHARE:
         return None
@@ -44,6 +44,10 @@ def _cost(fit: Fit, setting: Setting, width: float) -> FloatArray:
     """(cells,) the squared residuals around each cell with a face of one width everywhere."""
     face = np.full(len(fit.used), width)
     cells, _ = look(fit.shape, setting, replace(fit.band, face=face), fit.noise, fit.used)
+    return _total(fit, cells)
+
+
+def _total(fit: Fit, cells: FloatArray) -> FloatArray:
     # what the robust weights leave out must cost, or a band that fits nothing would win
     lost = np.maximum(0.0, fit.cells[:, 6] + 2 - cells[:, 6]) * 3
     single = np.where(fit.used, cells[:, 5] / fit.noise**2 + lost, 0.0)

@@ -85,15 +85,10 @@ def fit_points(
     shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4, 4)
 ) -> Shape:
     """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
-    import cv2
-
-    if not reaches:
-        return shape
-    smooth = cv2.GaussianBlur(setting.picture.grey, (0, 0), 1.0)
     beyond = shape.basis.s > shape.basis.free_px
     for reach in reaches:
         extra = np.where(beyond, round(half_width), 0)
-        offset, height, _ = ridge_points(smooth, shape, setting, reach + extra)
+        offset, height, _ = ridge_points(shape, setting, reach + extra)
         good = np.isfinite(offset) & (height > setting.picture.noise)
         if good.sum() < 12:
             break
@@ -112,7 +107,7 @@ def fit_points(
 
 
 def ridge_points(
-    smooth: npt.NDArray[np.float32], shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
+    shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Offset, height and width of the ridge beside each node; see band.ridge_offsets."""
     from labrig.vision.band import ridge_offsets
@@ -121,7 +116,7 @@ def ridge_points(
     sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))
     beside = setting.nodes_px(sideways) - centre
     return ridge_offsets(
-        smooth,
+        setting.picture.smooth,
         centre[:, 0].copy(),
         centre[:, 1].copy(),
         beside[:, 0].copy(),
@@ -145,11 +140,12 @@ def fit_intensities(
     rounds: int = 8,
     choose: bool = True,
     contrast: float | None = None,
+    settled_px: float = SETTLED_PX,
 ) -> Fit:
     """Fit the picture's own intensities beside the curve, and the band's look with it.
 
     `choose`: let the picture choose how smooth its curvature is. `contrast`: of the sheet, where it
-    is known from before.
+    is known from before. `settled_px`: the last step's size.
     """
     used = np.ones(len(band.half_width), dtype=bool)
     # before the first step the curve misses by more than the noise: allow a tenth of the sheet
@@ -160,7 +156,7 @@ def fit_intensities(
         if choose and turn in CHOOSING_ROUNDS:
             setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
-        if fit.step_px < SETTLED_PX:
+        if fit.step_px < settled_px:
             break
     return fit
 

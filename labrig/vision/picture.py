@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,8 @@ from labrig.vision.optics import Optics
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
+
+SMOOTHING_PX = 1.0
 
 
 class PictureError(ValueError):
@@ -27,6 +29,13 @@ class Picture:
     noise: float
     full_scale: float
     warnings: tuple[str, ...]
+
+    @cached_property
+    def smooth(self) -> MapArray:
+        """Smoothed with a Gaussian of one pixel, for finding ridges."""
+        import cv2
+
+        return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
 
 def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:

@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit import Fit, ridge_points
+from labrig.vision.picture import SMOOTHING_PX
 from labrig.vision.setting import Band, Setting, look
 
 FloatArray = npt.NDArray[np.float64]
 
 SMOOTH_NODES = 12
 TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about this
-SMOOTHING_PX = 1.0
 SUSPICIOUS_BLUR_PX = 1.5
 EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
@@ -26,13 +26,10 @@ LEAST_GAIN = 50.0
 
 def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
     """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
-    import cv2
-
-    smooth = cv2.GaussianBlur(setting.picture.grey, (0, 0), SMOOTHING_PX)
     blur, wider = _sharper_look(fit, setting)
     half = np.append(fit.band.half_width, fit.band.half_width[-1])
     reach = np.full(len(half), round(2 * float(half.max()) + 10))
-    offset, _, width = ridge_points(smooth, fit.shape, setting, reach)
+    offset, _, width = ridge_points(fit.shape, setting, reach)
     blur = float(np.hypot(blur, SMOOTHING_PX))
     expected = np.array([_visible_width(h, blur) for h in np.unique(half)])
     usual = expected[np.searchsorted(np.unique(half), half)]
