@@ -123,7 +123,12 @@ def in_time(clock: Clock, what: str, action: Callable[[], object], limit_s: floa
         except BaseException as fault:  # noqa: BLE001 - raised again, where it is waited for
             raised.append(fault)
 
-    if not clock.start_thread(work, what).join(limit_s):
+    try:
+        thread = clock.start_thread(work, what)
+    except RuntimeError:  # the interpreter is being ended and starts no thread any more
+        action()
+        return
+    if not thread.join(limit_s):
         raise DeviceTimeoutError(f"{what} has not come to an end in {limit_s:g} s")
     if raised:
         raise raised[0]

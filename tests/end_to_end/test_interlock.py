@@ -59,9 +59,18 @@ def test_a_world_without_an_interlock_needs_no_edges() -> None:
 
 
 @pytest.mark.slow
-def test_a_run_keeps_its_interlock_closed(rig: FaultyRig) -> None:
+def test_a_run_keeps_its_interlock_closed(rig: FaultyRig, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, edges_s = World.edge, []
+
+    def edge(self: World, line: str, when: float) -> None:
+        edges_s.append(when)
+        real(self, line, when)
+
+    monkeypatch.setattr(World, "edge", edge)
     left = rig.run(WORLD, WIRED)
     assert (left.code, left.readings, left.invalid) == (0, 5, [])
+    assert len(edges_s) > 50
+    assert max(np.diff(edges_s)) < 0.06
 
 
 @pytest.mark.slow
