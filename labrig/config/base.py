@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import difflib
 import json
 import reprlib
 import stat
 import tomllib
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
 
 from labrig.errors import BadInputError
 
@@ -20,7 +21,39 @@ class Closed(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    @field_validator("*", mode="before")
+    @classmethod
+    def _is_of_its_kind(cls, value: Any, info: ValidationInfo) -> Any:
+        """Elsewhere `true` may count as 1 and "10" as 10; here each is a slip of the pen."""
+        wanted = _kinds(cls.model_fields[str(info.field_name)].annotation)
+        _insist(value, wanted)
+        return value
 
+
+def _kinds(annotation: Any) -> frozenset[type]:
+    """The plain types that an annotation is made of, at any depth."""
+    parts = get_args(annotation)
+    if get_origin(annotation) is Literal:
+        return frozenset(type(part) for part in parts)
+    if not parts:
+        return frozenset({annotation}) if isinstance(annotation, type) else frozenset()
+    return frozenset().union(*map(_kinds, parts))
+
+
+def _insist(value: Any, wanted: frozenset[type]) -> None:
+    if isinstance(value, list):
+        for item in value:
+            _insist(item, wanted)
+    elif isinstance(value, bool):
+        if bool not in wanted:
+            raise ValueError("should be neither true nor false")
+    elif isinstance(value, str) and wanted <= _NO_WORDS:
+        raise ValueError("should be a valid number, without quotes")
+    elif isinstance(value, int | float) and dt.date in wanted:
+        raise ValueError("should be a date such as 2026-11-21")
+
+
+_NO_WORDS = frozenset({int, float, bool, type(None)})
 _KEY = 60  # characters of a key that are worth showing
 MOST_BYTES = 8 << 20  # of a file that a person writes
 Model = TypeVar("Model", bound=Closed)

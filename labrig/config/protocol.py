@@ -185,7 +185,7 @@ class ProtocolConfig(Closed):
                 frame_rate_hz=self.camera.frame_rate_hz,
             )
         except ScheduleError as error:
-            raise BadInputError(f"{name}: {error}") from None
+            raise BadInputError(f"{name}: {error}.") from None
 
 
 def _place(place: PlaceConfig) -> Place:
