@@ -60,7 +60,8 @@ def summary(verdicts: Sequence[Verdict]) -> list[str]:
 def _row(f: Figures) -> str:
     return (
         f"| {f.name} | {f.runs} | {f.energised} | {f.median_s:.3f} s | {f.longest_s:.3f} s "
-        f"| {f.largest_V:.3f} V | {f.finished} | {f.missing} | {f.invalid} | {f.disturbed} | {f.failed} |"
+        f"| {f.largest_V:.3f} V | {f.finished} | {f.missing} | {f.invalid} "
+        f"| {f.disturbed} | {f.failed} |"
     )
 
 

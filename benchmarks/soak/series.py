@@ -11,6 +11,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from io import StringIO
+from multiprocessing import get_context
 from pathlib import Path
 
 from benchmarks.soak.faults import Fault, Relay, do
@@ -53,7 +54,7 @@ def soak(
     if jobs == 1:
         return [verdict for part in parts for verdict in _on_one_rig(part, folder, tell)]
     found: list[Verdict] = []
-    with ProcessPoolExecutor(jobs) as pool:
+    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
         for done in as_completed(pool.submit(_on_one_rig, part, folder) for part in parts):
             for verdict in done.result():
                 tell(verdict)
