@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from sim_hardware.world.settings import WorldSettings
 
 SHIPPED = ("world.toml", "paper_scatter.toml")
+_MOST_BYTES = 1 << 20
 _LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
@@ -45,6 +46,8 @@ def _shipped(name: str) -> str:
 
 def _text(path: Path) -> str:
     try:
+        if path.exists() and not (path.is_file() and path.stat().st_size <= _MOST_BYTES):
+            raise WorldError(f"{path}: this is no file that could hold a world")
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
         if path.name in SHIPPED and path.parent.is_dir():
@@ -60,7 +63,9 @@ def _text(path: Path) -> str:
 def _parsed(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as fault:
+    except RecursionError:
+        raise WorldError(f"{name}: not valid TOML: too many brackets in one another") from None
+    except ValueError as fault:  # also of a number with thousands of digits
         raise WorldError(f"{name}: not valid TOML: {fault}") from None
 
 

@@ -12,9 +12,11 @@ import pytest
 from labrig.config.templates import write_templates
 from labrig.errors import BadInputError
 from labrig.experiment.plan import load_plan
+from sim_hardware.world import WorldError, load_world
 from tests.fuzz.mangle import DEEP, text_of
 from tests.fuzz.told import small_and_soon, told
 
+ROOT = Path(__file__).resolve().parents[2]
 FILES = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml", "optics.json")
 ROOTS = FILES[:3]  # those that a person names
 CASES = 60  # of each file
@@ -106,3 +108,31 @@ def test_a_protocol_without_measure_is_refused(rig: Path, kind: str) -> None:
     (rig / "protocol.toml").write_text(HUGE[kind] + places)
     assert refused_by_run(rig)
     told("plan", rig / "protocol.toml", "--json")
+
+
+def world_refused(path: Path) -> bool:
+    """Whether a world's file was refused in words."""
+    said = ""
+    with small_and_soon():
+        try:
+            load_world(path)
+        except WorldError as fault:
+            said = str(fault)
+    assert len(said) < 20_000
+    return bool(said)
+
+
+def test_a_damaged_world_is_refused_in_words_or_read(tmp_path: Path) -> None:
+    sound = (ROOT / "sim_hardware" / "world" / "world.toml").read_text(encoding="utf-8")
+    path = tmp_path / "world.toml"
+    path.write_text(sound, encoding="utf-8")
+    assert not world_refused(path)
+    dice = random.Random(6)
+    refused = 0
+    for _ in range(CASES):
+        path.write_text(text_of(sound, dice), encoding="utf-8", errors="surrogatepass")
+        refused += world_refused(path)
+    assert refused > CASES / 4
+    for text in ("[" * DEEP, "a = " + "[" * DEEP, "seed = " + "9" * 5000):
+        path.write_text(text)
+        assert world_refused(path)
