@@ -15,6 +15,11 @@ from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, fie
 
 from labrig.errors import BadInputError
 
+MOST_BYTES = 8 << 20  # of a file that a person writes
+_KEY = 60  # characters of a key that are worth showing
+_MOST = 20  # faults that are worth telling at once
+_NO_WORDS = frozenset({int, float, bool, type(None)})
+
 
 class Closed(BaseModel):
     """A table of a configuration file: an unknown key is an error, a number must be finite."""
@@ -53,9 +58,6 @@ def _insist(value: Any, wanted: frozenset[type]) -> None:
         raise ValueError("should be a date such as 2026-11-21")
 
 
-_NO_WORDS = frozenset({int, float, bool, type(None)})
-_KEY = 60  # characters of a key that are worth showing
-MOST_BYTES = 8 << 20  # of a file that a person writes
 Model = TypeVar("Model", bound=Closed)
 
 
@@ -127,7 +129,10 @@ def _sentences(model: type[BaseModel], error: ValidationError, name: str) -> lis
     faults: dict[str, list[Any]] = {}
     for fault in error.errors():
         faults.setdefault(_where(fault["loc"]), []).append(fault)
-    return [f"{name}: {_sentence(model, where, faults[where])}." for where in faults]
+    told = [f"{name}: {_sentence(model, where, faults[where])}." for where in list(faults)[:_MOST]]
+    if len(faults) > _MOST:
+        told.append(f"{name}: {len(faults) - _MOST} more keys are wrong.")
+    return told
 
 
 def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:

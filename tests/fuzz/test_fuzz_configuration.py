@@ -76,6 +76,12 @@ def test_brackets_without_end_are_refused(rig: Path, name: str) -> None:
         assert refused_by_run(rig)
 
 
+def test_a_hundred_thousand_faults_are_told_in_a_few_sentences(rig: Path) -> None:
+    text = (rig / "rig.toml").read_text()
+    (rig / "rig.toml").write_text("".join(f"key{i} = 1\n" for i in range(100_000)) + text)
+    assert "99980 more keys are wrong" in refused_by_run(rig)
+
+
 @pytest.mark.parametrize("name", FILES)
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX devices and pipes")
 def test_what_is_no_file_is_neither_read_for_ever_nor_waited_for(rig: Path, name: str) -> None:
