@@ -25,6 +25,8 @@ from labrig.vision.width import excess_width_px
 FloatArray = npt.NDArray[np.float64]
 
 WELL_COVERED = 0.95
+BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
+LEAST_DOUBLE_SCORE = 0.4
 LONGEST_STEP_M = 0.45e-3  # between the points of a curve
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
@@ -76,8 +78,20 @@ def neutral_curve(
         return NeutralCurve(
             ok=False, why="no path that a sheet could take leaves the clamp; check clamp_px."
         )
+    if not best.verdict.why and job.is_doubled(best):
+        return NeutralCurve(
+            ok=False,
+            why="two sheets leave the clamp side by side, and nothing tells which is meant; take "
+            "one away, or mask it in the picture.",
+        )
     excess = None if best.verdict.why else excess_width_px(best.fit, best.setting)
     return report(best.fit, best.setting, best.verdict, excess)
+
+
+def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
+    """(nodes,) distance in the picture, point by point along both curves."""
+    gap = candidate.setting.nodes_px(candidate.fit.shape) - nodes
+    return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))
 
 
 class _Job:
@@ -159,6 +173,7 @@ class _Job:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
+        self.ridges = ridges
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if hasty and len(signs) == 2:
             signs = self._likely(ridges, signs)
@@ -171,6 +186,28 @@ class _Job:
                     enough = 0.75 if found[-1].verdict.why else 0.7
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
+
+    def is_doubled(self, found: Candidate) -> bool:
+        """Whether a second sheet, as good as the first, leaves the clamp or close beside it."""
+        nodes = found.setting.nodes_px(found.fit.shape)
+        half = float(found.fit.band.half_width.max())
+        wiped = self.ridges.without(nodes, 2 + half + found.fit.band.blur)
+        sign, optics = found.setting.sign, self.optics
+        other = trace_from_clamp(
+            wiped, optics, self.strip, sign, width=60, share=0.5, offsets=BESIDE_CLAMP
+        )
+        if other is None or other.score < LEAST_DOUBLE_SCORE:
+            return False
+        # only now is the whole of it worth a fit; its own start stands for the clamp
+        start = (float(other.path[0, 0]), float(other.path[0, 1]))
+        moved = optics.model_copy(update={"clamp_px": start})
+        job = _Job(self.picture, moved, self.strip)
+        trace = trace_from_clamp(wiped, moved, self.strip, sign, width=120)
+        if trace is None:
+            return False
+        second = job.refine(trace, sign)
+        apart = _distance(second, nodes).max()
+        return second.confirmed and second.verdict.covered > 0.8 and bool(apart > 4)
 
     def _rivals(
         self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float

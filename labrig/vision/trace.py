@@ -100,11 +100,13 @@ def trace_from_clamp(
     sign: float,
     *,
     share: float = 1.0,
+    offsets: tuple[float, ...] = (-2, -1, 0, 1, 2),
     width: int = 120,
 ) -> Trace | None:
     """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do.
 
-    `share` of the length is traced, with `width` states kept.
+    `share` of the length is traced, with `width` states kept, from `offsets` beside the clamp in
+    units of its uncertainty.
     """
     from labrig.vision.beam import TURN, search
 
@@ -120,7 +122,7 @@ def trace_from_clamp(
     spread = np.array(
         [
             (step * optics.clamp_sigma_px / scale, turn * optics.clamp_angle_sigma_rad)
-            for step in (-2, -1, 0, 1, 2)
+            for step in offsets
             for turn in (-2, 0, 2)
         ]
     )

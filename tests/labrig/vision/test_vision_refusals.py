@@ -91,6 +91,17 @@ def test_clutter_without_a_sheet(scenes, known, seed):
     assert not neutral_curve(scene.image, *known(scene)).ok
 
 
+def test_two_sheets_at_one_clamp(scenes, known):
+    one = scenes.make_scene(scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8, clamp=False))
+    other = scenes.make_scene(
+        scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=-0.8, clamp=False)
+    )
+    shift = np.round(one.truth_px[0] - other.truth_px[0]).astype(int)
+    moved = np.roll(other.image, (shift[1], shift[0]), axis=(0, 1))
+    both = np.maximum(one.image, moved)
+    refused(both, *known(one), "two sheets")
+
+
 def test_geometry_that_cannot_be():
     for arguments in ((0.0,), (0.05, -0.01), (0.05, 0.0, 0.0), (0.05, 0.0, 0.06)):
         with pytest.raises(BadInputError, match="mm"):
