@@ -457,18 +457,34 @@ def free_start(breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array)
 
 
 @compiled
+def bent_start(breaks: Array, rule: Any, x: Array, psi: Array) -> None:
+    """Bend the free shape by the force's moment with the lever of a straight sheet."""
+    top = min(x[1], breaks[-1])
+    for p in range(panel_of(breaks, top) + 1):
+        h = min(top, breaks[p + 1]) - breaks[p]
+        for j in range(len(rule.c)):
+            lever = x[1] - breaks[p] - h * (1.0 - rule.c[j])
+            psi[p, j] += 0.5 * x[0] * (lever * lever - (x[1] - top) ** 2)
+
+
+@compiled
 def cold(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
-    psi: Array, x: Array, columns: Array, w: Work,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float,
+    angle: float, psi: Array, x: Array, columns: Array, w: Work,
 ) -> int:  # fmt: skip
     """Newton straight from the free shape. 0: did not converge, or not surely on its branch."""
     length = breaks[-1]
     s_free, free = free_crossing(breaks, kappa, rule, R)
     x[1] = s_free
     x[0] = 3.0 * (free - angle) / (R * R * (1.0 - max(0.0, 1.0 - length / R) ** 3))
-    free_start(breaks, kappa, rule, s_free, psi)
+    if length > s_free:  # about as long as an arc through the contact
+        x[1] = R * (1.0 + angle * angle / 6.0)
+    free_start(breaks, kappa, rule, x[1], psi)
+    bent_start(breaks, rule, x, psi)
     steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
-    if x[1] <= length:  # on the sheet there is never a second one
+    if x[1] <= length and reach <= length * (
+        1.0 + 1e-9
+    ):  # on the sheet there is never a second one
         return steps
     return steps if determinant > 0.0 and steps < 9 and abs(free - angle) < 1.0 else 0
 
@@ -492,7 +508,7 @@ def solve_many(
                 breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w
             )
         if steps == 0 or determinant <= 0.0 or x[k, 1] > reach:
-            steps = cold(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w)
+            steps = cold(breaks, kappa[k], c, rule, R, reach, angles[k], psi[k], x[k], columns, w)
         status[k] = SOLVED if steps > 0 and x[k, 1] <= reach else FAILED
 
 
@@ -629,6 +645,8 @@ class Strip(NamedTuple):
     edges: Array  # (P + 2,)
     of: Array  # (P + 1,) the panel of the problem each lies in
     phi: Array  # (P + 1, n) at ascending nodes
+    cos: Array  # of phi
+    sin: Array
     a: Array  # (P + 1, n) lever of the contact force; 0 in the tail
     push: Array  # (P + 1, n) c a
     x: Array  # (P + 2,) at the edges
@@ -641,8 +659,8 @@ def new_strip(P: int, n: int) -> Strip:
     """Room for a sheet of P panels."""
     return Strip(
         np.zeros(P + 2), np.zeros(P + 1, dtype=np.int64), np.zeros((P + 1, n)),
-        np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros(P + 2), np.zeros(P + 2),
-        np.zeros(P + 2),
+        np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)),
+        np.zeros(P + 2), np.zeros(P + 2), np.zeros(P + 2),
     )  # fmt: skip
 
 
@@ -682,14 +700,15 @@ def unroll(
             else:
                 _, K, _ = polynomial(kappa[p], t_low + h * rule.c[j] / half, half)
                 strip.phi[m, j] = strip.phi_edge[m] + K - K_low
-            run += rule.b[j] * np.cos(strip.phi[m, j])
-            rise += rule.b[j] * np.sin(strip.phi[m, j])
+            strip.cos[m, j], strip.sin[m, j] = np.cos(strip.phi[m, j]), np.sin(strip.phi[m, j])
+            run += rule.b[j] * strip.cos[m, j]
+            rise += rule.b[j] * strip.sin[m, j]
         for j in range(n):
             strip.a[m, j] = strip.push[m, j] = 0.0
             if loaded:
                 a, c = a_edge, 1.0
                 for k in range(n):
-                    a -= h * rule.A[j, k] * np.cos(strip.phi[m, k] - phi_hat)
+                    a -= h * rule.A[j, k] * (strip.cos[m, k] * cos_hat + strip.sin[m, k] * sin_hat)
                 if soft.shape[1] > 0:
                     c, _, _ = polynomial(soft[p], t_low + h * rule.c[j] / half, half)
                 strip.a[m, j], strip.push[m, j] = a, c * a
@@ -719,19 +738,20 @@ def points(
 ) -> None:  # fmt: skip
     """x, y, phi, k at each s into out (S, 4), answers of x, y into dout (Q, S, 2).
 
-    dphi (P + 1, n, Q) is how phi at the strip's nodes answers, at fixed s; weights (2, n) is
+    dphi (P + 1, Q, n) is how phi at the strip's nodes answers, at fixed s; weights (3, n) is
     scratch.
     """
-    n, Q, length = len(rule.c), dphi.shape[2], breaks[-1]
+    n, Q, length = len(rule.c), dphi.shape[1], breaks[-1]
+    cos_hat, sin_hat = np.cos(phi_hat), np.sin(phi_hat)
     dr = np.zeros((count + 1, Q, 2))
     for m in range(count):
         h = strip.edges[m + 1] - strip.edges[m]
         for q in range(Q):
             dx, dy = 0.0, 0.0
             for j in range(n):
-                turn = h * rule.b[j] * dphi[m, j, q]
-                dx -= turn * np.sin(strip.phi[m, j])
-                dy += turn * np.cos(strip.phi[m, j])
+                turn = h * rule.b[j] * dphi[m, q, j]
+                dx -= turn * strip.sin[m, j]
+                dy += turn * strip.cos[m, j]
             dr[m + 1, q, 0], dr[m + 1, q, 1] = dr[m, q, 0] + dx, dr[m, q, 1] + dy
     for i in range(len(s)):
         if s[i] > length:
@@ -752,13 +772,15 @@ def points(
         legendre_weights(rule, (s[i] - low) / h, weights[0], weights[1])
         x, y, press = strip.x[m], strip.y[m], 0.0
         for j in range(n):
-            x += h * weights[0, j] * np.cos(strip.phi[m, j])
-            y += h * weights[0, j] * np.sin(strip.phi[m, j])
-            press += h * weights[0, j] * strip.push[m, j]
+            weight = h * weights[0, j]
+            weights[1, j], weights[2, j] = weight * strip.cos[m, j], weight * strip.sin[m, j]
+            x += weights[1, j]
+            y += weights[2, j]
+            press += weight * strip.push[m, j]
         _, K_low, _ = polynomial(kappa[p], t_low, half)
         k, K, _ = polynomial(kappa[p], t, half)
         if s[i] <= top:
-            lever = (x_hat - x) * np.cos(phi_hat) + (y_hat - y) * np.sin(phi_hat)
+            lever = (x_hat - x) * cos_hat + (y_hat - y) * sin_hat
             if soft.shape[1] > 0:
                 c, _, _ = polynomial(soft[p], t, half)
                 lever *= c
@@ -768,9 +790,8 @@ def points(
         for q in range(Q):
             dx, dy = dr[m, q, 0], dr[m, q, 1]
             for j in range(n):
-                turn = h * weights[0, j] * dphi[m, j, q]
-                dx -= turn * np.sin(strip.phi[m, j])
-                dy += turn * np.cos(strip.phi[m, j])
+                dx -= weights[2, j] * dphi[m, q, j]
+                dy += weights[1, j] * dphi[m, q, j]
             dout[q, i, 0], dout[q, i, 1] = dx, dy
 
 
@@ -811,7 +832,7 @@ def turning(
     breaks: Array, kappa: Array, rule: Any, x: Array, to: Directions, columns: Array, dx: Array,
     strip: Strip, count: int, dphi: Array,
 ) -> None:  # fmt: skip
-    """How phi at the strip's nodes answers to the parameters, at fixed s: dphi (P + 1, n, Q)."""
+    """How phi at the strip's nodes answers to the parameters, at fixed s: dphi (P + 1, Q, n)."""
     n, length = len(rule.c), breaks[-1]
     on_sheet = x[1] < length
     top = min(x[1], length)
@@ -830,14 +851,14 @@ def turning(
                 t, i = t_low + h * rule.c[j] / half, n - 1 - j
                 if high > top:
                     _, K, _ = polynomial(to.kappa[q, p], t, half)
-                    dphi[m, j, q] = tail + K - K_low
+                    dphi[m, q, j] = tail + K - K_low
                     continue
                 change = columns[p, i, 2 + q]
                 change += columns[p, i, 0] * dx[q, 0] + columns[p, i, 1] * dx[q, 1]
                 if p == contact:  # its nodes move with the contact
                     k, _, _ = polynomial(kappa[p], t, half)
                     change -= (k - x[0] * strip.push[m, j]) * rule.c[j] * rate
-                dphi[m, j, q] = dx[q, 2] + change
+                dphi[m, q, j] = dx[q, 2] + change
             if high > top:
                 _, K, _ = polynomial(to.kappa[q, p], t_low + h / half, half)
                 tail += K - K_low
@@ -856,7 +877,7 @@ def describe_many(
     n, P, Q = len(rule.c), len(breaks) - 1, dx.shape[1]
     w = new_work(n, 2 + Q)
     columns = np.zeros((P, n, 2 + Q))
-    strip, weights, dphi = new_strip(P, n), np.zeros((2, n)), np.zeros((P + 1, n, Q))
+    strip, weights, dphi = new_strip(P, n), np.zeros((3, n)), np.zeros((P + 1, Q, n))
     for k in range(len(x)):
         if not good[k]:
             continue

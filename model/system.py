@@ -9,7 +9,7 @@ points whose errors are correlated would otherwise outweigh the forces.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -66,7 +66,6 @@ class Prediction:
     modes_by: FloatArray  # (K, M, size) of the predicted distance
     force_at: FloatArray  # (K, 4) by: relative EIBM, position, clamp tilt, load cell zero
     modes_at: FloatArray  # (K, M, 5) by: relative EIBM, position, clamp tilt, camera x, camera y
-    distance_m: list[FloatArray] = field(default_factory=list)  # at the points
 
 
 class System:
@@ -85,12 +84,25 @@ class System:
         self.touching = [i for i, o in enumerate(observed.observations) if o.position_m is not None]
         self.free = [i for i, o in enumerate(observed.observations) if o.position_m is None]
         self._angles = np.array([self._angle(i) for i in self.touching])
+        self._projections: dict[bytes, FloatArray] = {}
         self._points = [self._curve(o) for o in observed.observations]
-        longest = max(1, *(len(s) for s, *_ in self._points))
-        self._s = np.array([_stretched(self._points[i][0], longest) for i in self.touching])
-        self._last: Equilibria | None = None
         self._directions = {i: self._change(o) for i, o in enumerate(observed.observations)}
+        self._last: Equilibria | None = None
+        self._stack_curves()
         self._moved = self._all_directions()
+
+    def _stack_curves(self) -> None:
+        """The curves of all touching conditions as arrays, filled up where one is shorter."""
+        longest = max(1, *(len(s) for s, *_ in self._points))
+        shape = (len(self.touching), longest)
+        self._s, self._x, self._y = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        self._project = np.zeros((shape[0], self.modes, longest))
+        for row, i in enumerate(self.touching):
+            s, x, y, project = self._points[i]
+            self._s[row, len(s) :] = s[-1] if len(s) else 0.0
+            for whole, part in ((self._s, s), (self._x, x), (self._y, y)):
+                whole[row, : len(part)] = part
+            self._project[row, :, : len(s)] = project
 
     def curvature_row(self, theta: FloatArray, voltage_V: float) -> FloatArray:
         """k* as panel coefficients (P, D)."""
@@ -108,7 +120,7 @@ class System:
         K, M, size = len(self.observed.observations), self.modes, self.layout.size
         result = Prediction(
             np.full(K, np.nan), np.full((K, M), np.nan), np.zeros((K, size)),
-            np.zeros((K, M, size)), np.zeros((K, 4)), np.zeros((K, M, 5)), [np.zeros(0)] * K,
+            np.zeros((K, M, size)), np.zeros((K, 4)), np.zeros((K, M, 5)),
         )  # fmt: skip
         if self.touching:
             self._predict_touching(theta, result)
@@ -118,52 +130,56 @@ class System:
 
     def solve(self, theta: FloatArray) -> Equilibria:
         """The equilibria of all conditions with the load cell."""
-        rows = {v: self.curvature_row(theta, v) for v in {0.0, *self.layout.voltages_V}}
-        volts = [self.observed.observations[i].voltage_V for i in self.touching]
-        kappa = np.stack([rows[v] for v in volts])
-        sheet = self.observed.sheet
+        sheet, moved = self.observed.sheet, self._moved.kappa[:, :-1]
+        kappa = self.rest_row + np.tensordot(moved, theta[1:], axes=(1, 0))
         none = np.zeros((1, len(self.breaks) - 1, 0))
-        batch = Problems(
-            self.breaks, kappa, none, sheet.arc_radius_m,
-            self.length + max(sheet.elongation_m, 10.0 * sheet.arc_radius_m), self._angles,
-        )  # fmt: skip
-        self._last = solve(batch, self._last)
-        return self._last
+        reach = self.length + sheet.elongation_m
+        batch = Problems(self.breaks, kappa, none, sheet.arc_radius_m, reach, self._angles)
+        found = solve(batch, self._last)
+        if np.any(found.status != Status.SOLVED):  # on the way a sheet may seem a little short
+            found = solve(replace(batch, reach_m=reach + 10.0 * sheet.arc_radius_m), self._last)
+        self._last = found
+        return found
 
     def _predict_touching(self, theta: FloatArray, result: Prediction) -> None:
-        B, sheet, size = float(np.exp(theta[0])), self.observed.sheet, self.layout.size
+        B, R, size = float(np.exp(theta[0])), self.observed.sheet.arc_radius_m, self.layout.size
         found = self.solve(theta)
         if np.any(found.status != Status.SOLVED):
             bad = self.observed.observations[self.touching[int(np.argmax(found.status != 0))]]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
         shapes, answers = found.answers(self._s, self._moved)
-        cos, sin = np.cos(found.gamma_rad), np.sin(found.gamma_rad)
+        weights, rows = self._eibm_weights(theta), np.array(self.touching)
         force = found.force(B)
-        turn = B * found.nu * sin
-        by = B * cos[:, None] * answers.nu - turn[:, None] * answers.phi_hat
+        turn = B * found.nu * np.sin(found.gamma_rad)
+        by = B * np.cos(found.gamma_rad)[:, None] * answers.nu - turn[:, None] * answers.phi_hat
         by[:, -1] += turn  # gamma = phi_hat - beta, and beta moves
+        result.force_N[rows] = force
+        result.force_by[rows, 0], result.force_by[rows, 1:] = force, by[:, : size - 1]
+        eibm = np.sum(weights * by[:, : size - 1], axis=1)
+        ones = np.ones(len(rows))
+        result.force_at[rows] = np.stack([eibm, by[:, -1] / R, -by[:, -1], ones], axis=1)
+        nx, ny = -np.sin(shapes.phi_rad), np.cos(shapes.phi_rad)
+        distance = (self._x - shapes.x_m) * nx + (self._y - shapes.y_m) * ny
+        sideways = answers.x * nx[:, None] + answers.y * ny[:, None]
+        tilt = shapes.x_m * ny - shapes.y_m * nx - sideways[:, -1]
+        columns = np.concatenate([sideways, np.stack([tilt, nx, ny, distance], axis=1)], axis=1)
+        modes = self._project @ columns.transpose(0, 2, 1)  # (K, M, size + 4)
+        seen = np.array([len(self._points[i][0]) > 0 for i in self.touching])
+        result.modes_m[rows] = np.where(seen[:, None], modes[:, :, -1], np.nan)
+        result.modes_by[rows, :, 1:] = modes[:, :, : size - 1]
+        result.modes_at[rows, :, 0] = np.sum(weights[:, None] * modes[:, :, : size - 1], axis=2)
+        result.modes_at[rows, :, 1] = modes[:, :, size - 1] / R
+        result.modes_at[rows, :, 2:] = modes[:, :, size : size + 3]
+
+    def _eibm_weights(self, theta: FloatArray) -> FloatArray:
+        """Of the parameters after ln B in a relative change of each condition's EIBM."""
+        weights = np.zeros((len(self.touching), self.layout.size - 1))
         for row, i in enumerate(self.touching):
-            result.force_N[i] = force[row]
-            result.force_by[i, 0] = force[row]
-            result.force_by[i, 1:] = by[row, : size - 1]
-            position = by[row, -1] / sheet.arc_radius_m
-            eibm = self._eibm_derivative(theta, i, by[row])
-            result.force_at[i] = eibm, position, -by[row, -1], 1.0
-            s, x, y, project = self._points[i]
-            if not len(s):
-                continue
-            n = len(s)
-            along_x, along_y = -np.sin(shapes.phi_rad[row, :n]), np.cos(shapes.phi_rad[row, :n])
-            distance = (x - shapes.x_m[row, :n]) * along_x + (y - shapes.y_m[row, :n]) * along_y
-            sideways = answers.x[row, :, :n] * along_x + answers.y[row, :, :n] * along_y
-            tilt = shapes.x_m[row, :n] * along_y - shapes.y_m[row, :n] * along_x - sideways[-1]
-            modes = project @ sideways.T
-            result.distance_m[i] = distance
-            result.modes_m[i] = project @ distance
-            result.modes_by[i, :, 1:] = modes[:, : size - 1]
-            result.modes_at[i, :, 0] = self._eibm_derivative(theta, i, modes.T)
-            result.modes_at[i, :, 1] = modes[:, -1] / sheet.arc_radius_m
-            result.modes_at[i, :, 2:] = project @ np.stack([tilt, along_x, along_y], axis=1)
+            voltage = self.observed.observations[i].voltage_V
+            if voltage != 0.0:
+                where, _ = self.layout.of(voltage)
+                weights[row, where.start - 1 : where.stop - 1] = theta[where]
+        return weights
 
     def _predict_free(self, theta: FloatArray, i: int, result: Prediction) -> None:
         observation = self.observed.observations[i]
@@ -172,8 +188,7 @@ class System:
         fields = [Field(self.breaks, row) for row in self._directions[i]]
         px, py, phi, answers = free_shape(kappa, s, fields)
         along_x, along_y = -np.sin(phi), np.cos(phi)
-        result.distance_m[i] = (x - px) * along_x + (y - py) * along_y
-        result.modes_m[i] = project @ result.distance_m[i]
+        result.modes_m[i] = project @ ((x - px) * along_x + (y - py) * along_y)
         sideways = answers[:, :, 0] * along_x + answers[:, :, 1] * along_y
         modes = project @ sideways.T
         result.modes_by[i, :, 1:] = modes
@@ -200,12 +215,14 @@ class System:
         end = self.length + self.observed.sheet.elongation_m
         use = o.curve.s_m <= end * 1.001
         s = np.minimum(o.curve.s_m[use], end)
-        t = 2.0 * s / s[-1] - 1.0
-        count = min(self.modes, len(s))
-        V = legendre.legvander(t, count - 1) * np.sqrt(2.0 * np.arange(count) + 1.0)
-        project = np.zeros((self.modes, len(s)))
-        project[:count] = np.linalg.pinv(V)
-        return s, o.curve.x_m[use], o.curve.y_m[use], project
+        key = s.tobytes()
+        if key not in self._projections:
+            t = 2.0 * s / s[-1] - 1.0
+            count = min(self.modes, len(s))
+            V = legendre.legvander(t, count - 1) * np.sqrt(2.0 * np.arange(count) + 1.0)
+            self._projections[key] = np.zeros((self.modes, len(s)))
+            self._projections[key][:count] = np.linalg.pinv(V)
+        return s, o.curve.x_m[use], o.curve.y_m[use], self._projections[key]
 
     def _change(self, o: Observation) -> FloatArray:
         """What the parameters after ln B do to k* of a condition: (size - 1, P, D)."""
@@ -232,10 +249,3 @@ def legendre_field(degree: int, length_m: float) -> Field:
     """A Legendre polynomial over the sheet; its mean is 0 but for degree 0."""
     powers = legendre.leg2poly(np.eye(degree + 1)[degree])
     return Field(np.array([0.0, length_m]), np.asarray(powers, dtype=float)[None, :])
-
-
-def _stretched(s_m: FloatArray, count: int) -> FloatArray:
-    """Points with the last one repeated, so that curves of all lengths make one array."""
-    if not len(s_m):
-        return np.zeros(max(count, 1))
-    return np.append(s_m, np.full(count - len(s_m), s_m[-1]))

@@ -1,0 +1,128 @@
+"""A joint fit against what it is made of, and against the same fit on scipy's solve_bvp.
+
+21 conditions (seven positions, three voltages) with a force and a curve of 50 points each, six
+parameters: ln B, two coefficients of Me/B for each driving voltage, one of the rest curvature.
+CPU times of one process.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchmarks.model_equilibrium import R, by_scipy, cpu
+from benchmarks.report import Report, Table
+from model import (
+    Along,
+    Condition,
+    ConfiguredSheet,
+    Curve,
+    Measurements,
+    Parameter,
+    Reading,
+    SheetGeometry,
+    SheetModel,
+    predict,
+)
+from model.field import Field
+from model.fit import fit
+from model.least_squares import gauss_newton
+from model.observations import observe
+from model.system import Layout, System
+
+B, REST, BENDS = 1.27e-6, 14.0, {2.0: 25.0, -2.0: -20.0}
+
+
+def made(seed: int = 0) -> Measurements:
+    """Measurements of the base model with noise."""
+    random = np.random.default_rng(seed)
+    k0 = (np.zeros(1), np.array([REST]))
+    sheet = SheetGeometry("long", 0.05, 0.011, 0.21e-3, 0.0, R, 0.0, k0)
+    eibm = {v: Along.constant(Parameter(B * k, 0.0, "N m")) for v, k in BENDS.items()}
+    rest = Along(*k0, np.zeros(1), "1/m")
+    model = SheetModel({"long": ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)})
+    conditions = []
+    for position in np.linspace(0.0, 0.03, 7):
+        for voltage in (0.0, 2.0, -2.0):
+            p = predict(model, "long", float(position), voltage)
+            s = np.linspace(0.0, 0.05, 50)
+            x, y = (
+                np.interp(s, p.s_m, v) + 1e-5 * random.standard_normal(50) for v in (p.x_m, p.y_m)
+            )
+            forces = p.F_N + 5e-5 * random.standard_normal(10)
+            kind = "kept" if voltage else "zero"
+            readings = tuple(Reading(i, kind, float(f)) for i, f in enumerate(forces))
+            conditions.append(Condition("long", float(position), voltage, readings, Curve(s, x, y)))
+    return Measurements({"long": sheet}, tuple(conditions))
+
+
+class _Counted(System):
+    """Counts the evaluations of the model."""
+
+    evaluations = 0
+
+    def predict(self, theta):
+        self.evaluations += 1
+        return super().predict(theta)
+
+
+def measure() -> Report:
+    """About half a minute."""
+    data = made()
+    observed = observe(data, "long")
+    layout = Layout((-2.0, 2.0), eibm=2, rest=1, symmetric=False)
+    start = np.array([np.log(2e-6), -10.0, 0.0, 10.0, 0.0, 0.0])
+
+    def system() -> _Counted:
+        return _Counted(observed, Field.constant(REST, 0.05), layout, modes=8)
+
+    counted = system()
+    theta, _ = gauss_newton(counted, start)
+    whole = cpu(lambda: gauss_newton(system(), start), 3)
+    ready = system()
+    ready.predict(theta)
+    kernel = cpu(lambda: _kernels(ready, theta), 20) * counted.evaluations
+    each = [
+        by_scipy(REST + BENDS.get(o.voltage_V, 0.0), 0.05, float(o.position_m) / R)
+        for o in observed.observations
+    ]
+    by_bvp = cpu(
+        lambda: [
+            by_scipy(REST + BENDS.get(o.voltage_V, 0.0), 0.05, float(o.position_m) / R)
+            for o in observed.observations
+        ],
+        1,
+    )
+    # the shape does not depend on ln B: five parameters to difference by, and the value itself
+    scipy_fit = by_bvp * 6 * counted.evaluations
+    everything = cpu(lambda: fit(data), 1)
+    rows = (
+        ("joint fit, given noise", f"{whole * 1e3:.1f} ms", "1"),
+        ("the equilibria, shapes and derivatives in it", f"{kernel * 1e3:.1f} ms",
+         f"{whole / kernel:.2f}"),
+        ("the same on solve_bvp (1e-6, differences; its equilibria alone)", f"{scipy_fit:.1f} s",
+         f"{scipy_fit / whole:.0f}"),
+        ("fit with scatter estimated, both models and tables", f"{everything * 1e3:.0f} ms",
+         f"{everything / whole:.0f}"),
+    )  # fmt: skip
+    figures = {
+        "fit_s": whole, "model_s": kernel, "solve_bvp_fit_s": scipy_fit, "whole_fit_s": everything,
+        "evaluations": counted.evaluations, "B_error": float(np.exp(theta[0]) / B - 1.0),
+        "solve_bvp_converged": sum(good for _, good in each) / len(each),
+    }  # fmt: skip
+    notes = (
+        f"{counted.evaluations} evaluations; B found {100 * figures['B_error']:+.2f} % off",
+        "the second row's ratio is what the fit costs over its own model evaluations",
+    )
+    return Report(
+        (Table("Joint fit, 21 conditions", ("", "CPU time", "ratio"), rows),), figures, notes
+    )
+
+
+def _kernels(system: System, theta: np.ndarray) -> None:
+    """Equilibria, shapes and derivatives alone."""
+    found = system.solve(theta)
+    found.answers(system._s, system._moved)
+
+
+if __name__ == "__main__":
+    print(measure().text())
