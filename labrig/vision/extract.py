@@ -20,7 +20,7 @@ from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
-from labrig.vision.width import excess_width_px
+from labrig.vision.width import excess_width_px, something_lies_along
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -85,6 +85,12 @@ def neutral_curve(
             "one away, or mask it in the picture.",
         )
     excess = None if best.verdict.why else excess_width_px(best.fit, best.setting)
+    if excess is not None and something_lies_along(excess, best.fit):
+        return NeutralCurve(
+            ok=False,
+            why="something lies along the sheet and cannot be told from it, such as a wire; "
+            "take it away, or mask it in the picture.",
+        )
     return report(best.fit, best.setting, best.verdict, excess)
 
 

@@ -22,6 +22,7 @@ TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about th
 SUSPICIOUS_BLUR_PX = 1.5
 EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
+MOST_LOCAL_EXCESS_PX = 3.5
 
 
 def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
@@ -38,6 +39,13 @@ def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
     padded = np.pad(excess, SMOOTH_NODES, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_NODES + 1)
     return np.asarray(np.maximum(np.median(windows, axis=1) - TOLERANCE_PX, wider))
+
+
+def something_lies_along(excess_px: FloatArray, fit: Fit) -> bool:
+    """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
+    thickness = 2 * float(fit.band.half_width[0])
+    much = max(MOST_LOCAL_EXCESS_PX, 1.2 * thickness)
+    return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
 
 
 def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:

@@ -27,9 +27,7 @@ def place():
 
 def test_a_guard_that_does_not_start_in_time_is_given_up_and_ended(place):
     before = CLOCK.now()
-    with pytest.raises(
-        DeviceTimeoutError, match=r"did not start in 0\.01 s"
-    ):
+    with pytest.raises(DeviceTimeoutError, match=r"did not start in 0\.01 s"):
         Guard.start(GuardSettings(place), timeout_s=0.01)
     assert CLOCK.now() - before < 10.0
 

@@ -12,7 +12,6 @@ from labrig.cli.main import run
 from labrig.model_file import save_model
 from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
 
-
 pytestmark = pytest.mark.slow
 
 
