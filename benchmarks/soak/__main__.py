@@ -19,6 +19,7 @@ def main() -> int:
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="rigs side by side (default: 1)")
+    parser.add_argument("--only", type=int, nargs="+", default=[], help="of the runs, by number")
     parser.add_argument("--folder", type=Path, help="where to work (default: a temporary folder)")
     options = parser.parse_args()
     if sys.platform != "linux":
@@ -26,7 +27,7 @@ def main() -> int:
         return 2
     folder = options.folder or Path(tempfile.mkdtemp(prefix="labrig-soak-"))
     folder.mkdir(exist_ok=True)
-    verdicts = soak(options.runs, options.seed, folder, _tell, options.jobs)
+    verdicts = soak(options.runs, options.seed, folder, _tell, options.jobs, options.only)
     print(f"\n{len(verdicts)} runs, seed {options.seed}, {platform.platform()}")
     print("\n".join(summary(verdicts)))
     failed = [v for v in verdicts if v.faults]

@@ -6,7 +6,7 @@ import os
 import random
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
@@ -41,16 +41,23 @@ class Planned:
 
 
 def soak(
-    runs: int, seed: int, folder: Path, tell: Callable[[Verdict], None], jobs: int = 1
+    runs: int,
+    seed: int,
+    folder: Path,
+    tell: Callable[[Verdict], None],
+    jobs: int = 1,
+    only: Collection[int] = (),
 ) -> list[Verdict]:
     """Do the runs, `jobs` rigs side by side; `tell` is called for each of a rig's when it is done.
 
     What is done, and when, is the same for the same seed. With one job `tell` is called at once.
+    `only`: leave out all runs but these, to see again what one of them did.
     """
     dice = random.Random(seed)
     faults = list(Fault)
     plan = [Planned(n, faults[n % len(faults)], _moment_s(dice)) for n in range(runs)]
-    parts = [plan[at : at + RUNS_PER_SERVER] for at in range(0, runs, RUNS_PER_SERVER)]
+    plan = [planned for planned in plan if not only or planned.number in only]
+    parts = [plan[at : at + RUNS_PER_SERVER] for at in range(0, len(plan), RUNS_PER_SERVER)]
     if jobs == 1:
         return [verdict for part in parts for verdict in _on_one_rig(part, folder, tell)]
     found: list[Verdict] = []
