@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from protocols.events import Outcome, OutputState
+from sim_hardware.world.settings import FaultKind
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
 
 pytestmark = pytest.mark.slow
@@ -148,3 +150,10 @@ def test_faults_of_a_world_are_read_as_strictly_as_the_rest(rig: FaultyRig) -> N
     left = rig.run('[[faults]]\nwhat = "camera_asleep"\nfrom_s = 1.0\n')
     assert left.code == 2
     assert "faults.0.what = 'camera_asleep'" in left.said
+
+
+def test_every_fault_that_a_world_can_have_is_tried_and_described() -> None:
+    known = set(get_args(FaultKind))
+    assert {case.what for case in CASES} == known
+    text = (Path(__file__).parents[2] / "docs" / "world.md").read_text(encoding="utf-8")
+    assert [what for what in sorted(known) if f"`{what}`" not in text] == []
