@@ -14,7 +14,16 @@ import numpy as np
 from model.field import Field
 from model.least_squares import gauss_newton
 from model.measurements import FloatArray, ModelError
-from model.noise import Data, Solution, Spread, estimate, freedom, spread, weigh
+from model.noise import (
+    Data,
+    Solution,
+    Spread,
+    effects,
+    estimate,
+    freedom,
+    spread,
+    weigh,
+)
 from model.observations import Observed
 from model.options import FitOptions
 from model.parameter import Parameter
@@ -22,7 +31,7 @@ from model.pool import SCATTER, Pool
 from model.start import MODES_LONG, MODES_SHORT, first_guess, layout, precision, rest_field
 from model.system import Prediction, System
 
-ROUNDS = 4
+ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -207,16 +216,17 @@ def joint_fit(observed: list[Observed], options: FitOptions) -> Joint:
 
 
 def _refine(pool: Pool, theta: FloatArray, prior: FloatArray, known: list[bool]) -> Joint:
-    """Estimate the scatter and improve the parameters with it, in turn."""
-    away = _away(pool, theta)
+    """Estimate scatter, parameters, and what each set-up added, in turn until they stand."""
     predictions = [s.predict(pool.part(theta, n)) for n, s in enumerate(pool.systems)]
     guess = pool.guess(predictions)
-    data = pool.data(predictions, prior, away)
+    data = pool.data(predictions, prior, _away(pool, theta))
     solution = estimate(data, guess)
     for turn in range(ROUNDS):
         theta = theta + _bounded(solution.beta)
-        predictions = [s.predict(pool.part(theta, n)) for n, s in enumerate(pool.systems)]
-        data = pool.data(predictions, prior, _away(pool, theta))
+        added = effects(data, solution)
+        parts = zip(pool.systems, pool.shifts(added), strict=True)
+        predictions = [s.predict(pool.part(theta, n), u) for n, (s, u) in enumerate(parts)]
+        data = pool.data(predictions, prior, _away(pool, theta), added)
         if turn < ROUNDS - 1:
             solution = estimate(data, guess, solution.log_sigma)
         else:

@@ -16,7 +16,7 @@ import numpy as np
 from model.measurements import FloatArray
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
-PRIOR_WIDTH = 1.5  # standard deviation of ln sigma about its guess
+PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,17 @@ def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
     return Solution(C @ _pull(data, WX), C, log_sigma, W)
+
+
+def effects(data: Data, solution: Solution) -> list[FloatArray]:
+    """What each run's set-up most likely added: u (R, q) of every scatter."""
+    error = data.y - data.X @ solution.beta
+    We = (solution.weights @ error[:, :, None])[:, :, 0]
+    variance = np.exp(2.0 * solution.log_sigma)
+    return [
+        value * np.einsum("rnq,rn->rq", Z, We)
+        for value, Z in zip(variance, data.groups, strict=False)
+    ]
 
 
 def _pull(data: Data, WX: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from model.measurements import FloatArray
 from model.noise import Data
-from model.system import Prediction, System
+from model.system import Prediction, Shift, System
 
 # What differs from one set-up to the next, with a guess of its size: the prior's centre.
 SCATTER = {
@@ -45,8 +45,18 @@ class Pool:
         """The parameters of one configuration."""
         return theta[self.offsets[n] : self.offsets[n + 1]]
 
-    def data(self, predictions: list[Prediction], precision: FloatArray, away: FloatArray) -> Data:
-        """Residuals and derivatives of all runs; rows: force, modes of each condition in turn."""
+    def data(
+        self,
+        predictions: list[Prediction],
+        precision: FloatArray,
+        away: FloatArray,
+        added: list[FloatArray] | None = None,
+    ) -> Data:
+        """Residuals and derivatives of all runs; rows: force, modes of each condition in turn.
+
+        `added` is what the set-ups added in the predictions; it is given back to the residuals, so
+        that these are about nominal set-ups, linearised where the set-ups really are.
+        """
         width = 1 + self.modes
         R, longest = len(self.runs), max(len(c) for c in self.runs.values())
         n, p = longest * width, int(self.offsets[-1])
@@ -76,29 +86,44 @@ class Pool:
                     for m in range(self.systems[system].modes):
                         masks[first[system] + 1 + m][r, row + 1 + m] = 1.0
                     self._mode_rows(groups, r, rows, c, found, i)
-        return Data(y, X, [groups[name] for name in SCATTER], masks, fixed, precision, away)
+        columns = [groups[name] for name in SCATTER]
+        for Z, u in zip(columns, added or [], strict=False):
+            y += np.einsum("rnq,rq->rn", Z, u)
+        return Data(y, X, columns, masks, fixed, precision, away)
 
     @staticmethod
     def _force_rows(
         groups: dict[str, FloatArray], r: int, row: int, c: int, found: Prediction, i: int
     ) -> None:
-        eibm, position, tilt, zero = found.force_at[i]
-        groups["stiffness"][r, row, 0] = found.force_N[i] - eibm  # Me/B falls as B rises
-        groups["eibm"][r, row, 0] = groups["eibm_condition"][r, row, c] = eibm
-        groups["position"][r, row, 0] = position
-        groups["clamp_tilt"][r, row, 0] = tilt
-        groups["force_zero"][r, row, 0] = zero
+        names = ("stiffness", "eibm", "position", "clamp_tilt", "force_zero")
+        for name, value in zip(names, found.force_at[i], strict=True):
+            groups[name][r, row, 0] = value
+        groups["eibm_condition"][r, row, c] = found.force_at[i][1]
 
     @staticmethod
     def _mode_rows(
         groups: dict[str, FloatArray], r: int, rows: slice, c: int, found: Prediction, i: int
     ) -> None:
         by = found.modes_at[i]
-        groups["stiffness"][r, rows, 0] = -by[:, 0]
-        groups["eibm"][r, rows, 0] = groups["eibm_condition"][r, rows, c] = by[:, 0]
-        groups["position"][r, rows, 0] = by[:, 1]
-        groups["clamp_tilt"][r, rows, 0] = by[:, 2]
-        groups["registration"][r, rows] = by[:, 3:5]
+        for k, name in enumerate(("stiffness", "eibm", "position", "clamp_tilt")):
+            groups[name][r, rows, 0] = by[:, k]
+        groups["eibm_condition"][r, rows, c] = by[:, 1]
+        groups["registration"][r, rows] = by[:, 4:6]
+
+    def shifts(self, found: list[FloatArray]) -> list[Shift]:
+        """What set-ups most likely added, as `noise.effects` has it, for each configuration."""
+        u = dict(zip(SCATTER, found, strict=True))
+        result = [Shift.none(len(s.observed.observations)) for s in self.systems]
+        for r, conditions in enumerate(self.runs.values()):
+            for c, (system, i) in enumerate(conditions):
+                one = result[system]
+                one.stiffness[i] = u["stiffness"][r, 0]
+                one.eibm[i] = u["eibm"][r, 0] + u["eibm_condition"][r, c]
+                one.position_m[i] = u["position"][r, 0]
+                one.tilt_rad[i] = u["clamp_tilt"][r, 0]
+                one.x_m[i], one.y_m[i] = u["registration"][r]
+                one.force_N[i] = u["force_zero"][r, 0]
+        return result
 
     def guess(self, predictions: list[Prediction]) -> FloatArray:
         """Ln of the scatter's prior centres; shape noise is guessed from the misfit."""

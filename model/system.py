@@ -57,6 +57,28 @@ class Layout:
 
 
 @dataclass
+class Shift:
+    """How the set-up of each condition differs from the nominal one, arrays (K,)."""
+
+    stiffness: FloatArray  # relative, of B
+    eibm: FloatArray  # relative, of Me
+    position_m: FloatArray
+    tilt_rad: FloatArray  # of the clamp
+    x_m: FloatArray  # registration of the camera
+    y_m: FloatArray
+    force_N: FloatArray  # zero of the load cell
+
+    @staticmethod
+    def none(count: int) -> Shift:
+        """Nominal set-ups."""
+        return Shift(*(np.zeros(count) for _ in range(7)))
+
+    def bending(self) -> FloatArray:
+        """Factor on Me/B."""
+        return (1.0 + self.eibm) / (1.0 + self.stiffness)
+
+
+@dataclass
 class Prediction:
     """What a parameter vector says, for all conditions of a configuration."""
 
@@ -64,8 +86,10 @@ class Prediction:
     modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
     force_by: FloatArray  # (K, size) derivatives
     modes_by: FloatArray  # (K, M, size) of the predicted distance
-    force_at: FloatArray  # (K, 4) by: relative EIBM, position, clamp tilt, load cell zero
-    modes_at: FloatArray  # (K, M, 5) by: relative EIBM, position, clamp tilt, camera x, camera y
+    # by relative stiffness, relative EIBM, position, clamp tilt, load cell's zero
+    force_at: FloatArray  # (K, 5)
+    # by relative stiffness, relative EIBM, position, clamp tilt, camera x, camera y
+    modes_at: FloatArray  # (K, M, 6)
 
 
 class System:
@@ -115,61 +139,92 @@ class System:
                 row += sign * coefficient * basis
         return row
 
-    def predict(self, theta: FloatArray) -> Prediction:
-        """Predictions and derivatives at a parameter vector; an error where one has no answer."""
+    def predict(self, theta: FloatArray, shift: Shift | None = None) -> Prediction:
+        """Predictions and derivatives; an error where a condition has no answer."""
         K, M, size = len(self.observed.observations), self.modes, self.layout.size
+        shift = shift or Shift.none(K)
         result = Prediction(
             np.full(K, np.nan), np.full((K, M), np.nan), np.zeros((K, size)),
-            np.zeros((K, M, size)), np.zeros((K, 4)), np.zeros((K, M, 5)),
+            np.zeros((K, M, size)), np.zeros((K, 5)), np.zeros((K, M, 6)),
         )  # fmt: skip
         if self.touching:
-            self._predict_touching(theta, result)
+            self._predict_touching(theta, shift, result)
         for i in self.free:
-            self._predict_free(theta, i, result)
+            self._predict_free(theta, shift, i, result)
         return result
 
-    def solve(self, theta: FloatArray) -> Equilibria:
+    def solve(self, theta: FloatArray, shift: Shift | None = None) -> Equilibria:
         """The equilibria of all conditions with the load cell."""
         sheet, moved = self.observed.sheet, self._moved.kappa[:, :-1]
-        kappa = self.rest_row + np.tensordot(moved, theta[1:], axes=(1, 0))
+        shift = shift or Shift.none(len(self.observed.observations))
+        own = theta[1:] * self._scales(shift)
+        kappa = self.rest_row + (own[:, None] @ moved.reshape(*moved.shape[:2], -1)).reshape(
+            len(moved), *self.rest_row.shape
+        )
         none = np.zeros((1, len(self.breaks) - 1, 0))
         reach = self.length + sheet.elongation_m
-        batch = Problems(self.breaks, kappa, none, sheet.arc_radius_m, reach, self._angles)
+        rows = np.array(self.touching)
+        angles = self._angles + shift.position_m[rows] / sheet.arc_radius_m - shift.tilt_rad[rows]
+        batch = Problems(self.breaks, kappa, none, sheet.arc_radius_m, reach, angles)
         found = solve(batch, self._last)
         if np.any(found.status != Status.SOLVED):  # on the way a sheet may seem a little short
             found = solve(replace(batch, reach_m=reach + 10.0 * sheet.arc_radius_m), self._last)
         self._last = found
         return found
 
-    def _predict_touching(self, theta: FloatArray, result: Prediction) -> None:
-        B, R, size = float(np.exp(theta[0])), self.observed.sheet.arc_radius_m, self.layout.size
-        found = self.solve(theta)
+    def _predict_touching(self, theta: FloatArray, shift: Shift, result: Prediction) -> None:
+        R, size, rows = self.observed.sheet.arc_radius_m, self.layout.size, np.array(self.touching)
+        found = self.solve(theta, shift)
         if np.any(found.status != Status.SOLVED):
             bad = self.observed.observations[self.touching[int(np.argmax(found.status != 0))]]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
         shapes, answers = found.answers(self._s, self._moved)
-        weights, rows = self._eibm_weights(theta), np.array(self.touching)
+        weights = self._eibm_weights(theta) * self._scales(shift)
+        stiff, active = 1.0 + shift.stiffness[rows], 1.0 + shift.eibm[rows]
+        B = float(np.exp(theta[0])) * stiff
         force = found.force(B)
         turn = B * found.nu * np.sin(found.gamma_rad)
-        by = B * np.cos(found.gamma_rad)[:, None] * answers.nu - turn[:, None] * answers.phi_hat
+        by = (B * np.cos(found.gamma_rad))[:, None] * answers.nu - turn[:, None] * answers.phi_hat
         by[:, -1] += turn  # gamma = phi_hat - beta, and beta moves
-        result.force_N[rows] = force
-        result.force_by[rows, 0], result.force_by[rows, 1:] = force, by[:, : size - 1]
-        eibm = np.sum(weights * by[:, : size - 1], axis=1)
-        ones = np.ones(len(rows))
-        result.force_at[rows] = np.stack([eibm, by[:, -1] / R, -by[:, -1], ones], axis=1)
+        result.force_N[rows] = force + shift.force_N[rows]
+        # a set-up's share multiplies parameters: derivatives by these are those of the mean set-up,
+        # or set-ups in which the EIBM happens to be large would count for more
+        result.force_by[rows, 0] = force / stiff
+        result.force_by[rows, 1:] = by[:, : size - 1]
+        eibm = np.sum(weights * by[:, : size - 1], axis=1)  # by ln(Me/B)
+        at = [(force - eibm) / stiff, eibm / active, by[:, -1] / R, -by[:, -1], np.ones(len(rows))]
+        result.force_at[rows] = np.stack(at, axis=1)
+        x, y, turned = self._in_clamp_frame(shift, rows)
         nx, ny = -np.sin(shapes.phi_rad), np.cos(shapes.phi_rad)
-        distance = (self._x - shapes.x_m) * nx + (self._y - shapes.y_m) * ny
+        distance = (x - shapes.x_m) * nx + (y - shapes.y_m) * ny
         sideways = answers.x * nx[:, None] + answers.y * ny[:, None]
         tilt = shapes.x_m * ny - shapes.y_m * nx - sideways[:, -1]
-        columns = np.concatenate([sideways, np.stack([tilt, nx, ny, distance], axis=1)], axis=1)
+        wx, wy = turned[0] * nx - turned[1] * ny, turned[1] * nx + turned[0] * ny
+        columns = np.concatenate([sideways, np.stack([tilt, wx, wy, distance], axis=1)], axis=1)
         modes = self._project @ columns.transpose(0, 2, 1)  # (K, M, size + 4)
         seen = np.array([len(self._points[i][0]) > 0 for i in self.touching])
         result.modes_m[rows] = np.where(seen[:, None], modes[:, :, -1], np.nan)
         result.modes_by[rows, :, 1:] = modes[:, :, : size - 1]
-        result.modes_at[rows, :, 0] = np.sum(weights[:, None] * modes[:, :, : size - 1], axis=2)
-        result.modes_at[rows, :, 1] = modes[:, :, size - 1] / R
-        result.modes_at[rows, :, 2:] = modes[:, :, size : size + 3]
+        eibm = np.sum(weights[:, None] * modes[:, :, : size - 1], axis=2)
+        result.modes_at[rows, :, 0] = -eibm / stiff[:, None]
+        result.modes_at[rows, :, 1] = eibm / active[:, None]
+        result.modes_at[rows, :, 2] = modes[:, :, size - 1] / R
+        result.modes_at[rows, :, 3:] = modes[:, :, size : size + 3]
+
+    def _in_clamp_frame(
+        self, shift: Shift, rows: FloatArray
+    ) -> tuple[FloatArray, FloatArray, tuple[FloatArray, FloatArray]]:
+        """Measured points as seen from the clamp of their set-up; cos and sin of its tilt."""
+        cos, sin = (f(shift.tilt_rad[rows])[:, None] for f in (np.cos, np.sin))
+        x, y = self._x - shift.x_m[rows, None], self._y - shift.y_m[rows, None]
+        return cos * x + sin * y, cos * y - sin * x, (cos, sin)
+
+    def _scales(self, shift: Shift) -> FloatArray:
+        """Factors (touching, size - 1) of the parameters after ln B in each set-up."""
+        scales = np.ones((len(self.touching), self.layout.size - 1))
+        stop = self.layout.rest_slice.start - 1
+        scales[:, :stop] = shift.bending()[np.array(self.touching)][:, None]
+        return scales
 
     def _eibm_weights(self, theta: FloatArray) -> FloatArray:
         """Of the parameters after ln B in a relative change of each condition's EIBM."""
@@ -181,20 +236,27 @@ class System:
                 weights[row, where.start - 1 : where.stop - 1] = theta[where]
         return weights
 
-    def _predict_free(self, theta: FloatArray, i: int, result: Prediction) -> None:
-        observation = self.observed.observations[i]
+    def _predict_free(self, theta: FloatArray, shift: Shift, i: int, result: Prediction) -> None:
+        observation, tilt = self.observed.observations[i], shift.tilt_rad[i]
         s, x, y, project = self._points[i]
-        kappa = Field(self.breaks, self.curvature_row(theta, observation.voltage_V))
+        bend = float(shift.bending()[i])
+        own = theta.copy()
+        own[1 : self.layout.rest_slice.start] *= bend
+        kappa = Field(self.breaks, self.curvature_row(own, observation.voltage_V))
         fields = [Field(self.breaks, row) for row in self._directions[i]]
         px, py, phi, answers = free_shape(kappa, s, fields)
-        along_x, along_y = -np.sin(phi), np.cos(phi)
-        result.modes_m[i] = project @ ((x - px) * along_x + (y - py) * along_y)
-        sideways = answers[:, :, 0] * along_x + answers[:, :, 1] * along_y
-        modes = project @ sideways.T
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        dx, dy = x - shift.x_m[i], y - shift.y_m[i]
+        nx, ny = -np.sin(phi), np.cos(phi)
+        off = (cos * dx + sin * dy - px) * nx + (cos * dy - sin * dx - py) * ny
+        result.modes_m[i] = project @ off
+        modes = project @ (answers[:, :, 0] * nx + answers[:, :, 1] * ny).T
+        eibm = self._eibm_derivative(own, i, modes.T)
         result.modes_by[i, :, 1:] = modes
-        result.modes_at[i, :, 0] = self._eibm_derivative(theta, i, modes.T)
-        tilt = px * along_y - py * along_x
-        result.modes_at[i, :, 2:] = project @ np.stack([tilt, along_x, along_y], axis=1)
+        result.modes_at[i, :, 0] = -eibm / (1.0 + shift.stiffness[i])
+        result.modes_at[i, :, 1] = eibm / (1.0 + shift.eibm[i])
+        others = np.stack([px * ny - py * nx, cos * nx - sin * ny, sin * nx + cos * ny], axis=1)
+        result.modes_at[i, :, 3:] = project @ others
 
     def _eibm_derivative(self, theta: FloatArray, i: int, by: FloatArray) -> FloatArray:
         """By a relative change of the EIBM; `by` leads with the parameters after ln B."""
