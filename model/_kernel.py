@@ -795,7 +795,7 @@ def points(
             dout[q, i, 0], dout[q, i, 1] = dx, dy
 
 
-class Directions(NamedTuple):
+class Moves(NamedTuple):
     """Parameters to differentiate by, Q of them."""
 
     kappa: Array  # (Q, P, D) change of k*(s)
@@ -808,7 +808,7 @@ class Directions(NamedTuple):
 @compiled
 def answers(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float, psi: Array,
-    x: Array, to: Directions, columns: Array, w: Work, dx: Array,
+    x: Array, to: Moves, columns: Array, w: Work, dx: Array,
 ) -> None:  # fmt: skip
     """How nu, s_hat, phi_hat answer to the parameters: dx (Q, 3); `columns` as by sweep."""
     ends = sweep(
@@ -829,7 +829,7 @@ def answers(
 
 @compiled
 def turning(
-    breaks: Array, kappa: Array, rule: Any, x: Array, to: Directions, columns: Array, dx: Array,
+    breaks: Array, kappa: Array, rule: Any, x: Array, to: Moves, columns: Array, dx: Array,
     strip: Strip, count: int, dphi: Array,
 ) -> None:  # fmt: skip
     """How phi at the strip's nodes answers to the parameters, at fixed s: dphi (P + 1, Q, n)."""
@@ -871,7 +871,7 @@ def describe_many(
 ) -> None:  # fmt: skip
     """Shapes of solved problems at s (K, S), and the answers of all to Q parameters.
 
-    `to` holds `Directions` whose arrays lead with K (or with 1: the same for all). Filled are
+    `to` holds `Moves` whose arrays lead with K (or with 1: the same for all). Filled are
     out (K, S, 4) = x, y, phi, k; lever (K,) the integral of a; dx (K, Q, 3); dout (K, Q, S, 2).
     """
     n, P, Q = len(rule.c), len(breaks) - 1, dx.shape[1]
@@ -888,7 +888,7 @@ def describe_many(
         lever[k] = lever_integral(rule, strip, count)
         if Q > 0:
             g = min(k, len(to.kappa) - 1)
-            here = Directions(to.kappa[g], to.softness[g], to.angle[g], to.radius[g], to.length[g])
+            here = Moves(to.kappa[g], to.softness[g], to.angle[g], to.radius[g], to.length[g])
             answers(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], here, columns, w, dx[k])
             turning(breaks, kappa[k], rule, x[k], here, columns, dx[k], strip, count, dphi)
         points(

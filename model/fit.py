@@ -80,7 +80,6 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     joint = joint_fit(observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)
-    merit: dict[str, float] = {}
     models = [
         SheetModel(
             {name: part.sheet(varying) for name, part in parts.items()},

@@ -29,7 +29,7 @@ from model.options import FitOptions
 from model.parameter import Parameter
 from model.pool import SCATTER, Pool
 from model.start import MODES_LONG, MODES_SHORT, first_guess, layout, precision, rest_field
-from model.system import Prediction, System
+from model.system import Predicted, System
 
 ROUNDS = 8
 
@@ -44,7 +44,7 @@ class Joint:
     solution: Solution
     guess: FloatArray
     spread: Spread
-    predictions: list[Prediction]
+    predictions: list[Predicted]
     rest_known: list[bool]
 
     def index(self, configuration: str) -> int:

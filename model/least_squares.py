@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.system import Prediction, System
+from model.system import Predicted, System
 
 MOST_STEPS = 30
 ENOUGH = 1e-7  # relative fall of the sum of squares at which to stop
@@ -17,7 +17,7 @@ def gauss_newton(
     force_sigma_N: float = 1e-4,
     mode_sigma_m: float = 1e-4,
     precision: FloatArray | None = None,
-) -> tuple[FloatArray, Prediction]:
+) -> tuple[FloatArray, Predicted]:
     """Parameters that minimise the weighted sum of squares (ridge `precision` about the start)."""
     start = theta.copy()
     ridge = np.zeros(len(theta)) if precision is None else precision
@@ -57,7 +57,7 @@ def _value(residual: FloatArray, ridge: FloatArray, away: FloatArray) -> float:
 
 
 def _rows(
-    system: System, found: Prediction, force_sigma_N: float, mode_sigma_m: float
+    system: System, found: Predicted, force_sigma_N: float, mode_sigma_m: float
 ) -> tuple[FloatArray, FloatArray]:
     measured = np.array([o.force_N for o in system.observed.observations])
     use = np.isfinite(measured) & np.isfinite(found.force_N)

@@ -6,7 +6,7 @@ import numpy as np
 
 from model.measurements import FloatArray
 from model.noise import Data
-from model.system import Prediction, Shift, System
+from model.system import Predicted, Shift, System
 
 # What differs from one set-up to the next, with a guess of its size: the prior's centre.
 SCATTER = {
@@ -47,7 +47,7 @@ class Pool:
 
     def data(
         self,
-        predictions: list[Prediction],
+        predictions: list[Predicted],
         precision: FloatArray,
         away: FloatArray,
         added: list[FloatArray] | None = None,
@@ -93,7 +93,7 @@ class Pool:
 
     @staticmethod
     def _force_rows(
-        groups: dict[str, FloatArray], r: int, row: int, c: int, found: Prediction, i: int
+        groups: dict[str, FloatArray], r: int, row: int, c: int, found: Predicted, i: int
     ) -> None:
         names = ("stiffness", "eibm", "position", "clamp_tilt", "force_zero")
         for name, value in zip(names, found.force_at[i], strict=True):
@@ -102,7 +102,7 @@ class Pool:
 
     @staticmethod
     def _mode_rows(
-        groups: dict[str, FloatArray], r: int, rows: slice, c: int, found: Prediction, i: int
+        groups: dict[str, FloatArray], r: int, rows: slice, c: int, found: Predicted, i: int
     ) -> None:
         by = found.modes_at[i]
         for k, name in enumerate(("stiffness", "eibm", "position", "clamp_tilt")):
@@ -125,7 +125,7 @@ class Pool:
                 one.force_N[i] = u["force_zero"][r, 0]
         return result
 
-    def guess(self, predictions: list[Prediction]) -> FloatArray:
+    def guess(self, predictions: list[Predicted]) -> FloatArray:
         """Ln of the scatter's prior centres; shape noise is guessed from the misfit."""
         values = list(SCATTER.values())
         for found in predictions:

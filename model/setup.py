@@ -1,7 +1,7 @@
 """What a beam problem is made of, before it is solved: the place where effects act.
 
-An effect changes a `Setup` before the equilibrium is sought, or a `Reading` of it afterwards. None
-is known yet: `EFFECTS` is where they are entered.
+An effect changes a `Setup` before the equilibrium is sought. None is known yet: `EFFECTS` is where
+they are entered.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ class Shift:
 
 
 @dataclass
-class Prediction:
+class Predicted:
     """What a parameter vector says, for all conditions of a configuration."""
 
     force_N: FloatArray  # (K,) NaN for a free shape
@@ -139,11 +139,11 @@ class System:
                 row += sign * coefficient * basis
         return row
 
-    def predict(self, theta: FloatArray, shift: Shift | None = None) -> Prediction:
+    def predict(self, theta: FloatArray, shift: Shift | None = None) -> Predicted:
         """Predictions and derivatives; an error where a condition has no answer."""
         K, M, size = len(self.observed.observations), self.modes, self.layout.size
         shift = shift or Shift.none(K)
-        result = Prediction(
+        result = Predicted(
             np.full(K, np.nan), np.full((K, M), np.nan), np.zeros((K, size)),
             np.zeros((K, M, size)), np.zeros((K, 5)), np.zeros((K, M, 6)),
         )  # fmt: skip
@@ -172,7 +172,7 @@ class System:
         self._last = found
         return found
 
-    def _predict_touching(self, theta: FloatArray, shift: Shift, result: Prediction) -> None:
+    def _predict_touching(self, theta: FloatArray, shift: Shift, result: Predicted) -> None:
         R, size, rows = self.observed.sheet.arc_radius_m, self.layout.size, np.array(self.touching)
         found = self.solve(theta, shift)
         if np.any(found.status != Status.SOLVED):
@@ -236,7 +236,7 @@ class System:
                 weights[row, where.start - 1 : where.stop - 1] = theta[where]
         return weights
 
-    def _predict_free(self, theta: FloatArray, shift: Shift, i: int, result: Prediction) -> None:
+    def _predict_free(self, theta: FloatArray, shift: Shift, i: int, result: Predicted) -> None:
         observation, tilt = self.observed.observations[i], shift.tilt_rad[i]
         s, x, y, project = self._points[i]
         bend = float(shift.bending()[i])
