@@ -15,6 +15,7 @@ from labrig.vision.trace import MOST_CURVATURE_PER_M
 LEAST_COVERED = 0.6
 LEAST_START_COVERED = 0.4
 LEAST_SNR = 2.0
+STRONGEST_FACE = 0.8
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
 
@@ -99,6 +100,9 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
         if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
+        "what was followed is the edge of something wide, not a sheet; check clamp_px."
+        if _is_an_edge(fit, setting)
+        else "",
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."
         if runs_beside_opposite(fit, setting)
@@ -109,6 +113,18 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]
+
+
+def _is_an_edge(fit: Fit, setting: Setting) -> bool:
+    """Whether the face beside the band is nearly as strong as the band, or the band a mere blur."""
+    faced = fit.used & (fit.band.face != 0)
+    if faced.sum() < 20:
+        return False
+    face = setting.sign * fit.cells[faced, 10]
+    ratio = float(np.median(face)) / max(float(np.median(setting.sign * fit.contrast[faced])), 1e-9)
+    return ratio > STRONGEST_FACE or fit.band.blur > max(
+        2.3, 1.2 * 2 * float(fit.band.half_width[0])
+    )
 
 
 def _shows(fit: Fit, setting: Setting, start: int) -> bool:

@@ -43,6 +43,24 @@ def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known)
     assert curve.polarity == ("bright" if scene.recipe.bright else "dark")
 
 
+def test_a_grey_far_face_hardly_moves_the_curve(scenes, known):
+    scene = scenes.make_scene(scenes.Recipe(seed=902, physical=True, face=0.3))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert np.count_nonzero(curve.face_px) > 100
+    # taken for a part of the edge it moves the curve by half a pixel
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.15
+
+
+def test_a_silhouette_is_said_to_be_one_and_its_band_is_as_wide_as_the_doubt(scenes, known):
+    scene = scenes.make_scene(scenes.Recipe(seed=901, physical=True, face=1.0, bright=False))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert any("wider than it is thick" in warning for warning in curve.warnings)
+    miss_mm = np.abs(normal_errors_mm(curve, scene))
+    assert np.mean(miss_mm < 1.96 * curve.sigma_m * 1000) > 0.9
+
+
 def test_world_coordinates_and_curvature_are_those_of_the_truth(plain, known):
     curve = neutral_curve(plain.image, *known(plain))
     assert np.sqrt(np.mean(normal_errors_mm(curve, plain) ** 2)) < 0.004
@@ -141,7 +159,7 @@ def test_the_contact_is_between_the_rolls(plain, known):
 @pytest.mark.slow
 def test_mixed_scenes_give_no_silent_failure(scenes, known):
     wrong, refused, errors = [], 0, []
-    for seed in range(1000, 1100):
+    for seed in range(1000, 1060):
         try:
             scene = scenes.make_scene(scenes.mixed(seed))
         except RuntimeError:
@@ -154,7 +172,7 @@ def test_mixed_scenes_give_no_silent_failure(scenes, known):
         if errors[-1] > 1:
             wrong.append(seed)
     assert wrong == []
-    assert refused <= 4
+    assert refused <= 2
     assert np.median(errors) < 0.035
 
 
