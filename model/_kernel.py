@@ -17,7 +17,9 @@ A panel runs backward from `top` to `bottom` = top - h, theta = 0 .. 1, nodes s_
 # ruff: noqa: C901, FBT003  (calls that numba does not inline cost more than they explain)
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numba
@@ -29,6 +31,19 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 SOLVED, SLIPPED, FAILED = 0, 1, 2
 MOST_STEPS = 25
 SMALL_STEP = 2e-6
+
+
+def _drop_stale() -> None:
+    """Remove what an older version of this file left on disk: numba may stumble over its types."""
+    source = Path(__file__)
+    with contextlib.suppress(OSError):
+        written = source.stat().st_mtime
+        for old in (source.parent / "__pycache__").glob("_kernel.*.nb[ic]"):
+            if old.stat().st_mtime < written:
+                old.unlink()
+
+
+_drop_stale()
 
 
 def compiled(function: _Function) -> _Function:

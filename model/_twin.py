@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from model.gauss import Rule, integrated_legendre, rule
+from model.gauss import Rule, integrated_legendre
 
 Numbers = np.ndarray[Any, Any]  # real, or complex where derivatives are taken
 
@@ -329,6 +329,3 @@ def _moved(case: Case, to: Any, g: int, q: int) -> Case:
         case.breaks, case.kappa + i * to.kappa[g, q], soft, case.R + i * to.radius[g, q],
         case.length + i * to.length[g, q], case.angle + i * to.angle[g, q],
     )  # fmt: skip
-
-
-__all__ = ["describe_many", "rule", "solve_many"]

@@ -103,6 +103,11 @@ class Joint:
             direction, unsure = direction + sign * row, unsure + sign * doubt
         return self._eibm(n, direction, unsure)
 
+    def _from_stated(self, n: int) -> bool:
+        """Whether Me counts from the stated k0: not with one |EIBM|, which has to be odd in V."""
+        layout = self.pool.systems[n].layout
+        return self.rest_known[n] and layout.rest > 0 and not layout.symmetric
+
     def _loaded(self, n: int, voltage_V: float) -> list[float]:
         """l_hat of the positions at a voltage."""
         system = self.pool.systems[n]
@@ -123,7 +128,7 @@ class Joint:
         B, row, doubt = float(np.exp(theta[0])), np.zeros(system.layout.size), 0.0
         means = np.array([np.mean([f.mean(x) for x in lengths]) for f in system.basis])
         row[where] = sign * B * means[: system.layout.eibm]
-        if self.rest_known[n] and system.layout.rest:
+        if self._from_stated(n):
             rest = system.layout.rest_slice
             row[rest] = B * means[: system.layout.rest]
             # a shape at 0 V other than stated: was the sheet bent, or was there a moment?
@@ -137,18 +142,21 @@ class Joint:
         return self.parameter(n, value, direction, "N m", doubt)
 
     def along(self, n: int, voltage_V: float, s_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Me(s) and its standard uncertainty."""
+        """(8): Me(s) and its standard uncertainty; from the stated k0, where one was."""
         system, theta = self.pool.systems[n], self.pool.part(self.theta, n)
         where, sign = system.layout.of(voltage_V)
         B = float(np.exp(theta[0]))
-        by = sign * np.stack([f(s_m) for f in system.basis[: system.layout.eibm]], axis=1)
-        values = B * by @ theta[where]
-        directions = np.zeros((len(s_m), len(self.theta)))
-        start = int(self.pool.offsets[n])
-        directions[:, start] = values
-        directions[:, start + where.start : start + where.stop] = B * by
-        C = self.solution.covariance
-        return values, np.sqrt(np.einsum("si,ij,sj->s", directions, C, directions))
+        terms = np.stack([f(s_m) for f in system.basis], axis=1)
+        by = np.zeros((len(s_m), system.layout.size))
+        by[:, where] = sign * B * terms[:, : system.layout.eibm]
+        if self._from_stated(n):
+            by[:, system.layout.rest_slice] = B * terms[:, : system.layout.rest]
+        values = by @ theta
+        by[:, 0] = values
+        own = slice(int(self.pool.offsets[n]), int(self.pool.offsets[n + 1]))
+        C = self.solution.covariance[own, own]
+        variance: FloatArray = np.einsum("si,ij,sj->s", by, C, by)
+        return values, np.sqrt(variance)
 
     def directions(self, n: int) -> dict[str, FloatArray]:
         """Derivatives by all parameters of what a bootstrap checks: B and the EIBMs."""
