@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: setup setup-dev demo test test-fast lint format bench soak clean
+.PHONY: setup setup-dev demo test test-failed test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -26,6 +26,9 @@ demo: setup
 
 test: setup-dev
 	$(BIN)/python -m pytest -n 2
+
+test-failed: setup-dev
+	$(BIN)/python -m pytest --last-failed --last-failed-no-failures none
 
 test-fast: setup-dev
 	$(BIN)/python -m pytest -n 2 -m "not slow"
