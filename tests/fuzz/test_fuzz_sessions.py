@@ -59,6 +59,7 @@ def look_at(path: Path, only: tuple[str, ...] = ()) -> set[int]:
     return codes
 
 
+@pytest.mark.slow
 def test_the_sound_session_passes(sound: Path) -> None:
     assert look_at(sound) == {0}
 
@@ -200,6 +201,7 @@ ODD_VALUES = (
 )
 
 
+@pytest.mark.slow
 def _datasets(path: Path) -> list[str]:
     names: list[str] = []
     with h5py.File(path) as file:
@@ -228,6 +230,7 @@ def _set_text(file: Any, name: str, text: str) -> None:
     put_text(file[group], key, text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [f"{layout.SETUP}/schedule", f"{layout.SETUP}/resolved"])
 def test_a_plan_that_makes_no_sense_is_refused(sound: Path, tmp_path: Path, name: str) -> None:
     path = tmp_path / "s.h5"
@@ -247,6 +250,7 @@ def test_a_plan_that_makes_no_sense_is_refused(sound: Path, tmp_path: Path, name
         look_at(path)
 
 
+@pytest.mark.slow
 def _other_leaf(text: str, dice: random.Random) -> str:
     """The JSON with one leaf made odd."""
     data = json.loads(text)
@@ -311,6 +315,7 @@ def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path:
     assert codes == {0, 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [

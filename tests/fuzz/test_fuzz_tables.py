@@ -99,7 +99,9 @@ def used(path: Path) -> bool:
 
 
 def test_a_damaged_model_file_is_refused_in_words_or_predicts(tmp_path: Path) -> None:
-    sound, path = model_text(truth("long", "short")), tmp_path / "model.toml"
+    model = truth("long", "short")
+    model.predict("long", 0.0, 2.0)  # compiles, which may take long
+    sound, path = model_text(model), tmp_path / "model.toml"
     path.write_text(sound)
     assert not used(path)
     dice = random.Random(11)

@@ -145,6 +145,7 @@ def changed(rig: Path, spot: Spot, value: Any) -> Iterator[None]:
         path.write_text(sound, encoding="utf-8")
 
 
+@pytest.mark.slow
 @settings(
     max_examples=120,
     deadline=None,

@@ -150,6 +150,7 @@ def later(rig: WitnessedRig) -> list[float]:
     return rig.witness.volts[end:]
 
 
+@pytest.mark.slow
 @RUN
 @given(schedules())
 def test_without_mishaps_what_is_within_the_limits_is_done_and_ends_at_0_V(
@@ -200,8 +201,8 @@ def test_safe_is_said_only_of_0_V_and_the_limit_holds_whatever_goes_wrong(
     assert rig.witness.largest_V <= MOST_V
     if output is OutputState.SAFE:
         assert rig.witness.volts[-1] == 0.0
-    if rig.witness.volts[-1] != 0.0:
-        assert rig.guarded[-1] is True  # so the guard is still on duty
+    else:
+        assert output is OutputState.UNKNOWN  # for whoever called: the guard's turn
     assert not any(later(rig))
 
 
