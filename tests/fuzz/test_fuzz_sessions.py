@@ -59,11 +59,11 @@ def look_at(path: Path, only: tuple[str, ...] = ()) -> set[int]:
     return codes
 
 
-@pytest.mark.slow
 def test_the_sound_session_passes(sound: Path) -> None:
     assert look_at(sound) == {0}
 
 
+@pytest.mark.slow
 def test_flipped_bits_and_missing_pieces_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     raw, path = sound.read_bytes(), tmp_path / "s.h5"
     dice = random.Random(1)
@@ -201,7 +201,6 @@ ODD_VALUES = (
 )
 
 
-@pytest.mark.slow
 def _datasets(path: Path) -> list[str]:
     names: list[str] = []
     with h5py.File(path) as file:
@@ -209,6 +208,7 @@ def _datasets(path: Path) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 def test_a_dataset_of_another_type_or_shape_or_none_at_all_is_told_in_words(
     sound: Path, tmp_path: Path
 ) -> None:
@@ -250,7 +250,6 @@ def test_a_plan_that_makes_no_sense_is_refused(sound: Path, tmp_path: Path, name
         look_at(path)
 
 
-@pytest.mark.slow
 def _other_leaf(text: str, dice: random.Random) -> str:
     """The JSON with one leaf made odd."""
     data = json.loads(text)
@@ -269,6 +268,7 @@ def _other_leaf(text: str, dice: random.Random) -> str:
     return json.dumps(data)
 
 
+@pytest.mark.slow
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
     odd = (np.int64(2), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
@@ -315,7 +315,6 @@ def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path:
     assert codes == {0, 2}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -349,6 +348,7 @@ def test_a_journal_whose_checksums_are_right_and_content_wrong_is_used_up_to_the
     told("recover", path, "-o", tmp_path / "whole.h5", codes={0})
 
 
+@pytest.mark.slow
 def test_a_journal_that_would_unpack_to_gigabytes_does_not(cut: Path, tmp_path: Path) -> None:
     import zlib
 
