@@ -48,12 +48,14 @@ class Sheet:
     elongation_m: float = 0.0
     rest_curvature_per_m: AlongSheet = nothing  # k0
     drive_curvature_per_m: AlongSheet = nothing  # Me/B at unit drive
+    even_curvature_per_m: AlongSheet = nothing  # what Me/B has that goes with the drive's square
     stiffness: AlongSheet = even  # relative to B
     stiffening: float = 0.0  # relative gain of stiffness at large changes of curvature
     knee_per_m: float = 30.0  # change of curvature with half of that gain
     clamp_rad: float = 0.0  # direction in which the clamp holds it
     clamp_compliance_m: float = 0.0  # turn of the clamped end per moment over B
     elongation_stiffness: float = math.inf  # relative to B
+    joint_m: float = 0.0  # the joint to the elongation gives way like so much of the sheet
     load_per_m3: tuple[float, float] = (0.0, 0.0)  # weight per length over B, along x and y
 
     @property
@@ -101,7 +103,7 @@ class Chain:
         return Hinges(
             self.h_m,
             self._rest,
-            drive * self._drive,
+            drive * self._drive + drive * drive * self._even,
             self._stiffness,
             sheet.stiffening,
             sheet.knee_per_m,
@@ -133,10 +135,17 @@ class Chain:
         return self._laid_on(self.sheet.drive_curvature_per_m, 0.0)
 
     @cached_property
+    def _even(self) -> FloatArray:
+        return self._laid_on(self.sheet.even_curvature_per_m, 0.0)
+
+    @cached_property
     def _stiffness(self) -> FloatArray:
         sheet = self.sheet
         values = self._laid_on(sheet.stiffness, min(RIGID, sheet.elongation_stiffness))
         values[0] = min(RIGID, self.h_m / max(sheet.clamp_compliance_m, 1e-300))
+        joint = int(np.count_nonzero(self._on_sheet)) + 1
+        give_m = self.h_m / values[joint] + sheet.joint_m
+        values[joint] = min(RIGID, self.h_m / give_m)
         return values
 
     def free(self, drive: float) -> Equilibrium:

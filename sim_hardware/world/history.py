@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.creep import PARTS, parts_of
 from sim_hardware.world.load_cell import LoadCell
 from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
 from sim_hardware.world.settings import WorldSettings
@@ -21,12 +22,14 @@ from sim_hardware.world.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
-# Columns of the grid: the state (see state_kernels), what moves the elements that lag, and these.
-_VOLTAGE, _UNEVEN, _DRY_S, _STATES = 0, 2, 3, 5
+# Columns of the grid: the state (see state_kernels), what moves the elements that lag, these, and,
+# where the sheet creeps, the lags of that.
+_VOLTAGE, _UNEVEN, _DRY_S, _STATES = 0, 2, 3, 9
 _STATE = slice(0, _STATES)
 _MOVED = slice(_STATES, _STATES + 2)
-_TURNED = slice(_STATES + 2, _STATES + 2 + ELEMENTS)
-_COLUMNS = _STATES + 2 + ELEMENTS
+_TURNED = slice(_MOVED.stop, _MOVED.stop + ELEMENTS)
+_LAGS = 3  # of each part of what creeps
+_COLUMNS = _TURNED.stop
 _KEEP_S = 300.0
 _MOST_STEPS = 60_000
 
@@ -41,6 +44,7 @@ class Moment:
     drive: FloatArray
     true_N: FloatArray  # along the load cell's axis
     felt_N: FloatArray  # by the load cell, without noise
+    crept: FloatArray  # (n, 3), see creep
 
 
 class History:
@@ -70,8 +74,13 @@ class History:
             w.spread_s,
             w.return_s,
             e.relaxation_s,
+            e.relaxation_spread,
+            w.spread_order,
         )
-        row = np.zeros(_COLUMNS)
+        spread = settings.creep.spread
+        self._creep_s = settings.creep.time_s * np.array([1 / spread, 1.0, spread])
+        self._creeps = settings.creep.share > 0.0
+        row = np.zeros(_COLUMNS + PARTS * _LAGS * self._creeps)
         row[_UNEVEN] = 1.0
         self._track = Track(row, round(_KEEP_S / self._step_s))
         # The next row follows from this one: the newest, or what somebody's hand made of it.
@@ -97,9 +106,11 @@ class History:
         """From its start on, this is the set-up. The grid must have been made up to then."""
         if stage.setup is not self.stage.setup:
             self._from[_TURNED] = stage.first_turned
+            self._from[_COLUMNS:] = 0.0
             states = self._from[None, _STATE]
             now, drive = np.array([self.reached_s]), stage.drive(states)
-            self._from[_MOVED] = stage.moved(now, drive, states[:, _DRY_S])[0]
+            crept = np.zeros((1, PARTS))
+            self._from[_MOVED] = stage.moved(now, drive, states[:, _DRY_S], crept)[0]
         self._stages.append(stage)
         while len(self._stages) > 1 and self._stages[1].start_s <= self._oldest_s:
             del self._stages[0]
@@ -136,7 +147,7 @@ class History:
         """Rows up to a step, all in one set-up."""
         last, stage = self._from, self.stage
         times = self._time_of(np.arange(self._track.last, until + 1))
-        rows = np.empty((times.size - 1, _COLUMNS))
+        rows = np.empty((times.size - 1, last.size))
         states = np.empty((times.size, _STATES))
         states[0] = last[_STATE]
         drive_V = self._amplifier.mean_V(times)
@@ -145,7 +156,9 @@ class History:
         dry = states[1:, _DRY_S]
         drive = stage.drive(states[1:])
         stage.watch(times[1:], drive)
-        rows[:, _MOVED] = stage.moved(times[1:], drive, dry)
+        if self._creeps:
+            rows[:, _COLUMNS:] = self._creep(stage, drive, last[_COLUMNS:])
+        rows[:, _MOVED] = stage.moved(times[1:], drive, dry, self._crept(rows))
         rows[:, _TURNED] = self._kernels.turn_stops(
             _hung(rows[:, _MOVED]), _hung(last[None, _MOVED])[0], last[_TURNED], self._reach(stage)
         )
@@ -158,12 +171,29 @@ class History:
         rows, states = self._states(times)
         dry = states[:, _DRY_S]
         drive = stage.drive(states)
-        moved = stage.moved(times, drive, dry)
+        crept = self._crept(rows)
+        moved = stage.moved(times, drive, dry, crept)
         reach = self._reach(stage)
         turned = rows[:, _TURNED] + _hung(moved) - _hung(rows[:, _MOVED])
         turned = np.minimum(np.maximum(turned, -reach), reach)
         true_N = moved[:, 0] + stage.friction_N(times, drive, dry, turned[:, 2])
-        return Moment(stage, times, states, drive, true_N, self._cell.felt_N(true_N, turned))
+        felt_N = self._cell.felt_N(true_N, turned)
+        felt_N = felt_N + self._cell.stray_N(stage.setup.position_m, states[:, _VOLTAGE])
+        return Moment(stage, times, states, drive, true_N, felt_N, crept)
+
+    def _creep(self, stage: Stage, drive: FloatArray, last: FloatArray) -> FloatArray:
+        """The lags of what creeps (n, columns), from those of the row before."""
+        if not stage.setup.crept:  # a place that cannot be reached
+            return np.zeros((drive.size, last.size))
+        start = last.reshape(PARTS, _LAGS)
+        parts = self._kernels.follow(parts_of(drive), start, self._step_s, self._creep_s)
+        return parts.reshape(drive.size, -1)
+
+    def _crept(self, rows: FloatArray) -> FloatArray:
+        """How far each part has crept: the mean of its lags (n, PARTS)."""
+        if not self._creeps:
+            return np.zeros((len(rows), PARTS))
+        return np.asarray(rows[:, _COLUMNS:].reshape(len(rows), PARTS, _LAGS).mean(axis=2))
 
     def _states(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows of the grid before some times, and the states at the times."""

@@ -20,6 +20,8 @@ _FILTERED = 200  # samples in the mean of a reading
 _LEANING = 1.5  # of its capacity
 _OPEN_V = 11.0
 _OPEN_S = 0.5
+# Where along the arc the pull of the cell's cable is stated.
+_CABLE_M = 0.03
 
 
 class CellFault(StrEnum):
@@ -55,13 +57,28 @@ class LoadCell:
         loop = s.hysteresis_mN / s.hysteresis_reach_mN * turned_N[:, 0]
         return np.asarray(force_N + bend - loop - turned_N[:, 1])
 
+    def stray_N(self, position_m: float | None, sheet_V: FloatArray) -> FloatArray:
+        """What cables do to it: its own by where it stands, the drive's by its voltage."""
+        s = self._settings
+        cable_mN = s.cable_mN * ((position_m or 0.0) / _CABLE_M) ** 2
+        return np.asarray((cable_mN + s.pickup_mN * sheet_V / 2.0) * 1e-3)
+
+    def zero_N(self, since_s: FloatArray) -> FloatArray:
+        """Its zero without noise: offset, warming up, what comes again and again."""
+        s = self._settings
+        past = np.maximum(since_s, 0.0) / s.warming_s
+        part = {"line": past, "root": np.sqrt(past), "exp": -np.expm1(-past)}[s.warming_form]
+        beat = s.beat_mN * self._waves(since_s, np.array([2 * math.pi / s.beat_s]), np.zeros(1))
+        offset_N = s.offset_uV * 1e-6 / s.sensitivity_V_per_N
+        return np.asarray(offset_N + (s.warming_mN * part + beat) * 1e-3)
+
     def volts(self, felt_N: FloatArray, since_s: FloatArray) -> FloatArray:
         """Volts at the input."""
         s = self._settings
         noise_mN = s.noise_mN * self._white.at(since_s) + s.drift_mN * self._wander.at(since_s)
         noise_mN += s.hum_mN * self._hum(since_s)
         signal = np.where(self._excited(since_s), felt_N, 0.0) + noise_mN * 1e-3
-        volts = s.offset_uV * 1e-6 + s.sensitivity_V_per_N * signal
+        volts = s.sensitivity_V_per_N * (self.zero_N(since_s) + signal)
         if self._fault is CellFault.OVERLOADED:
             more_N = _LEANING * s.capacity_mN * 1e-3
             volts = volts + s.sensitivity_V_per_N * more_N * (since_s >= self._fault_s)
@@ -80,8 +97,8 @@ class LoadCell:
         s = self._settings
         felt = self.felt_N(np.array([force_N]), np.zeros((1, 2)))[0]
         white = s.noise_mN / math.sqrt(_FILTERED) * random.standard_normal(since_s.size)
-        zero_N = s.offset_uV * 1e-6 / s.sensitivity_V_per_N
-        return np.asarray(felt + zero_N + (white + s.drift_mN * self._wander.at(since_s)) * 1e-3)
+        noise_N = (white + s.drift_mN * self._wander.at(since_s)) * 1e-3
+        return np.asarray(felt + self.zero_N(since_s) + noise_N)
 
     def fail(self, fault: CellFault, since_s: float) -> None:
         """From now on this is wrong with it, or nothing any more."""

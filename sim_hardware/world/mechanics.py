@@ -43,11 +43,16 @@ class Stage:
         """The drive of the set-up's chain in states (n, columns); see state_kernels."""
         from sim_hardware.world.signal_kernels import approach
 
-        _, moment, uneven, dry_s, relaxed = states.T
-        water = self.setup.settings.water
-        moment = moment - self.setup.settings.eibm.relaxation * relaxed
+        _, moment, uneven, dry_s, relaxed, _, _, _, driven_s = states.T
+        water, eibm = self.setup.settings.water, self.setup.settings.eibm
+        moment = moment - eibm.relaxation * relaxed
         share = 1 - water.first_pulse_deficit * uneven
-        share *= 1 - approach(dry_s, _MOST_WEAKENING, water.weakening_per_min / 60)
+        weakening = water.weakening_per_min / 60
+        share *= 1 - approach(self._drying_s(dry_s), _MOST_WEAKENING, weakening)
+        if water.tiring_per_min:
+            share *= 1 - approach(driven_s, _MOST_WEAKENING, water.tiring_per_min / 60)
+        if eibm.breathing:
+            share *= 1 + eibm.breathing * np.sin(2 * math.pi / eibm.breathing_s * driven_s)
         return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
 
     def stiffening(self, dry_s: FloatArray) -> FloatArray:
@@ -55,27 +60,48 @@ class Stage:
         from sim_hardware.world.signal_kernels import approach
 
         rate = self.setup.settings.water.stiffening_per_min / 60
-        return np.asarray(1 + approach(dry_s, _MOST_STIFFENING - 1, rate))
+        return np.asarray(1 + approach(self._drying_s(dry_s), _MOST_STIFFENING - 1, rate))
+
+    def _drying_s(self, dry_s: FloatArray) -> FloatArray:
+        """Time under voltage as what dries counts it: all forms agree after a minute."""
+        water = self.setup.settings.water
+        if water.drying_form == "root":
+            return np.sqrt(60.0 * dry_s)
+        if water.drying_form == "exp":
+            whole = -math.expm1(-60.0 / water.drying_s)
+            return np.asarray(-60.0 / whole * np.expm1(-dry_s / water.drying_s))
+        return dry_s
 
     def out(self, times: FloatArray, drive: FloatArray) -> npt.NDArray[np.bool_]:
         """Where the sheet is out of the rolls, though they are there."""
         return (times >= self.slip.since_s) | self.setup.slipped(drive)
 
-    def moved(self, times: FloatArray, drive: FloatArray, dry_s: FloatArray) -> FloatArray:
+    def moved(
+        self, times: FloatArray, drive: FloatArray, dry_s: FloatArray, crept: FloatArray
+    ) -> FloatArray:
         """Force along the load cell's axis in N, and place along the sheet in m: (n, 2).
 
-        Without what lags behind. Once out of the rolls: only what hangs on the cell.
+        Without what lags behind, but for creep: `crept` (n, 3), see `creep`. Once out of the rolls:
+        only what hangs on the cell.
         """
         result = np.zeros((times.size, 2))
         if self.setup.position_m is not None:
             held = ~self.out(times, drive)
             B = self.setup.stiffness_Nm2 * self.stiffening(dry_s[held])
             force_N = B * self.setup.cell_force_per_m2(drive[held])
-            result[held, 0] = force_N + self.setup.settings.rolls.meniscus_mN * 1e-3
+            if self.setup.crept:
+                force_N = force_N + B * self.setup.crept_force_per_m2(drive[held], crept[held])
+            result[held, 0] = force_N + self._meniscus_N(dry_s[held])
             if self.setup.rubs:
                 result[held, 1] = self.setup.sliding_m(drive[held])
         result[:, 0] += self.load_N
         return result
+
+    def _meniscus_N(self, dry_s: FloatArray) -> FloatArray:
+        rolls = self.setup.settings.rolls
+        share = self.setup.settings.configurations[self.setup.configuration].meniscus_share
+        left = np.exp(-dry_s / rolls.meniscus_dries_s) if rolls.meniscus_dries_s else 1.0
+        return np.asarray(rolls.meniscus_mN * 1e-3 * share * left)
 
     def watch(self, times: FloatArray, drive: FloatArray) -> None:
         """Remember when, along these times, the sheet slipped out."""

@@ -109,7 +109,7 @@ def _nominal_eibm(
     for c in conditions:
         if c.voltage_V != 0 and c.position_m is not None:
             B = settings.configurations[c.configuration].stiffness_Nm2
-            mean = B * _mean_drive_per_m(settings, c.true_l_hat_m)
+            mean = B * _mean_drive_per_m(settings, c.configuration, c.true_l_hat_m)
             mean *= _settled(settings, c.voltage_V)
             found.setdefault((c.configuration, c.voltage_V), []).append(mean)
     return {key: float(np.mean(values)) for key, values in found.items()}
@@ -121,11 +121,12 @@ def _settled(settings: WorldSettings, voltage_V: float) -> float:
     return settings.eibm.settled(voltage_V + amplifier.gain * amplifier.offset_mV * 1e-3)
 
 
-def _mean_drive_per_m(settings: WorldSettings, length_m: float) -> float:
+def _mean_drive_per_m(settings: WorldSettings, configuration: str, length_m: float) -> float:
     """Mean of Me/B over [0, length], at +2 V."""
     points = 2000
     s_m = (np.arange(points) + 0.5) / points * length_m
-    return float(np.mean(settings.eibm.along_sheet(s_m)))
+    sheet = settings.configurations[configuration]
+    return sheet.eibm_ratio * float(np.mean(settings.eibm.along_sheet(s_m, sheet.free_length_m)))
 
 
 class _Maker:
@@ -186,13 +187,17 @@ class _Maker:
         forces = np.array([[state.along_per_m2], [state.outward_per_m2]])
         force_N = B * float(setup.along_axis(forces)[0])
         if state.touched:
-            force_N += self._settings.rolls.meniscus_mN * 1e-3
+            share = self._settings.configurations[setup.configuration].meniscus_share
+            force_N += self._settings.rolls.meniscus_mN * 1e-3 * share
         l_hat_m = min(sheet.free_length_m, state.s_m if state.touched else math.inf)
-        mean_eibm = B * state.drive * _mean_drive_per_m(self._settings, l_hat_m)
+        mean_eibm = (
+            B * state.drive * _mean_drive_per_m(self._settings, setup.configuration, l_hat_m)
+        )
         s_m, x_m, y_m = self._curve(setup, state, random)
         readings_N = np.empty(0)
         if setup.position_m is not None:
             readings_N = self._cell.filtered_N(force_N, times, random)
+            readings_N += self._cell.stray_N(setup.position_m, np.array(voltage_V))
         return ReducedCondition(
             setup.configuration,
             setup.position_m,

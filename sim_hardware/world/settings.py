@@ -11,9 +11,12 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from sim_hardware.optics import OpticsSettings
+from sim_hardware.world.along import EibmForm, StiffnessForm, broken, fall, stiffness_rise
+from sim_hardware.world.settings_base import Angle, Closed, NotNegative, Positive, Ratio
+from sim_hardware.world.settings_rare import BumpSettings, CreepSettings, ViewSettings
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -43,16 +46,6 @@ FaultKind = Literal[
     "serial_unplugged",
     "clock_jump",
 ]
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
-Ratio = Annotated[float, Field(ge=0, le=1)]
-Angle = Annotated[float, Field(ge=-1.5, le=1.5)]
-
-
-class Closed(BaseModel):
-    """A table in which an unknown key, or a value that is not a number, is an error."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
 
 class ArcSettings(Closed):
@@ -61,6 +54,21 @@ class ArcSettings(Closed):
     radius_mm: Positive
     origin_deg: Annotated[float, Field(ge=-180, le=180)]
     """Polar angle of position 0."""
+    scale_error: Annotated[float, Field(ge=-0.2, le=0.2)]
+    """The rolls go relatively so much further than they are told."""
+    screw_mm: Annotated[float, Field(ge=-2, le=2)]
+    """Amplitude of an error that comes again with every turn of the stage's screw."""
+    screw_pitch_mm: Positive
+    slip_mm: Annotated[float, Field(ge=-5, le=5)]
+    """From `slip_from_mm` on the rolls are so much further than they are told."""
+    slip_from_mm: float
+
+    def reached_m(self, position_m: float) -> float:
+        """Where the rolls are when they are told to go to a position."""
+        error_mm = self.screw_mm * math.sin(2 * math.pi * position_m * 1e3 / self.screw_pitch_mm)
+        if position_m * 1e3 >= self.slip_from_mm - 1e-9:
+            error_mm += self.slip_mm
+        return position_m * (1 + self.scale_error) + error_mm * 1e-3
 
 
 class SheetSettings(Closed):
@@ -75,14 +83,24 @@ class SheetSettings(Closed):
     """At the clamp."""
     rest_curvature_decay_mm: NotNegative
     """Length over which it falls to 1/e along the sheet; 0: it does not fall."""
+    rest_curvature_step_mm: NotNegative
+    """It is a straight line between places so far apart; 0: it is smooth."""
+    eibm_ratio: Annotated[float, Field(gt=0, le=20)]
+    """Me/B over that of [eibm]."""
     stiffness_change: Annotated[float, Field(gt=-0.9, le=5)]
-    """Relative change of B from the clamp to the end of the free length, as sin^2."""
+    """Relative change of B from the clamp to the end of the free length."""
+    stiffness_form: StiffnessForm
+    """How it gets there: sine (as sin^2), line, step (in the middle)."""
     stiffening: Annotated[float, Field(gt=-0.5, le=5)]
     """Relative change of B at large changes of curvature."""
     stiffening_knee_per_m: Positive
     """Change of curvature with half of it."""
     elongation_give: Ratio
     """B over the elongation's stiffness; 0: it is rigid."""
+    elongation_joint_mm: NotNegative
+    """The joint between sheet and elongation gives way like so much of the sheet."""
+    meniscus_share: Annotated[float, Field(ge=0, le=1)]
+    """Share of the rolls' meniscus that this configuration feels."""
 
     @property
     def stiffness_Nm2(self) -> float:
@@ -102,12 +120,16 @@ class SheetSettings(Closed):
 
     def rest_curvature(self, s_m: FloatArray) -> FloatArray:
         """k0(s) in 1/m."""
-        return self.rest_curvature_per_m * _fall(s_m, self.rest_curvature_decay_mm)
+        return self.rest_curvature_per_m * broken(
+            lambda s: fall(s, "exp", self.rest_curvature_decay_mm * 1e-3, self.free_length_m),
+            s_m,
+            self.rest_curvature_step_mm * 1e-3,
+        )
 
     def relative_stiffness(self, s_m: FloatArray) -> FloatArray:
         """B(s) over that at the clamp."""
-        part = np.sin(0.5 * math.pi * np.asarray(s_m) / self.free_length_m)
-        return np.asarray(1 + self.stiffness_change * part**2)
+        rise = stiffness_rise(s_m, self.stiffness_form, self.free_length_m)
+        return np.asarray(1 + self.stiffness_change * rise)
 
 
 class EibmSettings(Closed):
@@ -117,20 +139,28 @@ class EibmSettings(Closed):
     """Me/B at the clamp, settled at +2 V."""
     decay_mm: NotNegative
     """Length over which Me falls to 1/e along the sheet; 0: it does not fall."""
+    form: EibmForm
+    """How it falls: exp, cosh, line (to 0 there), root (1/sqrt(1 + s/decay))."""
     negative_ratio: Annotated[float, Field(ge=0, le=3)]
     """|Me(-2 V)| / |Me(+2 V)|."""
     saturation_V: Positive
     """Me grows with V as tanh(V / saturation_V)."""
     build_up_s: Positive
     """Time constant with which Me follows the voltage across the sheet."""
-    relaxation: Ratio
-    """Share of Me that is lost again under a voltage that stays."""
+    relaxation: Annotated[float, Field(ge=-1, le=1)]
+    """Share of Me that is lost again under a voltage that stays; negative: that comes slowly."""
     relaxation_s: Positive
     """Time constant of that loss."""
+    relaxation_spread: Annotated[float, Field(ge=1, le=10)]
+    """A third each with this time constant, and one so many times shorter and longer."""
+    breathing: Ratio
+    """Amplitude, relative, of a wave that goes through Me ..."""
+    breathing_s: Positive
+    """... with this period of time under voltage."""
 
-    def along_sheet(self, s_m: FloatArray) -> FloatArray:
-        """Me/B in 1/m, settled at +2 V."""
-        return self.curvature_per_m * _fall(s_m, self.decay_mm)
+    def along_sheet(self, s_m: FloatArray, length_m: float = 0.05) -> FloatArray:
+        """Me/B in 1/m, settled at +2 V, of a sheet so long."""
+        return self.curvature_per_m * fall(s_m, self.form, self.decay_mm * 1e-3, length_m)
 
     def settled(self, sheet_V: float) -> float:
         """Me at a voltage, relative to that at +2 V, when everything has come to rest."""
@@ -151,6 +181,14 @@ class WaterSettings(Closed):
     """Relative gain of B in a minute at 2 V, at first; bounded by a factor of 2.2."""
     weakening_per_min: NotNegative
     """Relative loss of Me in a minute at 2 V, at first."""
+    drying_form: Literal["line", "root", "exp"]
+    """How both go on: in proportion to that time, to its square root, or to an end."""
+    drying_s: Positive
+    """Time constant of `exp`."""
+    spread_order: Literal[1, 2]
+    """The unevenness goes away at a rate that goes with this power of it."""
+    tiring_per_min: NotNegative
+    """Relative loss of Me in a minute at 2 V that no wetting brings back."""
 
 
 class AmplifierSettings(Closed):
@@ -202,6 +240,19 @@ class LoadCellSettings(Closed):
     """Of its axis from the tangent of the arc, counter-clockwise."""
     compliance_mm_per_mN: NotNegative
     """The object gives way along the arc."""
+    warming_mN: float
+    """Change of its zero after it was switched on ..."""
+    warming_s: Positive
+    """... in this time (exp: its time constant)."""
+    warming_form: Literal["line", "root", "exp"]
+    beat_mN: NotNegative
+    """Amplitude of a disturbance that comes again ..."""
+    beat_s: Positive
+    """... with this period."""
+    pickup_mN: float
+    """What the voltage across the sheet adds, at +2 V."""
+    cable_mN: float
+    """What its cable adds 30 mm along the arc; it goes with the square of the position."""
 
 
 class ClampSettings(Closed):
@@ -225,6 +276,8 @@ class RollsSettings(Closed):
     """Force that it takes to get it loose; 0: it never sticks."""
     meniscus_mN: float
     """What the surface tension of water between sheet and rolls adds to the force."""
+    meniscus_dries_s: NotNegative
+    """Time under voltage in which it falls to 1/e; 0: it stays."""
 
 
 class ScatterSettings(Closed):
@@ -291,13 +344,11 @@ class WorldSettings(Closed):
     """Weight of sheet per length that acts in the picture's plane, along -y."""
     frame_delay_s: Annotated[float, Field(ge=0, le=1)]
     """The camera shows what was there so long ago."""
+    creep: CreepSettings
+    view: ViewSettings
+    bumps: list[BumpSettings]
     scatter: ScatterSettings
     chain: ChainSettings
     camera: OpticsSettings
     interlock: InterlockSettings
     faults: list[FaultSettings]
-
-
-def _fall(s_m: FloatArray, decay_mm: float) -> FloatArray:
-    s_m = np.asarray(s_m, dtype=float)
-    return np.exp(-s_m / (decay_mm * 1e-3)) if decay_mm > 0 else np.ones_like(s_m)

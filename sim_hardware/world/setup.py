@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -11,7 +12,9 @@ import numpy.typing as npt
 
 from sim_hardware.world.chain import Chain, Sheet
 from sim_hardware.world.contact import Arc, Contact
+from sim_hardware.world.creep import crept_sheets
 from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.settings_rare import BumpOf
 from sim_hardware.world.table import DriveTable
 
 FloatArray = npt.NDArray[np.float64]
@@ -76,7 +79,7 @@ class Setup:
         """Polar angle at which the rolls really are."""
         if self.position_m is None:
             raise ValueError("nothing touches the sheet")
-        at_m = self.position_m + self.scatter.position_m
+        at_m = self.settings.arc.reached_m(self.position_m) + self.scatter.position_m
         return self.arc.angle_rad(at_m)
 
     def registered(self, polar_rad: float) -> tuple[float, float]:
@@ -106,12 +109,14 @@ class Setup:
             Sheet(
                 sheet.free_length_m,
                 sheet.elongation_m,
-                rest_curvature_per_m=sheet.rest_curvature,
-                drive_curvature_per_m=s.eibm.along_sheet,
-                stiffness=sheet.relative_stiffness,
+                rest_curvature_per_m=self._rest_curvature,
+                drive_curvature_per_m=self._drive_curvature,
+                even_curvature_per_m=self._bumps("even_moment"),
+                stiffness=self._stiffness,
                 stiffening=sheet.stiffening,
                 knee_per_m=sheet.stiffening_knee_per_m,
                 elongation_stiffness=1 / max(sheet.elongation_give, 1e-12),
+                joint_m=sheet.elongation_joint_mm * MILLI,
                 clamp_rad=s.clamp.tilt_rad + self.scatter.tilt_rad,
                 # mrad/(N mm) = rad/(N m)
                 clamp_compliance_m=s.clamp.compliance_mrad_per_Nmm * B,
@@ -119,6 +124,27 @@ class Setup:
             ),
             s.chain.link_mm * MILLI,
         )
+
+    def _rest_curvature(self, s_m: FloatArray) -> FloatArray:
+        sheet = self.settings.configurations[self.configuration]
+        return sheet.rest_curvature(s_m) + self._bumps("rest_curvature")(s_m)
+
+    def _drive_curvature(self, s_m: FloatArray) -> FloatArray:
+        sheet = self.settings.configurations[self.configuration]
+        along = self.settings.eibm.along_sheet(s_m, sheet.free_length_m)
+        return sheet.eibm_ratio * along + self._bumps("eibm")(s_m)
+
+    def _stiffness(self, s_m: FloatArray) -> FloatArray:
+        sheet = self.settings.configurations[self.configuration]
+        return sheet.relative_stiffness(s_m) + self._bumps("stiffness")(s_m)
+
+    def _bumps(self, of: BumpOf) -> Callable[[FloatArray], FloatArray]:
+        mine = [
+            b
+            for b in self.settings.bumps
+            if b.of == of and b.configuration in ("", self.configuration)
+        ]
+        return lambda s_m: sum((b.along(s_m) for b in mine), np.zeros_like(s_m))
 
     @cached_property
     def free(self) -> DriveTable:
@@ -129,6 +155,22 @@ class Setup:
     def held(self) -> DriveTable:
         """The sheet between the rolls."""
         return DriveTable(Contact(self.chain, self.arc), self.arc_rad)
+
+    @cached_property
+    def at_rest_of(self) -> DriveTable:
+        """The sheet as it lies when nothing has crept, between the rolls or free."""
+        return self.free if self.position_m is None else self.held
+
+    @cached_property
+    def crept(self) -> tuple[DriveTable, ...]:
+        """The sheet after each part of its strain has stayed for ever; see `creep`."""
+        share = self.settings.creep.share
+        if share == 0.0 or not self.at_rest_of.reachable:
+            return ()
+        angle_rad = None if self.position_m is None else self.arc_rad
+        sheets = crept_sheets(self.chain, self.at_rest_of, share)
+        chains = [Chain(sheet, self.settings.chain.link_mm * MILLI) for sheet in sheets]
+        return tuple(DriveTable(Contact(chain, self.arc), angle_rad) for chain in chains)
 
     @cached_property
     def _rubbed(self) -> tuple[DriveTable, DriveTable]:
@@ -147,6 +189,15 @@ class Setup:
     def cell_force_per_m2(self, drive: FloatArray) -> FloatArray:
         """Force along the load cell's axis over B, without friction; the sheet must be held."""
         return self.along_axis(self.held.forces_per_m2(drive))
+
+    def crept_force_per_m2(self, drive: FloatArray, strain: FloatArray) -> FloatArray:
+        """What creep adds to that, with parts `strain` (n, 3) of what it has crept to."""
+        before = self.held.forces_per_m2(drive)
+        change = np.zeros_like(before)
+        for part, table in zip(strain.T, self.crept, strict=True):
+            lost = table.slipped(drive)
+            change[:, ~lost] += part[~lost] * (table.forces_per_m2(drive[~lost]) - before[:, ~lost])
+        return self.along_axis(change)
 
     def along_axis(self, forces: FloatArray) -> FloatArray:
         """Component along the load cell's axis of forces (2, n): along the arc and outward."""

@@ -2,7 +2,8 @@
 
 The state: voltage across the sheet (V); moment relative to the settled one at +2 V, as the water
 would allow; how unevenly the water lies (1: as after a rest, 0: as under voltage); time spent
-under voltage since the last wetting, in s at 2 V; the moment's slow follower, which relaxes it.
+under voltage since the last wetting, in s at 2 V; the moment's slow follower, which relaxes it, as
+the mean of three; these three; time spent under voltage since the beginning, in s at 2 V.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ import numpy as np
 
 from sim_hardware.world.chain_kernels import Floats, compiled
 
-VOLTAGE, MOMENT, UNEVEN, DRY_S, RELAXED = range(5)
-COLUMNS = 5
+VOLTAGE, MOMENT, UNEVEN, DRY_S, RELAXED, QUICK, MIDDLE, SLOW, DRIVEN_S = range(9)
+COLUMNS = 9
 
 # Voltage at which half of what drives the water is there.
 _HALF_V = 0.5
@@ -31,6 +32,8 @@ class StateRules(NamedTuple):
     spread_s: float
     return_s: float
     relaxation_s: float
+    relaxation_spread: float
+    spread_order: int
 
 
 @compiled
@@ -44,11 +47,19 @@ def _step(now: Floats, drive: float, dt: float, r: StateRules, new: Floats) -> N
     moment = aim + (moment - aim) * math.exp(-dt / r.build_up_s)
     active = voltage * voltage / (voltage * voltage + _HALF_V * _HALF_V)
     back = (1.0 - active) / r.return_s
-    rate = back + active / r.spread_s
+    away = active / r.spread_s
+    if r.spread_order == 2:
+        away *= uneven
+    rate = back + away
     uneven = back / rate + (uneven - back / rate) * math.exp(-rate * dt)
     new[VOLTAGE], new[MOMENT], new[UNEVEN] = voltage, moment, uneven
-    new[DRY_S] = now[DRY_S] + abs(voltage) / 2.0 * dt
-    new[RELAXED] = moment + (now[RELAXED] - moment) * math.exp(-dt / r.relaxation_s)
+    driven_s = abs(voltage) / 2.0 * dt
+    new[DRY_S], new[DRIVEN_S] = now[DRY_S] + driven_s, now[DRIVEN_S] + driven_s
+    tau = r.relaxation_s
+    new[QUICK] = moment + (now[QUICK] - moment) * math.exp(-dt * r.relaxation_spread / tau)
+    new[MIDDLE] = moment + (now[MIDDLE] - moment) * math.exp(-dt / tau)
+    new[SLOW] = moment + (now[SLOW] - moment) * math.exp(-dt / (tau * r.relaxation_spread))
+    new[RELAXED] = (new[QUICK] + new[MIDDLE] + new[SLOW]) / 3.0
 
 
 @compiled
@@ -64,6 +75,25 @@ def part_steps(states: Floats, drive: Floats, dt: Floats, rules: StateRules) -> 
     result = np.empty_like(states)
     for k in range(drive.shape[0]):
         _step(states[k], drive[k], dt[k], rules, result[k])
+    return result
+
+
+@compiled
+def follow(inputs: Floats, start: Floats, dt: float, times_s: Floats) -> Floats:
+    """Means of lags, one for each of `times_s`, behind what moves: (n, m, lags).
+
+    `inputs` (n, m): what moves, at the end of each step; `start` (m, lags): the lags before.
+    """
+    n, m = inputs.shape
+    lags = times_s.shape[0]
+    result = np.empty((n, m, lags))
+    for j in range(lags):
+        kept = math.exp(-dt / times_s[j])
+        for i in range(m):
+            at = start[i, j]
+            for k in range(n):
+                at = inputs[k, i] + (at - inputs[k, i]) * kept
+                result[k, i, j] = at
     return result
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.chain import Equilibrium
 from sim_hardware.world.history import Moment
+from sim_hardware.world.setup import Setup
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -19,8 +21,19 @@ def state_of(moment: Moment, k: int = -1) -> Equilibrium:
     """The chain at one of the times."""
     setup, drive = moment.stage.setup, float(moment.drive[k])
     out = bool(moment.stage.out(moment.times, moment.drive)[k])
-    held = setup.position_m is not None and not out
-    return setup.held.state(drive) if held else setup.free.state(drive)
+    if setup.position_m is not None and out:
+        return setup.free.state(drive)
+    state = setup.at_rest_of.state(drive)
+    return _after_creep(setup, state, moment.crept[k]) if setup.crept else state
+
+
+def _after_creep(setup: Setup, state: Equilibrium, crept: FloatArray) -> Equilibrium:
+    """The link angles moved by what has crept."""
+    phi = state.phi_rad.copy()
+    for part, table in zip(crept, setup.crept, strict=True):
+        if not table.slipped(np.array([state.drive]))[0]:
+            phi += part * (table.state(state.drive).phi_rad - state.phi_rad)
+    return replace(state, phi_rad=phi)
 
 
 def shape_of(moment: Moment, k: int) -> FloatArray:
@@ -29,7 +42,7 @@ def shape_of(moment: Moment, k: int) -> FloatArray:
     length_m = setup.chain.sheet.visible_m
     s_m = np.linspace(0.0, length_m, 1 + math.ceil(length_m / _SPACING_M))
     curve = setup.chain.curve(state_of(moment, k).phi_rad, s_m)
-    return np.asarray(curve + np.array(setup.scatter.registration_m))
+    return setup.settings.view.seen(np.asarray(curve + np.array(setup.scatter.registration_m)))
 
 
 def contact_of(moment: Moment) -> tuple[float, float, float] | None:

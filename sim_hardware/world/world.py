@@ -14,6 +14,7 @@ import numpy.typing as npt
 from drivers.interfaces import Clock
 from sim_hardware.optics import Renderer
 from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.creep import PARTS
 from sim_hardware.world.history import History, Moment
 from sim_hardware.world.load_cell import CellFault, LoadCell
 from sim_hardware.world.loading import WorldError
@@ -256,7 +257,7 @@ class World:
         now = np.array([self._history.start_s])
         setup = Setup(self.settings, self.configuration, 0.0, Scatter())
         stage = Stage(float(now[0]), setup)
-        stage.moved(now, np.zeros(1), np.zeros(1))
+        stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
         for channel in (FORCE, CURRENT, READBACK):
             self.read("", channel, now)
         self.picture(float(now[0]), 0)

@@ -1,0 +1,18 @@
+"""What the tables of a world.toml have in common."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Ratio = Annotated[float, Field(ge=0, le=1)]
+Angle = Annotated[float, Field(ge=-1.5, le=1.5)]
+
+
+class Closed(BaseModel):
+    """A table in which an unknown key, or a value that is not a number, is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
