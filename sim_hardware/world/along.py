@@ -50,7 +50,7 @@ def broken(
         return smooth(s_m)
     s_m = np.asarray(s_m, dtype=float)
     nodes = step_m * np.arange(2 + math.ceil(float(np.max(s_m, initial=0.0)) / step_m))
-        return np.asarray(share)
+    return np.asarray(np.interp(s_m, nodes, smooth(nodes)))
 
 
 def bump(s_m: npt.ArrayLike, at_m: float, width_m: float) -> FloatArray:
