@@ -54,7 +54,7 @@ def bound_px(curve, snr: float, thickness_px: float, blur_px: float) -> float:
     return float(np.sqrt(len(curve.parameters) / length / information))
 
 
-def accuracy(count: int) -> None:
+def accuracy(count: int, first: int = 0) -> None:
     print(
         "| SNR | RMSE median px | p95 px | bound px | ratio | curvature RMS /m | band 95 % holds |"
     )
@@ -63,7 +63,7 @@ def accuracy(count: int) -> None:
         errors, bounds, bends, inside = [], [], [], []
         for seed in range(count):
             scene = make_scene(
-                Recipe(seed=500 + seed, physical=True, snr=snr, bright=seed % 2 == 0)
+                Recipe(seed=first + seed, physical=True, snr=snr, bright=seed % 2 == 0)
             )
             curve = neutral_curve(scene.image, *parts(scene))
             if not curve.ok:
@@ -84,7 +84,7 @@ def accuracy(count: int) -> None:
         )
 
 
-def failures(count: int) -> None:
+def failures(count: int, first: int = 0) -> None:
     kinds = {
         "mixed": mixed,
         "no sheet": lambda s: replace(mixed(s), sheet=False, rolls=False),
@@ -98,7 +98,7 @@ def failures(count: int) -> None:
     for name, kind in kinds.items():
         n = silent = reported = 0
         errors = []
-        for seed in range(count if name == "mixed" else count // 5):
+        for seed in range(first, first + (count if name == "mixed" else count // 5)):
             try:
                 scene = make_scene(kind(seed))
             except RuntimeError:
@@ -107,14 +107,19 @@ def failures(count: int) -> None:
             curve = neutral_curve(scene.image, *parts(scene))
             if not curve.ok:
                 reported += 1
+                if scene.recipe.sheet:
+                    print(f"(refused: {name}, seed {seed}: {curve.why})", flush=True)
                 continue
             errors.append(rmse_px(curve.points_px, scene.truth_px))
             if errors[-1] > 1 or not scene.recipe.sheet:
                 silent += 1
-                print(f"(silent: {name}, seed {seed}, {errors[-1]:.2f} px)")
+                print(f"(silent: {name}, seed {seed}, {errors[-1]:.2f} px)", flush=True)
         middle = f"{np.median(errors):.3f}" if errors else "-"
         high = f"{np.percentile(errors, 95):.3f}" if errors else "-"
-        print(f"| {name} | {n} | {len(errors)} | {silent} | {reported} | {middle} | {high} |")
+        print(
+            f"| {name} | {n} | {len(errors)} | {silent} | {reported} | {middle} | {high} |",
+            flush=True,
+        )
 
 
 def speed(count: int) -> None:
@@ -137,13 +142,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=("accuracy", "failures", "speed", "peers"))
     parser.add_argument("--scenes", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     given = parser.parse_args()
     if given.what == "peers":
         from benchmarks.vision_peers import compare
 
         compare(given.scenes)
         return
-    {"accuracy": accuracy, "failures": failures, "speed": speed}[given.what](given.scenes)
+    if given.what == "speed":
+        speed(given.scenes)
+        return
+    {"accuracy": accuracy, "failures": failures}[given.what](given.scenes, given.first)
 
 
 if __name__ == "__main__":

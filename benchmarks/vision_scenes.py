@@ -60,6 +60,7 @@ class Scene:
     s_mm: np.ndarray
     k_per_m: np.ndarray
     recipe: Recipe
+    rolls_px: list[list[float]] = field(default_factory=list)  # u, v, radius as drawn
 
 
 def truth_curve(recipe: Recipe, rng):
@@ -134,13 +135,14 @@ def make_scene(recipe: Recipe) -> Scene:
     jitter = rng.normal(0, 0.6, 2) if recipe.jitter else np.zeros(2)
     optics["clamp_px"] = (raw[0] + jitter).tolist()
     optics["clamp_angle_rad"] = float(rng.normal(0, 0.008)) if recipe.jitter else 0.0
-    image = _draw(recipe, rng, ideal, raw, s, K, dist, optics)
+    rolls: list[list[float]] = []
+    image = _draw(recipe, rng, ideal, raw, s, K, dist, optics, rolls)
     strip = {
         "free_length_mm": recipe.free_mm,
         "elongation_mm": recipe.elongation_mm,
         "thickness_mm": recipe.thickness_mm,
     }
-    return Scene(image, optics, strip, xy, raw, s, k, recipe)
+    return Scene(image, optics, strip, xy, raw, s, k, recipe, rolls)
 
 
 def _no_touch(xy):
@@ -164,7 +166,7 @@ def _undistort(raw, K, dist):
     return np.asarray(out).reshape(-1, 2)
 
 
-def _draw(recipe, rng, ideal, raw, s, K, dist, optics):
+def _draw(recipe, rng, ideal, raw, s, K, dist, optics, rolls):
     w, h = recipe.size
     direction = 1.0 if recipe.bright else -1.0
     base = 50.0 if recipe.bright else 185.0
@@ -215,7 +217,6 @@ def _draw(recipe, rng, ideal, raw, s, K, dist, optics):
         radius = rng.uniform(8, 18)
         gap = recipe.thickness_mm * recipe.px_per_mm / 2 + rng.uniform(-0.5, 0.5)
         level = base + contrast * rng.uniform(-0.4, 1.1)
-        rolls = []
         for side in (-1, 1):
             centre = raw[i] + side * (radius + gap) * normal
             m = np.zeros((h, w), np.uint8)

@@ -52,6 +52,21 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """Where the rolls touch the sheet as the picture shows it, beside what the stage says."""
+
+    s_m: float  # along the sheet
+    x_m: float
+    y_m: float
+    angle_rad: float  # of the sheet's tangent there
+    position_m: float  # along the arc, as in `Condition`
+    position_sigma_m: float
+    radius_m: float  # distance from the clamp, to compare with the arc's
+    # x, y and radius of each roll; without: not seen, and this is where the sheet crosses the arc
+    rolls_m: tuple[tuple[float, float, float], ...] = ()
+
+
+@dataclass(frozen=True)
 class Reading:
     """One force reading, and the curve of its own frame where there is one."""
 
@@ -79,6 +94,7 @@ class Condition:
     approach: Literal["up", "down", ""] = ""
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
     run: int = 0  # a position measured again
+    contact: Contact | None = None  # from the mean image; None: not seen, or there is none
 
     def used(self) -> tuple[Reading, ...]:
         """The readings that count: zero or kept, and valid."""

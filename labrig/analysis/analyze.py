@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of
+from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
@@ -86,7 +87,8 @@ def _curves(
     from labrig.vision import Optics
 
     optics = Optics.from_json(session.texts["optics.json"], f"{session.path}: optics.json")
-    return measure_curves(session, optics, sheets, progress=progress, workers=workers), []
+    curves = measure_curves(session, optics, sheets, progress=progress, workers=workers)
+    return curves, contact_warnings(session, sheets, curves, optics.px_per_m)
 
 
 def _series(session: Session, calibration: LoadCellCalibration) -> list[TimeSeries]:

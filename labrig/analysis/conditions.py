@@ -44,6 +44,7 @@ def conditions_of(
                     mounting=run.planned.mounting,
                     approach=cast("Literal['up', 'down', '']", run.planned.approach),
                     run=turn[run.planned.index],
+                    contact=None if seen is None else seen.contact,
                 )
             )
     return tuple(made)

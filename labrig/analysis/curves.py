@@ -15,7 +15,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.session import RunRecord, Session, open_session
 from labrig.session.layout import NO_FRAME, Array
-from model.measurements import Curve, SheetGeometry
+from model.measurements import Contact, Curve, SheetGeometry
 from protocols.schedule import Purpose
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ class CurveJob:
     in_mean: tuple[int, ...]  # readings that make the mean image
     strip: StripGeometry
     optics: Optics
+    arc: tuple[float, float] | None  # radius (m) and origin (rad); None: nothing touches the sheet
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ class ConditionCurves:
     voltage_V: float
     mean: Curve | None
     by_reading: dict[int, Curve] = field(default_factory=dict)
+    contact: Contact | None = None  # as the mean image shows it
     warnings: tuple[str, ...] = ()
 
 
@@ -84,31 +86,32 @@ def curve_jobs(
     session: Session, optics: Optics, sheets: Mapping[str, SheetGeometry]
 ) -> Iterator[CurveJob]:
     """One job for each run and voltage with frames, in the order of the runs."""
-    from labrig.vision import StripGeometry
-
     for run in session.runs:
         if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
             continue
         sheet = sheets[run.planned.configuration]
-        strip = StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m)
         readings = run.readings[run.readings["frame"] != NO_FRAME]
         for voltage_V in dict.fromkeys(readings["voltage_V"].tolist()):
             rows = readings[readings["voltage_V"] == voltage_V]
             if len(rows):
-                yield _job(run, float(voltage_V), rows, strip, optics)
+                yield _job(run, float(voltage_V), rows, sheet, optics)
 
 
 def _job(
-    run: RunRecord, voltage_V: float, rows: Array, strip: StripGeometry, optics: Optics
+    run: RunRecord, voltage_V: float, rows: Array, sheet: SheetGeometry, optics: Optics
 ) -> CurveJob:
+    from labrig.vision import StripGeometry
+
+    touched = run.planned.purpose is Purpose.MEASUREMENT
     counts = rows["valid"] & np.isin(rows["kind"], MEAN_OF)
     return CurveJob(
         run=run.planned.index,
         voltage_V=voltage_V,
         rows={int(row["index"]): int(row["frame"]) for row in rows},
         in_mean=tuple(int(row["index"]) for row in rows[counts]),
-        strip=strip,
+        strip=StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m),
         optics=optics,
+        arc=(sheet.arc_radius_m, sheet.arc_origin_rad) if touched else None,
     )
 
 
@@ -130,17 +133,22 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
 
 def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
     """Find the curves of one condition."""
-    from labrig.vision import neutral_curve
+    from labrig.vision import contact_from_picture, neutral_curve
 
     run = session.runs[job.run]
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
     warnings: list[str] = []
-    mean = None
+    mean = contact = None
     if job.in_mean:
         image = mean_image(
             (run.image(job.rows[reading]) for reading in job.in_mean), _full_scale(job, session)
         )
-        mean = neutral_curve(image, job.optics.model_copy(update={"bits": 16}), job.strip)
+        optics = job.optics.model_copy(update={"bits": 16})
+        mean = neutral_curve(image, optics, job.strip)
+        if job.arc is not None:
+            contact = contact_from_picture(
+                image, mean, optics, *job.arc, expected_m=run.planned.position_m
+            )
         warnings += [f"{label}, mean image: {text}" for text in mean.warnings]
         if not mean.ok:
             warnings.append(f"{label}: no curve in the mean image: {mean.why}")
@@ -158,6 +166,7 @@ def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
         voltage_V=job.voltage_V,
         mean=mean.as_curve() if mean is not None and mean.ok else None,
         by_reading=by_reading,
+        contact=contact,
         warnings=tuple(warnings),
     )
 

@@ -13,12 +13,21 @@ import numpy as np
 from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.reading import with_str
-from model.measurements import Condition, Curve, Measurements, Reading, SheetGeometry, TimeSeries
+from model.measurements import (
+    Condition,
+    Contact,
+    Curve,
+    Measurements,
+    Reading,
+    SheetGeometry,
+    TimeSeries,
+)
 
 MEAN_IMAGE = -1  # in place of a reading's place: the curve of the condition's mean image
 # Columns of `points` and `samples`; those a curve or series does not have are NaN.
 _POINT = ("s_m", "x_m", "y_m", "curvature_per_m", "sigma_m", "curvature_sigma_per_m")
 _SAMPLE = ("time_s", "drive_V", "force_N", "current_A")
+_CONTACT = ("s_m", "x_m", "y_m", "angle_rad", "position_m", "position_sigma_m", "radius_m")
 
 
 def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
@@ -35,6 +44,8 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
         "readings": _reading_table(readings),
         "curves": _part_table(curves, "reading", _POINT),
         "points": _stacked([curve for *_, curve in curves], _POINT),
+        "contacts": _contact_table(conditions),
+        "rolls": _roll_table(conditions),
         "series": _series_table(measurements.series),
         "samples": _stacked(measurements.series, _SAMPLE),
     }
@@ -159,6 +170,25 @@ def _part_table(
     return _table(table)
 
 
+def _contact_table(conditions: Sequence[Condition]) -> Array:
+    found = [(at, c.contact) for at, c in enumerate(conditions) if c.contact is not None]
+    table: dict[str, Sequence[Any]] = {"condition": [at for at, _ in found]}
+    for name in _CONTACT:
+        table[name] = [float(getattr(contact, name)) for _, contact in found]
+    return _table(table)
+
+
+def _roll_table(conditions: Sequence[Condition]) -> Array:
+    rolls = [
+        (at, *roll)
+        for at, c in enumerate(conditions)
+        if c.contact is not None
+        for roll in c.contact.rolls_m
+    ]
+    names = ("condition", "x_m", "y_m", "radius_m")
+    return _table({name: [roll[i] for roll in rolls] for i, name in enumerate(names)})
+
+
 def _series_table(series: Sequence[TimeSeries]) -> Array:
     lengths = [len(each.time_s) for each in series]
     return _table(
@@ -213,6 +243,7 @@ def _conditions(
     tables: Mapping[str, Array], curves: Mapping[tuple[int, int], Curve]
 ) -> tuple[Condition, ...]:
     rows = with_str(tables["conditions"])
+    contacts = _contacts(tables)
     readings: list[list[Reading]] = [[] for _ in rows]
     for row in with_str(tables["readings"]):
         at = int(row["condition"])
@@ -240,6 +271,24 @@ def _conditions(
             approach=str(row["approach"]),  # type: ignore[arg-type]
             tilt_rad=float(row["tilt_rad"]),
             run=int(row["run"]),
+            contact=contacts.get(at),
         )
         for at, row in enumerate(rows)
     )
+
+
+def _contacts(tables: Mapping[str, Array]) -> dict[int, Contact]:
+    """By condition; none in sessions that were analysed before there were any."""
+    if "contacts" not in tables:
+        return {}
+    rolls: dict[int, list[tuple[float, float, float]]] = {}
+    for row in tables["rolls"]:
+        circle = (float(row["x_m"]), float(row["y_m"]), float(row["radius_m"]))
+        rolls.setdefault(int(row["condition"]), []).append(circle)
+    return {
+        int(row["condition"]): Contact(
+            **{name: float(row[name]) for name in _CONTACT},
+            rolls_m=tuple(rolls.get(int(row["condition"]), ())),
+        )
+        for row in tables["contacts"]
+    }

@@ -4,7 +4,7 @@ from labrig.vision.batch import BatchOptions, BatchResult, extract_curves
 from labrig.vision.board import Board, write_board_pdf
 from labrig.vision.calibration import Calibration, calibrate_camera, calibrate_ruler
 from labrig.vision.compare import Comparison, compare_with_frames
-from labrig.vision.contact import Contact, contact_from_picture
+from labrig.vision.contact import contact_from_picture
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
 from labrig.vision.files import curve_json, load_strip, read_image, write_overlay
@@ -17,7 +17,6 @@ __all__ = [
     "Board",
     "Calibration",
     "Comparison",
-    "Contact",
     "NeutralCurve",
     "Optics",
     "StripGeometry",

@@ -80,6 +80,8 @@ class NeutralCurve:
     normal_modes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
     polarity: str = ""  # bright or dark, as found
     blur_px: float = 0.0  # standard deviation of the edge's blur, as found
+    free_length_m: float = 0.0  # of the strip, as stated
+    thickness_m: float = 0.0
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point

@@ -71,6 +71,8 @@ def report(
         normal_modes=modes / ppm / unit,
         polarity="bright" if setting.sign > 0 else "dark",
         blur_px=fit.band.blur,
+        free_length_m=shape.basis.free_px / ppm,
+        thickness_m=2 * float(fit.band.half_width[0]) / ppm,
         elongation_width_px=2 * float(fit.band.half_width[-1])
         if fit.band.elongation.any()
         else 0.0,

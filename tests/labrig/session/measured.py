@@ -6,7 +6,15 @@ from dataclasses import fields, is_dataclass
 
 import numpy as np
 
-from model.measurements import Condition, Curve, Measurements, Reading, SheetGeometry, TimeSeries
+from model.measurements import (
+    Condition,
+    Contact,
+    Curve,
+    Measurements,
+    Reading,
+    SheetGeometry,
+    TimeSeries,
+)
 
 
 def curve(seed: int, points: int = 30, *, full: bool = True) -> Curve:
@@ -42,12 +50,22 @@ def measurements() -> Measurements:
         "long": SheetGeometry("long", 0.05, 0.011, 0.00021, 0.0, 0.04, 0.1, nodes, 0.03, 0.0015),
         "short": SheetGeometry("short", 0.0045, 0.011, 0.00021, 0.04, 0.04, 0.0, None),
     }
+    rolls = ((0.039, 0.006, 0.0012), (0.041, 0.004, 0.00121))
+    seen = Contact(0.041, 0.0396, 0.0051, 0.2, 0.00505, 3e-5, 0.04, rolls)
     conditions = (
-        Condition("long", 0.005, 2.0, readings(rng, 6, curves=True), curve(50)),
+        Condition("long", 0.005, 2.0, readings(rng, 6, curves=True), curve(50), contact=seen),
         Condition("long", 0.005, 2.0, readings(rng, 2, curves=False), None, approach="down"),
         Condition("long", 0.1 / 3, -2.0, readings(rng, 4, curves=False), mounting=2, run=1),
         Condition("short", None, 0.0, (), curve(51), tilt_rad=0.02),
-        Condition("short", 0.0, -2.0, readings(rng, 5, curves=True), curve(52), approach="up"),
+        Condition(
+            "short",
+            0.0,
+            -2.0,
+            readings(rng, 5, curves=True),
+            curve(52),
+            approach="up",
+            contact=Contact(0.04, 0.04, 0.0, 0.0, 1e-5, 5e-5, 0.04),
+        ),
     )
     time = np.arange(40) / 200
     series = (

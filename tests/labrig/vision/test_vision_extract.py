@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from labrig.vision import Tracker, compare_with_frames, contact_from_picture, neutral_curve
+from labrig.vision import Tracker, compare_with_frames, neutral_curve
 
 
 def normal_errors_mm(curve, scene):
@@ -139,21 +139,6 @@ def test_frames_of_a_sheet_at_rest_agree_with_their_mean_and_those_of_a_moving_o
     moving = session(3)
     assert not moving.agree
     assert moving.warnings
-
-
-def test_the_contact_is_between_the_rolls(plain, known):
-    optics, strip = known(plain)
-    curve = neutral_curve(plain.image, optics, strip)
-    i = 300
-    across = np.array([-np.sin(0.3), np.cos(0.3)])
-    at = curve.points_px[i]
-    rolls = tuple(
-        (float(at[0] + q * across[0]), float(at[1] + q * across[1]), 8.0) for q in (-9, 9)
-    )
-    contact = contact_from_picture(curve, optics.model_copy(update={"rolls_px": rolls}))
-    assert contact is not None
-    assert contact.s_m == pytest.approx(curve.s_m[i], abs=0.1e-3)
-    assert contact_from_picture(curve, optics) is None
 
 
 @pytest.mark.slow
