@@ -1,0 +1,14 @@
+"""What several effects need: numbers that are not there count as nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.measurements import FloatArray
+
+MILLI = 1e-3  # mm to m, mN to N
+
+
+def finite(values: FloatArray) -> FloatArray:
+    """The values, 0 where there is none (no contact, no position)."""
+    return np.where(np.isfinite(values), values, 0.0)

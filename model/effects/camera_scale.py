@@ -1,0 +1,33 @@
+"""The picture's scale is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from model.effects.interface import Effect, Knob, Points, Values
+from model.measurements import FloatArray
+
+
+@dataclass(frozen=True)
+class CameraScale(Effect):
+    """All points farther from the clamp by the same share."""
+
+    def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
+        """See `Effect.curve`."""
+        return p["relative_error"] * points.x_m, p["relative_error"] * points.y_m
+
+
+EFFECT = CameraScale(
+    name="camera_scale",
+    meaning="Lengths in the picture come out too long by a constant share.",
+    form="r seen = (1 + c) r, from the clamp",
+    slot="camera",
+    signature=(
+        "Curves that are everywhere too large, the same share at every voltage and position; the"
+        " forces are right, and the sheet's visible length is not."
+    ),
+    isolates="A target of known length in view; the visible end of the sheet.",
+    source="Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 6",
+    knobs=(Knob("relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),),
+    tolerance=("place",),
+)

@@ -1,0 +1,200 @@
+"""What every effect must fulfil, ours and other people's: `faults` finds nothing in a good one.
+
+Only NumPy is needed, no solver: what an effect is given here is made up, but of the right kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
+from dataclasses import fields, is_dataclass
+from typing import get_args, get_type_hints
+
+import numpy as np
+
+from model.effects.examples import example_beam, example_clock, example_points, example_weighed
+from model.effects.interface import SLOTS, Effect, Knob
+from model.measurements import FloatArray
+
+WORDS = ("meaning", "form", "signature", "isolates", "source")
+ACTIONS = ("beam", "course", "force", "curve", "delay_s")
+_TOLERANCES = get_args(get_args(get_type_hints(Effect)["tolerance"])[0])
+
+
+def faults(effect: Effect) -> list[str]:
+    """What is wrong with an effect, one sentence each without its full stop; none: it is good."""
+    found = faults_of_form(effect)
+    return found or [fault for check in _CHECKS for fault in check(effect)]
+
+
+def faults_of_form(effect: Effect) -> list[str]:
+    """What is wrong with how it describes itself; nothing of it is run."""
+    return [
+        *_faults_of_words(effect),
+        *(fault for knob in effect.knobs for fault in _faults_of_knob(knob)),
+    ]
+
+
+def neutral(effect: Effect) -> dict[str, float]:
+    """Values at which the effect is absent: its size neutral, its shapes any of those tried."""
+    return {**plausible(effect), effect.size.name: effect.size.neutral}
+
+
+def plausible(effect: Effect) -> dict[str, float]:
+    """Values at which the effect would surprise nobody."""
+    shapes = {knob.name: float(knob.tried[0]) for knob in effect.knobs[1:] if knob.tried}
+    return {**{knob.name: knob.plausible for knob in effect.knobs}, **shapes}
+
+
+def acts(effect: Effect) -> set[str]:
+    """The methods through which it acts."""
+    return {name for name in ACTIONS if getattr(type(effect), name) is not getattr(Effect, name)}
+
+
+# ------------------------------------------------------------------------------------------- form
+
+
+def _faults_of_words(effect: Effect) -> Iterator[str]:
+    if not (isinstance(effect.name, str) and effect.name.isidentifier()):
+        yield f"its name {effect.name!r} must be one word of letters, digits and underscores"
+    for name in WORDS:
+        text = getattr(effect, name)
+        if not (isinstance(text, str) and text.strip()):
+            yield f"its {name} is empty"
+    if effect.slot not in SLOTS:
+        yield f"its slot {effect.slot!r} is none of {', '.join(SLOTS)}"
+    if unknown := sorted(set(effect.tolerance) - set(_TOLERANCES)):
+        yield f"its tolerance {', '.join(unknown)} is none of {', '.join(_TOLERANCES)}"
+    if not effect.knobs:
+        yield "it has no knob that says how much of it there is"
+    if len({knob.name for knob in effect.knobs}) < len(effect.knobs):
+        yield "two of its knobs have the same name"
+    if not acts(effect):
+        yield f"it overrides none of {', '.join(ACTIONS)}, so it changes nothing"
+
+
+def _faults_of_knob(knob: Knob) -> Iterator[str]:
+    inside = [knob.plausible, *knob.tried]
+    if not all(np.isfinite(v) and knob.low <= v <= knob.high for v in inside):
+        yield f"{knob.name}: {inside} must lie between {knob.low:g} and {knob.high:g}"
+    if knob.log and not (knob.low > 0.0):
+        yield f"{knob.name}: its lower bound must be positive, as its logarithm is refined"
+    if knob.plausible == knob.neutral and not knob.tried:
+        yield f"{knob.name}: its plausible value is the neutral one"
+
+
+# -------------------------------------------------------------------------------------- behaviour
+
+Results = dict[str, FloatArray]
+
+
+def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) -> Results:
+    """Everything the effect makes of the examples, named; what it leaves alone is not in it."""
+    beam, held = example_beam(touched=touched)
+    clock, weighed = example_clock(), example_weighed(touched=touched)
+    points = example_points()
+    given = (beam, held, clock, weighed, points)
+    kept = deepcopy(given)
+    found: Results = {}
+    if "beam" in acts(effect):
+        other = effect.beam(beam, held, p)
+        found |= {f"beam.{f.name}": getattr(other, f.name) for f in fields(other)[2:]}
+    if (course := effect.course(clock, p)) is not None:
+        found |= {"course of EIBM": course[0], "course of stiffness": course[1]}
+    if (added := effect.force(weighed, p)) is not None:
+        found["force"] = added
+    if (moved := effect.curve(points, p)) is not None:
+        found |= {"curve's x": moved[0], "curve's y": moved[1]}
+    if "delay_s" in acts(effect):
+        found["delay"] = np.array([effect.delay_s(p)])
+    spoilt = not all(_same(a, b) for a, b in zip(kept, given, strict=True))
+    found["changed what it was given"] = np.array([float(spoilt)])
+    return found
+
+
+def _same(one: object, two: object) -> bool:
+    """Whether two examples are equal, number by number."""
+    if not is_dataclass(one):
+        return bool(np.array_equal(np.asarray(one), np.asarray(two), equal_nan=True))
+    return all(
+        _same(getattr(one, f.name), getattr(two, f.name))
+        for f in fields(one)
+        if f.name != "sheet"
+    )  # fmt: skip
+
+
+def _untouched(effect: Effect) -> Results:
+    """What the examples are without the effect, under the names of `_results`."""
+    beam, _ = example_beam()
+    nothing = {name: np.zeros_like(a) for name, a in _results(effect, plausible(effect)).items()}
+    return nothing | {
+        f"beam.{f.name}": getattr(beam, f.name)
+        for f in fields(beam)[2:]
+        if f"beam.{f.name}" in nothing
+    }
+
+
+def _is_absent_when_neutral(effect: Effect) -> Iterator[str]:
+    before, after = _untouched(effect), _results(effect, neutral(effect))
+    for name, values in after.items():
+        if not np.allclose(values, before[name], rtol=1e-9, atol=1e-15, equal_nan=True):
+            yield f"at {effect.size.name} = {effect.size.neutral:g} it still changes the {name}"
+
+
+def _is_there_when_plausible(effect: Effect) -> Iterator[str]:
+    before, after = _untouched(effect), _results(effect, plausible(effect))
+    if all(np.array_equal(after[n], before[n], equal_nan=True) for n in after if "given" not in n):
+        yield f"at {effect.size.name} = {effect.size.plausible:g} it changes nothing"
+
+
+def _keeps_shapes_and_is_finite(effect: Effect) -> Iterator[str]:
+    before = _untouched(effect)
+    for touched in (True, False):
+        for p in _everywhere(effect):
+            for name, values in _results(effect, p, touched=touched).items():
+                what = f"the {name}" + ("" if touched else " without contact")
+                if np.shape(values) != np.shape(before[name]):
+                    yield f"{what} has shape {np.shape(values)}, not {np.shape(before[name])}"
+                elif name != "beam.stated_m" and not np.all(np.isfinite(values)):
+                    yield f"{what} is not finite at {p}"
+
+
+def _changes_nothing_it_was_given(effect: Effect) -> Iterator[str]:
+    if np.any(_results(effect, plausible(effect))["changed what it was given"]):
+        yield "it changes the arrays that it was given"
+
+
+def _does_not_remember(effect: Effect) -> Iterator[str]:
+    first, again = (_results(effect, plausible(effect)) for _ in range(2))
+    if not all(np.array_equal(first[name], again[name], equal_nan=True) for name in first):
+        yield "it gives another answer when it is asked again"
+
+
+def _derives_what_it_names(effect: Effect) -> Iterator[str]:
+    derived = effect.derived(plausible(effect), example_beam()[0].sheet)
+    if set(derived) != set(effect.extra):
+        yield f"it derives {sorted(derived)}, but names the units of {sorted(effect.extra)}"
+    elif not all(np.isfinite(value) for value in derived.values()):
+        yield "what it derives is not finite"
+
+
+def _everywhere(effect: Effect) -> Iterator[dict[str, float]]:
+    """Plausible values; then, one by one, whatever is tried, and a step to either side."""
+    start = plausible(effect)
+    yield start
+    for knob in effect.knobs:
+        step = 0.05 * knob.plausible
+        for value in (*knob.tried, knob.plausible + step, knob.plausible - step):
+            yield {**start, knob.name: float(value)}
+    if np.isfinite(effect.size.neutral):
+        yield {**start, effect.size.name: effect.size.neutral - 1e-3 * effect.size.plausible}
+
+
+_CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (
+    _is_absent_when_neutral,
+    _is_there_when_plausible,
+    _keeps_shapes_and_is_finite,
+    _changes_nothing_it_was_given,
+    _does_not_remember,
+    _derives_what_it_names,
+)

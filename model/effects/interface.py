@@ -1,0 +1,169 @@
+"""What an effect is: one object that says what it is and what it changes.
+
+An effect acts in up to four places, each a method that changes nothing unless it is overridden:
+    `beam`    the beam problem: moments, stiffness, rest curvature, where clamp and contact are
+    `course`  how EIBM and stiffness go with time, relative to the settled values
+    `force`   what the load cell adds to the force
+    `curve`   where the camera puts the points of a curve
+All work on arrays; a `Beam` holds K conditions of one configuration, quantities along the sheet are
+values at its G nodes.
+"""
+
+# ruff: noqa: ARG002 - the methods that an effect may override do nothing with what they are given
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from model.measurements import FloatArray, SheetGeometry
+
+Slot = Literal[
+    "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
+]
+SLOTS: tuple[Slot, ...] = (
+    "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
+)  # fmt: skip
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A parameter of an effect, in the unit of its name."""
+
+    name: str
+    meaning: str
+    unit: str
+    plausible: float  # a size that would surprise nobody; the scale of what is believed beforehand
+    low: float = -np.inf
+    high: float = np.inf
+    neutral: float = 0.0  # the value at which the effect is absent
+    log: bool = False  # positive, and refined in its logarithm
+    # shapes to look for: values that are tried one by one; empty: the size, which is estimated
+    tried: tuple[float, ...] = ()
+
+
+@dataclass
+class Beam:
+    """K conditions of one configuration before they are solved.
+
+    Their curvature will be k0 + rest + soft (eibm + bend - (N/B) lever).
+    """
+
+    sheet: SheetGeometry
+    s_m: FloatArray  # (G,) nodes along the free length
+    voltage_V: FloatArray  # (K,)
+    stated_m: FloatArray  # (K,) position on the arc as stated; NaN: free
+    up: FloatArray  # (K,) +1: the position was approached from below, -1: from above
+    stiffness: FloatArray  # (K,) B in N m^2
+    rest: FloatArray  # (K, G) change of the rest curvature, 1/m
+    eibm: FloatArray  # (K, G) Me/B, 1/m
+    bend: FloatArray  # (K, G) moments other than EIBM and contact, over B, 1/m
+    soft: FloatArray  # (K, G) B/B(s)
+    elongation_soft: FloatArray  # (K,) B over the elongation's stiffness; 0: rigid
+    shift_m: FloatArray  # (K,) of the contact along the arc
+    tilt_rad: FloatArray  # (K,) direction in which the sheet leaves the clamp
+    offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
+
+
+@dataclass
+class Held:
+    """What solving a `Beam` gave; NaN where there is no contact."""
+
+    force_N: FloatArray  # (K,) along the arc's tangent
+    normal_N: FloatArray  # (K,) N
+    gamma_rad: FloatArray  # (K,)
+    s_hat_m: FloatArray  # (K,) contact's place along the sheet
+    lever: FloatArray  # (K, G) p_hat - r along the contact's tangent, m; 0 beyond the contact
+    offset: FloatArray  # (K, G) p_hat - r along the contact's normal, m; 0 beyond the contact
+    x_m: FloatArray  # (K, G) the nodes' places
+    y_m: FloatArray
+    phi_rad: FloatArray  # (K, G)
+    curvature: FloatArray  # (K, G) 1/m
+    end_phi_rad: FloatArray  # (K,) at the end of the free length
+
+
+@dataclass
+class Clock:
+    """When something was taken: arrays of one shape."""
+
+    voltage_V: FloatArray
+    pulse_s: FloatArray  # since this voltage was set
+    pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
+    run_s: FloatArray  # since the run began
+    session: FloatArray  # 0 .. 1 over the data
+    wetted_s: FloatArray  # since the sheet was last wetted
+    driven_s: FloatArray  # under voltage since then
+    opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
+
+
+@dataclass
+class Weighed:
+    """What the load cell is given: arrays of one shape; the last axis is in the order of time."""
+
+    force_N: FloatArray  # along the arc's tangent
+    normal_N: FloatArray
+    gamma_rad: FloatArray
+    position_m: FloatArray
+    session: FloatArray  # 0 .. 1 over the data
+    touching: FloatArray  # 1, or 0 without contact
+
+
+@dataclass
+class Points:
+    """Points of curves as the camera should see them, (K, S), metres from the clamp."""
+
+    x_m: FloatArray
+    y_m: FloatArray
+    scale_m: float  # half the width of the picture of the sheet
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An entry of the catalogue."""
+
+    name: str
+    meaning: str
+    form: str
+    slot: Slot
+    signature: str
+    isolates: str
+    source: str
+    knobs: tuple[Knob, ...]
+    # along what its form may differ from the one written here
+    tolerance: tuple[Literal["s", "position", "voltage", "time", "place"], ...] = ("voltage",)
+    # whether each configuration may have its own size
+    by_configuration: bool = False
+    extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
+
+    @property
+    def size(self) -> Knob:
+        """The knob that says how much of the effect there is."""
+        return self.knobs[0]
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """The changed problem; `held` is its present solution."""
+        return beam
+
+    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray] | None:
+        """Relative change of EIBM and of stiffness at each time."""
+        return None
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray | None:
+        """What is added to the force, N."""
+        return None
+
+    def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray] | None:
+        """What is added to the points' x and y, m."""
+        return None
+
+    def delay_s(self, p: Values) -> float:
+        """By how much the picture is older than the reading."""
+        return 0.0
+
+    def derived(self, p: Values, sheet: SheetGeometry) -> dict[str, float]:
+        """Further quantities people ask for, named as in `extra`."""
+        return {}

@@ -1,0 +1,43 @@
+"""The sheet is not equally stiff everywhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+
+
+@dataclass(frozen=True)
+class NonuniformStiffness(Effect):
+    """B(s) on a straight line, with its mean in the middle of the free length."""
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        del held
+        stiffness = 1.0 + p["relative_change"] * (beam.s_m / beam.sheet.free_length_m - 0.5)
+        return replace(beam, soft=beam.soft / stiffness)
+
+
+EFFECT = NonuniformStiffness(
+    name="nonuniform_stiffness",
+    meaning=(
+        "The bending stiffness grows from the clamp to the end of the free length (falls, when"
+        " negative): thickness, electrodes or water differ along the sheet."
+    ),
+    form="B(s) = B (1 + c (s/l - 1/2)), c = (B(l) - B(0))/B(l/2)",
+    slot="compliance",
+    signature=(
+        "With c positive a held sheet bends more near the clamp and less near its end than its"
+        " force explains, at 0 V too; under voltage the EIBM seems to fall along the sheet as well."
+    ),
+    isolates="Held shapes at 0 V with a large force beside the free shape at 0 V.",
+    source=(
+        "the paper, section 4.2: the part surrounded by water is softer; Nemat-Nasser and Thomas"
+        " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
+    ),
+    knobs=(
+        Knob("relative_change", "of the stiffness from root to end", "", 0.15, -1.5, 1.5),
+    ),
+    tolerance=("s",),
+    by_configuration=True,
+)  # fmt: skip
