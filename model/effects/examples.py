@@ -65,6 +65,13 @@ def example_clock() -> Clock:
     )
 
 
+def example_pulse() -> Clock:
+    """Times within a pulse of the same run."""
+    t = np.linspace(0.02, 0.58, 8)
+    one = np.ones_like(t)
+    return Clock(2.0 * one, t, 6.0 * one, 9.6 + t, 0.51 * one, 14.6 + t, 3.6 + t, -one)
+
+
 def example_weighed(*, touched: bool = True) -> Weighed:
     """The readings of the same run at 25 mm."""
     volts = example_clock().voltage_V

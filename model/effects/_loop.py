@@ -1,0 +1,34 @@
+"""What hangs behind a force: backlash, as in a bearing that follows only when pushed over."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.measurements import FloatArray
+
+
+def hung(
+    force_N: FloatArray, position_m: FloatArray, reach_N: float, *, from_no_load: bool
+) -> FloatArray:
+    """By how much the force is ahead of what follows it, within +-reach_N.
+
+    Arrays (..., n), the last axis in the order of time. It begins anew where the position changes:
+    in the middle of the loop at no load, or in the middle of it at the first force. It turns over
+    as in Dahl's model, exp(-change/reach), so that small changes leave no corner.
+    """
+    force_N, reach = np.asarray(force_N, dtype=float), abs(reach_N)
+    ahead = np.zeros_like(force_N)
+    if reach == 0.0:
+        return ahead
+    before = np.concatenate([np.zeros_like(force_N[..., :1]), force_N[..., :-1]], axis=-1)
+    new = np.ones(force_N.shape, dtype=bool)
+    new[..., 1:] = position_m[..., 1:] != position_m[..., :-1]
+    change = force_N - np.where(new, 0.0 if from_no_load else force_N, before)
+    towards = reach * np.sign(change)
+    left = np.where(change == 0.0, 1.0, np.exp(-np.abs(change) / reach))
+    now = np.zeros(force_N.shape[:-1])
+    for k in range(force_N.shape[-1]):
+        now = np.where(new[..., k], 0.0, now)
+        now = towards[..., k] + (now - towards[..., k]) * left[..., k]
+        ahead[..., k] = now
+    return np.asarray(np.sign(reach_N) * ahead)

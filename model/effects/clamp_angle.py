@@ -1,0 +1,36 @@
+"""The sheet leaves the clamp in another direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+
+
+@dataclass(frozen=True)
+class ClampAngle(Effect):
+    """The same turn in every condition."""
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        del held
+        return replace(beam, tilt_rad=beam.tilt_rad + p["angle_rad"])
+
+
+EFFECT = ClampAngle(
+    name="clamp_angle",
+    meaning=(
+        "The sheet leaves the clamp at an angle to the direction from which positions and pictures"
+        " are counted, counter-clockwise where it is positive."
+    ),
+    form="phi(0) = c",
+    slot="rest_curvature",
+    signature=(
+        "Shapes that are turned about the clamp, free ones by the angle itself, from the clamp on;"
+        " a wrong rest curvature begins to show only farther out."
+    ),
+    isolates="A free shape, its first millimetres in the picture.",
+    source="Bisshopp and Drucker 1945, Quart. Appl. Math. 3, 272 (the clamped end's condition)",
+    knobs=(Knob("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
+    tolerance=("position",),
+)

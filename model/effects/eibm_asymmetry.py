@@ -1,0 +1,45 @@
+"""The sheet bends less, or more, at a negative voltage than at the same positive one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+
+
+@dataclass(frozen=True)
+class EibmAsymmetry(Effect):
+    """The EIBM at negative voltages times a ratio."""
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        del held
+        ratio = np.where(beam.voltage_V < 0.0, p["ratio"], 1.0)
+        return replace(beam, eibm=beam.eibm * ratio[:, None])
+
+
+EFFECT = EibmAsymmetry(
+    name="eibm_asymmetry",
+    meaning=(
+        "The EIBM at a negative voltage is not the mirror image of that at the positive one: its"
+        " two electrodes, or its two faces, are not alike."
+    ),
+    form="Me(-V) = -ratio x Me(+V)",
+    slot="even_moment",
+    signature=(
+        "The mean of what +V and -V do differs from what 0 V does. Only a model in which one |EIBM|"
+        " serves both polarities lacks it; the usual one has an EIBM for each."
+    ),
+    isolates="The free shapes at +V, 0 V and -V; the sheet turned over in the clamp.",
+    source="the paper, section 4.2, observation 4: the asymmetry of the material",
+    knobs=(
+        Knob(
+            "ratio", "|EIBM| at negative over that at positive voltage", "", 0.8,
+            low=0.1, high=10.0, neutral=1.0, log=True,
+        ),
+    ),
+    tolerance=("s",),
+    by_configuration=True,
+)  # fmt: skip

@@ -1,0 +1,49 @@
+"""The EIBM grows or falls while data are taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.effects._drift import SINCE, progress
+from model.effects.interface import Clock, Effect, Knob, Values
+from model.measurements import FloatArray
+
+LEAST = 0.05  # of the EIBM is always left
+
+
+@dataclass(frozen=True)
+class EibmDrift(Effect):
+    """The EIBM changes linearly, 0 in the middle of the data."""
+
+    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+        """See `Effect.course`."""
+        change = p["relative_change"] * progress(clock, p[SINCE.name])
+        bounded = np.maximum(change, LEAST - 1.0)
+        return bounded, np.zeros_like(bounded)
+
+
+EFFECT = EibmDrift(
+    name="eibm_drift",
+    meaning=(
+        "The EIBM grows (falls, when negative) while data are taken: the sheet loses water, or its"
+        " electrodes wear."
+    ),
+    form=(
+        "Me = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
+        " voltage since the last wetting"
+    ),
+    slot="time",
+    signature=(
+        "What the voltage does to force and shape grows or shrinks with time; readings at 0 V stay"
+        " as they are."
+    ),
+    isolates="Random order of the positions; a position measured again at the end of the session.",
+    source=(
+        "Nemat-Nasser and Thomas 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd"
+        " ed., ch. 6 (response against hydration); the paper, section 3.2"
+    ),
+    knobs=(Knob("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0), SINCE),
+    tolerance=("time",),
+)

@@ -1,0 +1,36 @@
+"""The load cell's zero wanders in the course of the session."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from model.effects._values import MILLI
+from model.effects.interface import Effect, Knob, Values, Weighed
+from model.measurements import FloatArray
+
+
+@dataclass(frozen=True)
+class ForceDrift(Effect):
+    """A straight line over the session, 0 in its middle."""
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+        """See `Effect.force`."""
+        return p["force_mN"] * MILLI * (weighed.session - 0.5)
+
+
+EFFECT = ForceDrift(
+    name="force_drift",
+    meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
+    form="F measured = F + c (tau - 1/2), tau = 0 to 1 over the session",
+    slot="load_cell",
+    signature=(
+        "An error of the force that goes with the time of day and nothing else; where positions are"
+        " measured in their order, it looks like a wrong slope of the force."
+    ),
+    isolates="A zero without contact at each position; random order of the positions.",
+    source="OIML R 60, Metrological regulation for load cells (zero drift, temperature)",
+    knobs=(
+        Knob("force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20),
+    ),
+    tolerance=("time",),
+)

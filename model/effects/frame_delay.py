@@ -1,0 +1,32 @@
+"""The picture is older than the reading."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from model.effects.interface import Effect, Knob, Values
+
+
+@dataclass(frozen=True)
+class FrameDelay(Effect):
+    """Every frame shows the sheet as it was a while ago."""
+
+    def delay_s(self, p: Values) -> float:
+        """See `Effect.delay_s`."""
+        return p["delay_s"]
+
+
+EFFECT = FrameDelay(
+    name="frame_delay",
+    meaning="The picture shows the sheet as it was some time before the force was read.",
+    form="curve at t = shape at t - c",
+    slot="camera",
+    signature=(
+        "Shapes under voltage that have not come quite as far as the forces say, the less so the"
+        " longer the voltage has been on; those at 0 V are right."
+    ),
+    isolates="A lamp in the picture switched with the voltage; frames over the whole pulse.",
+    source="the paper, section 3.1: 25 frames a second, so that a frame may be 20 ms off",
+    knobs=(Knob("delay_s", "age of the picture at the time of the reading", "s", 0.01, -0.1, 0.3),),
+    tolerance=("time",),
+)

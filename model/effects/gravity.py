@@ -1,0 +1,61 @@
+"""The rig is not level: the sheet's own weight bends it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects._values import finite
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.measurements import FloatArray
+
+
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """A load per length along -y, of the sheet and of its elongation alike."""
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        moment = -p["load_N_per_m"] * arm(beam, held)
+        return replace(beam, bend=beam.bend + moment / beam.stiffness[:, None])
+
+
+def arm(beam: Beam, held: Held) -> FloatArray:
+    """Integral of x(sigma) - x(s) from s to the visible end, m^2: (K, G).
+
+    Between nodes by the trapezoid's rule corrected with the ends' slopes dx/ds = cos(phi); beyond
+    the last one along a straight line.
+    """
+    s, x, slope = beam.s_m, held.x_m, np.cos(held.phi_rad)
+    h = np.diff(s)
+    panels = 0.5 * h * (x[:, 1:] + x[:, :-1]) + h**2 / 12.0 * (slope[:, :-1] - slope[:, 1:])
+    beyond = np.cumsum(panels[:, ::-1], axis=1)[:, ::-1]
+    beyond = np.concatenate([beyond, np.zeros_like(x[:, :1])], axis=1) - (s[-1] - s) * x
+    tail = beam.sheet.free_length_m + beam.sheet.elongation_m - s[-1]
+    beyond += tail * (x[:, -1:] - x) + 0.5 * tail**2 * np.cos(held.end_phi_rad)[:, None]
+    return finite(beyond)
+
+
+EFFECT = Gravity(
+    name="gravity",
+    meaning=(
+        "The rig is not level, and a part of the sheet's weight acts in the plane of the picture,"
+        " towards negative deflection where the load is positive."
+    ),
+    form="M(s) = -q x integral of (x - x(s)) over what lies beyond s, elongation included",
+    slot="even_moment",
+    signature=(
+        "The same bending towards one side at every voltage, most near the clamp, and less where"
+        " the sheet is rolled up; a force that hardly depends on position and voltage."
+    ),
+    isolates="The rig turned over: the load changes sign, a wrong zero or rest curvature does not.",
+    source=(
+        "Landau and Lifshitz, Theory of Elasticity, sections 19, 20; the paper, section 3.1: motion"
+        " is horizontal so that gravity does not matter"
+    ),
+    knobs=(
+        Knob("load_N_per_m", "weight per length that acts along -y", "N/m", 0.005, -0.5, 0.5),
+    ),
+    tolerance=("s",),
+)  # fmt: skip

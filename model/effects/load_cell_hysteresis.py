@@ -1,0 +1,50 @@
+"""The load cell shows less while the load grows than while it falls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.effects._loop import hung
+from model.effects._values import MILLI
+from model.effects.interface import Effect, Knob, Values, Weighed
+from model.measurements import FloatArray
+
+
+@dataclass(frozen=True)
+class LoadCellHysteresis(Effect):
+    """A play of half the height `force_mN`: the reading hangs behind the load."""
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+        """See `Effect.force`."""
+        load = np.where(weighed.touching > 0.0, weighed.force_N, 0.0)
+        from_no_load = p["from_no_load"] > 0.5
+        height = p["force_mN"] * MILLI
+        return -hung(load, weighed.position_m, height, from_no_load=from_no_load)
+
+
+EFFECT = LoadCellHysteresis(
+    name="load_cell_hysteresis",
+    meaning="The load cell hangs behind its load: it shows too little as the load grows, too much"
+    " as it falls.",
+    form="F measured = F - c sign(last change of F), once F has changed by more than c",
+    slot="load_cell",
+    signature=(
+        "The forces of the two polarities lie closer together by twice the half height, alike at"
+        " all positions; those at 0 V depend on how the load came about."
+    ),
+    isolates="A dead weight put on and taken off in steps; a reversed approach.",
+    source=(
+        "OIML R 60, Metrological regulation for load cells; Visintin 1994, Differential Models of"
+        " Hysteresis (play and stop)"
+    ),
+    knobs=(
+        Knob("force_mN", "half the height of the loop", "mN", 0.05, 0.0, 5.0),
+        Knob(
+            "from_no_load", "0: a run begins in the middle of the loop; 1: at no load",
+            "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+        ),
+    ),
+    tolerance=("position", "voltage"),
+)  # fmt: skip

@@ -1,0 +1,85 @@
+"""Stiffness that depends on how far the sheet is bent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects._values import finite
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.measurements import FloatArray
+
+AT_PER_M = 10.0  # the change of curvature at which the relative change is stated
+_STEPS = 30
+
+
+@dataclass(frozen=True)
+class NonlinearStiffness(Effect):
+    """Moment over change of curvature grows as (1 + (change/10 per m)^2)^n, n from the size.
+
+    The sheet answers to all moments together, EIBM and load and whatever else bends it; what the
+    curvature then lacks of the linear law's comes in as one more moment.
+    """
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        load = -finite(held.normal_N / beam.stiffness)[:, None] * finite(held.lever)
+        linear = (beam.eibm + beam.bend + load) * beam.soft
+        true = bent(linear, exponent(p["relative_change_at_10_per_m"]))
+        return replace(beam, bend=beam.bend + (true - linear) / beam.soft)
+
+
+def exponent(relative_change: float) -> float:
+    """n, so that the stiffness at 10 per m is 1 + `relative_change` times that at 0."""
+    return float(np.log2(1.0 + relative_change))
+
+
+def bent(linear: FloatArray, n: float) -> FloatArray:
+    """The change of curvature where a sheet of constant stiffness would have `linear` (1/m).
+
+    Solves u (1 + u^2)^n = m, u and m over 10 per m; there is one root for n > -1/2. By Newton in
+    the logarithms, in which both ends of the curve are straight.
+    """
+    if n == 0.0:
+        return linear
+    m = np.abs(linear) / AT_PER_M
+    log_m = np.log(np.maximum(m, 1e-30))
+    log_u = np.where(m > 1.0, log_m / (1.0 + 2.0 * n), log_m)
+    for _ in range(_STEPS):
+        u2 = np.exp(2.0 * log_u)
+        step = (log_u + n * np.log1p(u2) - log_m) / (1.0 + 2.0 * n * u2 / (1.0 + u2))
+        log_u = log_u - step
+        if np.max(np.abs(step), initial=0.0) < 1e-13:
+            break
+    return np.where(m > 1e-29, np.sign(linear) * AT_PER_M * np.exp(log_u), linear)
+
+
+EFFECT = NonlinearStiffness(
+    name="nonlinear_stiffness",
+    meaning=(
+        "The sheet stiffens (softens, when negative) as it is bent away from its shape at rest:"
+        " moment and change of curvature are not in proportion."
+    ),
+    form=(
+        "M + Me = B u (1 + (u/10 per m)^2)^n, u = k - k0, 2^n = 1 + c: Hooke's law when bent"
+        " little, Ludwick's power law when bent far"
+    ),
+    slot="compliance",
+    signature=(
+        "Where moments are large, near the clamp and under voltage, the sheet bends less than the"
+        " others let expect; in the force a term that grows faster than the deflection."
+    ),
+    isolates="Half the voltage beside the full one; held shapes at 0 V far on either side.",
+    source=(
+        "Lewis and Monasa 1982, Int. J. Non-Linear Mech. 17, 1 (large deflections of cantilever"
+        " beams of non-linear materials of the Ludwick type)"
+    ),
+    knobs=(
+        Knob(
+            "relative_change_at_10_per_m", "of the stiffness where bent by 10 per m", "", 0.05,
+            low=-0.22, high=1.0,
+        ),
+    ),
+    tolerance=("s", "voltage"),
+)  # fmt: skip

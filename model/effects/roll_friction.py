@@ -1,0 +1,86 @@
+"""The rolls rub on the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects._values import finite
+from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.measurements import FloatArray
+
+TURNED_M, TURNED_RAD = 10e-6, 0.02  # sliding, or leaning, that turns friction round
+_JAM = 0.2  # of the contact force is left at least: beyond, the rolls would jam
+
+
+@dataclass(frozen=True)
+class RollFriction(Effect):
+    """Coulomb's friction T = mu |N| along the sheet, against the way it was last slid.
+
+    The force T t_hat on the sheet is the sum of one along the normal, T tan(gamma), and one along
+    the radius of the arc, T/cos(gamma). The first is in what the load cell measures, so it belongs
+    to the N that `Held` has; the other has no component along the arc. So shape and measured force
+    are both right when one moment is added, that of the radial force.
+    """
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        lean, outward = np.tan(held.gamma_rad), p["coefficient"] * slid(beam, held)
+        # N without friction's share of it
+        pressed = np.abs(held.normal_N)
+        pressed = pressed / np.maximum(1.0 - outward * np.sign(held.normal_N) * lean, _JAM)
+        rub = finite(outward * pressed / beam.stiffness)[:, None]
+        moment = rub * (finite(lean)[:, None] * finite(held.lever) + finite(held.offset))
+        return replace(beam, bend=beam.bend - moment)
+
+
+def slid(beam: Beam, held: Held) -> FloatArray:
+    """Which way along the sheet the rolls last slid, 1 towards its end: (K,).
+
+    Under voltage they come from where they were at the opposite voltage, at the same position; at
+    0 V from where the load cell came from when it was put there.
+    """
+    s, volts = held.s_hat_m, beam.voltage_V
+    same = np.abs(beam.stated_m[:, None] - beam.stated_m) < 1e-9
+    before = np.full(len(s), np.nan)
+    for other in (volts[:, None] == -volts, volts[:, None] * volts < 0.0, volts[None] == 0.0):
+        before = np.where(np.isnan(before), _mean(s, same & other), before)
+    driven = _turned((s - before) / TURNED_M)
+    placed = beam.up * _turned(np.sin(held.gamma_rad) / TURNED_RAD)
+    return finite(np.where(volts != 0.0, driven, placed))
+
+
+def _mean(values: FloatArray, use: FloatArray) -> FloatArray:
+    """Mean over the columns in use, for each row; NaN: none."""
+    use = use & np.isfinite(values)
+    count = np.sum(use, axis=1)
+    total = np.where(use, finite(values), 0.0).sum(axis=1)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _turned(x: FloatArray) -> FloatArray:
+    """The sign, without a jump."""
+    return np.asarray(x / np.sqrt(1.0 + x * x))
+
+
+EFFECT = RollFriction(
+    name="roll_friction",
+    meaning="The sheet does not slide freely between the rolls of the load cell: they rub on it.",
+    form=(
+        "a force mu |N| along the sheet, against the way it last slid: under voltage from where the"
+        " opposite voltage held it, at 0 V from the side from which the position was approached"
+    ),
+    slot="position",
+    signature=(
+        "An error of the force in proportion to |N| sin(gamma) that changes its sign with the sense"
+        " of sliding, from one polarity to the other and with the side of approach."
+    ),
+    isolates="A position approached from both sides; a tap on the rig that frees the rolls.",
+    source=(
+        "Johnson 1985, Contact Mechanics; Dahl 1968, A Solid Friction Model, Aerospace Corp."
+        " TOR-0158(3107-18); the paper takes the contact as frictionless"
+    ),
+    knobs=(Knob("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),),
+    tolerance=("position", "voltage"),
+)

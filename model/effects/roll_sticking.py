@@ -1,0 +1,53 @@
+"""From a position on the sheet sticks between the rolls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.effects._loop import hung
+from model.effects._values import MILLI
+from model.effects.interface import Effect, Knob, Values, Weighed
+from model.measurements import FloatArray
+
+_SAME_M = 1e-6
+
+
+@dataclass(frozen=True)
+class RollSticking(Effect):
+    """Beyond a position a change of force comes through only when it has pulled the sheet loose."""
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+        """See `Effect.force`."""
+        ahead = hung(weighed.force_N, weighed.position_m, p["force_mN"] * MILLI, from_no_load=False)
+        sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
+        return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
+
+
+EFFECT = RollSticking(
+    name="roll_sticking",
+    meaning=(
+        "From some position on the sheet is stuck between the rolls: it slides only when the change"
+        " of force exceeds what holds it."
+    ),
+    form=(
+        "F measured = F - c sign(last change of F) from a position on, once F has changed by more"
+        " than c"
+    ),
+    slot="position",
+    signature=(
+        "At the far positions only, the voltages' forces lie closer together than they should, by"
+        " twice the force that sticks; those at 0 V are right."
+    ),
+    isolates="The sheet watched in the rolls; a tap on the rig; far positions approached again.",
+    source="the paper, section 3.3: at 30 mm the sheet systematically got stuck between the rolls",
+    knobs=(
+        Knob("force_mN", "change of force that it takes to get it loose", "mN", 0.2, 0.0, 5.0),
+        Knob(
+            "from_position_mm", "the first position at which it sticks", "mm", 25.0,
+            neutral=np.inf, tried=(10.0, 15.0, 20.0, 25.0, 30.0),
+        ),
+    ),
+    tolerance=("position", "voltage"),
+)  # fmt: skip

@@ -1,0 +1,47 @@
+"""Water between sheet and rolls pulls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.effects._values import MILLI
+from model.effects.interface import Effect, Knob, Values, Weighed
+from model.measurements import FloatArray
+
+
+@dataclass(frozen=True)
+class SurfaceTension(Effect):
+    """A constant force along the sheet's normal while it is touched.
+
+    The meniscus spans the gap between sheet and roll, so that it pulls across the sheet, and turns
+    with it.
+    """
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+        """See `Effect.force`."""
+        seen = weighed.touching * np.cos(weighed.gamma_rad)
+        return np.where(weighed.touching > 0.0, p["force_mN"] * MILLI * seen, 0.0)
+
+
+EFFECT = SurfaceTension(
+    name="surface_tension",
+    meaning=(
+        "A meniscus between the wet sheet and one of the rolls pulls the load cell along the"
+        " sheet's normal, in the positive direction where the force is positive."
+    ),
+    form="F measured = F + c cos(gamma) while the sheet is touched",
+    slot="load_cell",
+    signature=(
+        "As a wrong zero, but not in readings without contact, and smaller where the sheet leans:"
+        " for the short sheet, which meets the arc squarely, only the former tells the two apart."
+    ),
+    isolates="A zero taken without touching the sheet beside one taken just as it touches.",
+    source=(
+        "de Gennes, Brochard-Wyart and Quéré 2004, Capillarity and Wetting Phenomena; the paper,"
+        " section 4.2, observation 1"
+    ),
+    knobs=(Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),),
+    tolerance=("position", "voltage"),
+)
