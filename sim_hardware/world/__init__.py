@@ -1,14 +1,16 @@
 """The simulated sheet with all that surrounds it: amplifier, water, rolls, load cell, camera."""
 
+from sim_hardware.world.curve_noise import CurveErrors
 from sim_hardware.world.load_cell import CellFault
 from sim_hardware.world.loading import WorldError, load_world
 from sim_hardware.world.reduced import (
-    CurveErrors,
     ReducedCondition,
     ReducedSession,
     reduced_session,
 )
 from sim_hardware.world.settings import FaultSettings, WorldSettings
+from sim_hardware.world.setup import Scatter
+from sim_hardware.world.timed import TimedReading, TimedRun, Train, Visit, timed_session
 from sim_hardware.world.world import World
 
 __all__ = [
@@ -17,9 +19,15 @@ __all__ = [
     "FaultSettings",
     "ReducedCondition",
     "ReducedSession",
+    "Scatter",
+    "TimedReading",
+    "TimedRun",
+    "Train",
+    "Visit",
     "World",
     "WorldError",
     "WorldSettings",
     "load_world",
     "reduced_session",
+    "timed_session",
 ]

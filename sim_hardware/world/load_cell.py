@@ -72,12 +72,17 @@ class LoadCell:
         offset_N = s.offset_uV * 1e-6 / s.sensitivity_V_per_N
         return np.asarray(offset_N + (s.warming_mN * part + beat) * 1e-3)
 
-    def volts(self, felt_N: FloatArray, since_s: FloatArray) -> FloatArray:
-        """Volts at the input."""
+    def noise_N(self, since_s: FloatArray) -> FloatArray:
+        """Noise of single samples, wander and hum."""
         s = self._settings
         noise_mN = s.noise_mN * self._white.at(since_s) + s.drift_mN * self._wander.at(since_s)
         noise_mN += s.hum_mN * self._hum(since_s)
-        signal = np.where(self._excited(since_s), felt_N, 0.0) + noise_mN * 1e-3
+        return np.asarray(noise_mN * 1e-3)
+
+    def volts(self, felt_N: FloatArray, since_s: FloatArray) -> FloatArray:
+        """Volts at the input."""
+        s = self._settings
+        signal = np.where(self._excited(since_s), felt_N, 0.0) + self.noise_N(since_s)
         volts = s.sensitivity_V_per_N * (self.zero_N(since_s) + signal)
         if self._fault is CellFault.OVERLOADED:
             more_N = _LEANING * s.capacity_mN * 1e-3

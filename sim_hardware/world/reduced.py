@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from sim_hardware.world.chain import Equilibrium
 from sim_hardware.world.contact import Contact
+from sim_hardware.world.curve_noise import CurveErrors
 from sim_hardware.world.load_cell import LoadCell
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.setup import Scatter, Setup
@@ -27,21 +28,6 @@ VOLTAGES = (0.0, 2.0, -2.0)
 _CURVE_STREAM = 0xCE120
 # The paper's pulse train; a run with the move that follows it takes about a minute.
 _PULSE_S, _SAMPLE_S, _DISCARDED, _RUN_S = 0.6, 0.5, 2, 60.0
-
-
-@dataclass(frozen=True)
-class CurveErrors:
-    """Errors of a measured curve along its normal, and the distance of its points."""
-
-    white_m: float = 2e-6
-    smooth_m: float = 2e-6
-    smooth_length_m: float = 6e-3  # over which the smooth part is correlated
-    spacing_m: float = 0.5e-3
-
-    @property
-    def sigma_m(self) -> float:
-        """Standard deviation of one point."""
-        return math.hypot(self.white_m, self.smooth_m)
 
 
 @dataclass(frozen=True)
@@ -217,8 +203,8 @@ class _Maker:
         self, setup: Setup, state: Equilibrium, random: np.random.Generator
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         length_m = setup.chain.sheet.visible_m
-        points = 1 + round(length_m / self._errors.spacing_m)
-        s_m = np.linspace(0.0, length_m, points)
+        s_m = self._errors.places(length_m)
+        points = s_m.size
         curve = setup.chain.curve(state.phi_rad, s_m)
         angle = np.interp(s_m, np.arange(setup.chain.links) * setup.chain.h_m, state.phi_rad)
         off = self._errors.white_m * random.standard_normal(points)
@@ -229,10 +215,7 @@ class _Maker:
     def _smooth_factor(self, s_m: FloatArray) -> FloatArray:
         """Matrix that makes correlated errors of independent ones."""
         if s_m.size not in self._factors:
-            apart = (s_m[:, None] - s_m) / self._errors.smooth_length_m
-            kernel = np.exp(-(apart**2))
-            scale = self._errors.smooth_m / np.sqrt(np.sum(kernel**2, axis=1, keepdims=True))
-            self._factors[s_m.size] = scale * kernel
+            self._factors[s_m.size] = self._errors.smooth_factor(s_m)
         return self._factors[s_m.size]
 
 

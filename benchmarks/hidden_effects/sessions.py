@@ -1,0 +1,174 @@
+"""From a case to the measurements that a rig would have handed over, and the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.hidden_effects.cases import Case
+from benchmarks.hidden_effects.forms import Form
+from benchmarks.hidden_effects.recipe import BOTH, Recipe, base_recipe, geometry
+from benchmarks.hidden_effects.registry import CATALOGUE, form_of
+from benchmarks.hidden_effects.truth import HiddenEffect, Truth
+from model import Condition, Curve, Measurements, Reading, TimeSeries
+from sim_hardware.world import (
+    CurveErrors,
+    Scatter,
+    TimedReading,
+    TimedRun,
+    Train,
+    Visit,
+    WorldSettings,
+    timed_session,
+)
+
+POSITIONS_M = tuple(round(0.005 * k, 3) for k in range(7))
+FREE_TRAIN = Train(zero_readings=2, kept=2)
+_ORDER_STREAM, _OUTLIER_STREAM = 0xCE140, 0xCE141
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A session with something, or nothing, hidden in it."""
+
+    case: Case
+    measurements: Measurements
+    truth: Truth
+
+
+def hidden_session(case: Case) -> Hidden:
+    """Measure. The same case gives the same data."""
+    recipe, effects = prepared(case)
+    world = recipe.settings()
+    outlier = _outlier(case)
+    visits = list(_visits(case))
+    if outlier is not None:
+        visits[outlier] = _set_up_badly(visits[outlier], world, outlier)
+    runs = timed_session(
+        world, visits, free_train=FREE_TRAIN, errors=CurveErrors(), series_hz=case.series_hz
+    )
+    truth = Truth(
+        effects,
+        case.seed,
+        {name: world.configurations[name].stiffness_Nm2 for name in BOTH},
+        {name: _mean_eibm(world, name) for name in BOTH},
+        case.rest,
+        outlier,
+        tuple(run.scatter for run in runs),
+    )
+    return Hidden(case, _measured(case, recipe, runs), truth)
+
+
+def prepared(case: Case) -> tuple[Recipe, tuple[HiddenEffect, ...]]:
+    """The world with everything hidden in it."""
+    recipe, effects = base_recipe(case), []
+    for hiding in case.hidden:
+        form = form_of(hiding.effect, hiding.form)
+        if form.symmetric and not case.symmetric:
+            raise ValueError(f"{form.effect} is only hidden where Case.symmetric is set")
+        size = form.size if hiding.size is None else hiding.size
+        if size != 0.0:
+            form.change(recipe, size)
+        effects.append(_described(form, size))
+    return recipe, tuple(effects)
+
+
+def _described(form: Form, size: float) -> HiddenEffect:
+    return HiddenEffect(
+        form.effect, form.form, size, form.unit, form.effect in CATALOGUE, form.slot,
+        (form.slot, *form.accepted), form.place_mm, form.parameters(size) if size else {},
+    )  # fmt: skip
+
+
+def _mean_eibm(world: WorldSettings, name: str) -> dict[float, float]:
+    sheet = world.configurations[name]
+    s = (np.arange(2000) + 0.5) / 2000 * sheet.free_length_m
+    along = sheet.eibm_ratio * world.eibm.along_sheet(s, sheet.free_length_m)
+    for bump in world.bumps:
+        if bump.of == "eibm" and bump.configuration in ("", name):
+            along = along + bump.along(s)
+    mean = sheet.stiffness_Nm2 * float(np.mean(along))
+    return {volts: mean * world.eibm.settled(volts) for volts in (2.0, -2.0)}
+
+
+# ------------------------------------------------------------------------------------ the visits
+
+
+def _visits(case: Case) -> Iterator[Visit]:
+    """The runs in their order, as a schedule has them."""
+    extras = case.extras
+    random = np.random.default_rng((case.seed, _ORDER_STREAM))
+    for name in BOTH:
+        if extras.free_shapes:
+            yield Visit(name, None)
+        positions = list(POSITIONS_M)
+        if extras.random_order:
+            positions = [positions[k] for k in random.permutation(len(positions))]
+        yield from (Visit(name, position) for position in positions)
+        if extras.reversed_approach:
+            yield Visit(name, POSITIONS_M[len(POSITIONS_M) // 2], approach="down", turn=1)
+        for k in range(extras.remounts):
+            again = round(k * (len(POSITIONS_M) - 1) / max(1, extras.remounts - 1))
+            yield Visit(name, POSITIONS_M[again % len(POSITIONS_M)], mounting=1)
+
+
+def _outlier(case: Case) -> int | None:
+    """Which run is set up badly: one of those of the long sheet, which comes first."""
+    if not case.outlier:
+        return None
+    first = int(case.extras.free_shapes)
+    random = np.random.default_rng((case.seed, _OUTLIER_STREAM))
+    return first + int(random.integers(len(POSITIONS_M)))
+
+
+def _set_up_badly(visit: Visit, world: WorldSettings, number: int) -> Visit:
+    """Not quite where it should be, and less moist than the others."""
+    usual = Scatter.draw(world, number)
+    odd = Scatter(usual.eibm * 0.93, usual.stiffness * 1.05, usual.position_m + 0.6e-3)
+    return Visit(visit.configuration, visit.position_m, visit.mounting, visit.approach,
+                 visit.turn, odd)  # fmt: skip
+
+
+# ------------------------------------------------------------------------------ the measurements
+
+
+def _measured(case: Case, recipe: Recipe, runs: list[TimedRun]) -> Measurements:
+    conditions = tuple(c for run in runs for c in _conditions(case, run))
+    series: tuple[TimeSeries, ...] = ()
+    if case.streams == "all":
+        # a series does not say which turn it is of
+        series = tuple(_series(run) for run in runs if run.visit.turn == 0)
+    return Measurements(geometry(recipe), conditions, series, source="forces.csv")
+
+
+def _conditions(case: Case, run: TimedRun) -> Iterator[Condition]:
+    visit = run.visit
+    for voltage, points in run.curves_m.items():
+        readings = tuple(_reading(case, run, r) for r in run.readings if r.voltage_V == voltage)
+        yield Condition(
+            visit.configuration, visit.position_m, voltage, readings,
+            _curve(run.s_m, points, run.curve_sigma_m), visit.mounting, visit.approach,
+            run=visit.turn,
+        )  # fmt: skip
+
+
+def _reading(case: Case, run: TimedRun, r: TimedReading) -> Reading:
+    if case.streams == "means":
+        return Reading(r.index, r.kind, r.force_N)
+    return Reading(
+        r.index, r.kind, r.force_N, r.time_s, run.start_s + r.time_s, run.wet_s + r.time_s,
+        curve=_curve(run.s_m, r.curve_m, run.reading_sigma_m),
+    )  # fmt: skip
+
+
+def _curve(s_m: np.ndarray, points: np.ndarray, sigma_m: float) -> Curve:
+    return Curve(s_m, points[:, 0], points[:, 1], sigma_m=np.full(len(s_m), sigma_m))
+
+
+def _series(run: TimedRun) -> TimeSeries:
+    visit = run.visit
+    force = None if visit.position_m is None else run.force_N
+    return TimeSeries(visit.configuration, visit.position_m, run.time_s, run.drive_V, force,
+                      mounting=visit.mounting)  # fmt: skip
