@@ -11,10 +11,13 @@ import sys
 import warnings
 from functools import lru_cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING
 
 from model.effects.interface import SLOTS, Effect
 from model.measurements import ModelError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "labrig.effects"
 
@@ -48,6 +51,8 @@ def _meant(name: str, known: dict[str, Effect]) -> str:
 @lru_cache(maxsize=4)
 def _found(path: tuple[str, ...]) -> dict[str, Effect]:
     """The catalogue as seen from these places; what is installed there is read once."""
+    from importlib.metadata import entry_points  # slow to import
+
     del path
     effects = {e.name: e for e in sorted(_own(), key=lambda e: (SLOTS.index(e.slot), e.name))}
     for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
@@ -75,11 +80,11 @@ def _loaded(entry: EntryPoint) -> Effect | str:
 
     try:
         found = entry.load()
+        if not isinstance(found, Effect):
+            return f"it is of type {type(found).__name__}, not a model.effects.Effect"
+        return "; ".join(faults_of_form(found)) or found
     except Exception as error:  # noqa: BLE001 - other people's code may raise anything
         return f"loading it failed with {type(error).__name__}: {error}"
-    if not isinstance(found, Effect):
-        return f"it is a {type(found).__name__}, not a model.effects.Effect"
-    return "; ".join(faults_of_form(found)) or found
 
 
 def _warn(entry: EntryPoint, why: str) -> None:

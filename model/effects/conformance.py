@@ -28,9 +28,14 @@ _TOLERANCES = get_args(get_args(get_type_hints(Effect)["tolerance"])[0])
 
 
 def faults(effect: Effect) -> list[str]:
-    """What is wrong with an effect, one sentence each without its full stop; none: it is good."""
-    found = faults_of_form(effect)
-    return found or [fault for check in _CHECKS for fault in check(effect)]
+    """What is wrong with an effect, one sentence each without its full stop; none: it is good.
+
+    What is checked later may rest on what was checked before, so the first faults end it.
+    """
+    for check in (faults_of_form, *_CHECKS):
+        if found := list(check(effect)):
+            return found
+    return []
 
 
 def faults_of_form(effect: Effect) -> list[str]:
@@ -130,19 +135,25 @@ def _same(one: object, two: object) -> bool:
     )  # fmt: skip
 
 
-def _untouched(effect: Effect) -> Results:
-    """What the examples are without the effect, under the names of `_results`."""
+def _untouched() -> Results:
+    """What the examples are without any effect, under the names of `_results`."""
     beam, _ = example_beam()
-    nothing = {name: np.zeros_like(a) for name, a in _results(effect, plausible(effect)).items()}
-    return nothing | {
-        f"beam.{f.name}": getattr(beam, f.name)
-        for f in fields(beam)[2:]
-        if f"beam.{f.name}" in nothing
+    points = example_points()
+    nothing = {
+        "force": example_weighed().force_N,
+        "curve's x": points.x_m,
+        "curve's y": points.y_m,
+        "delay": np.zeros(1),
+        "changed what it was given": np.zeros(1),
     }
+    for name, clock in (("run", example_clock()), ("pulse", example_pulse())):
+        nothing |= {f"EIBM in a {name}": clock.run_s, f"stiffness in a {name}": clock.run_s}
+    found = {name: np.zeros_like(values) for name, values in nothing.items()}
+    return found | {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam)[2:]}
 
 
 def _is_absent_when_neutral(effect: Effect) -> Iterator[str]:
-    before, there = _untouched(effect), _results(effect, plausible(effect))
+    before, there = _untouched(), _results(effect, plausible(effect))
     for name, values in _results(effect, neutral(effect)).items():
         much = float(np.nanmax(np.abs(there[name] - before[name])))
         if not np.nanmax(np.abs(values - before[name])) <= 1e-9 * much:
@@ -150,13 +161,13 @@ def _is_absent_when_neutral(effect: Effect) -> Iterator[str]:
 
 
 def _is_there_when_plausible(effect: Effect) -> Iterator[str]:
-    before, after = _untouched(effect), _results(effect, plausible(effect))
+    before, after = _untouched(), _results(effect, plausible(effect))
     if all(np.array_equal(after[n], before[n], equal_nan=True) for n in after if "given" not in n):
         yield f"at {effect.size.name} = {effect.size.plausible:g} it changes nothing"
 
 
 def _keeps_shapes_and_is_finite(effect: Effect) -> Iterator[str]:
-    before = _untouched(effect)
+    before = _untouched()
     for touched in (True, False):
         for p in _everywhere(effect):
             for name, values in _results(effect, p, touched=touched).items():
@@ -199,9 +210,9 @@ def _everywhere(effect: Effect) -> Iterator[dict[str, float]]:
 
 
 _CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (
+    _keeps_shapes_and_is_finite,
     _is_absent_when_neutral,
     _is_there_when_plausible,
-    _keeps_shapes_and_is_finite,
     _changes_nothing_it_was_given,
     _does_not_remember,
     _derives_what_it_names,

@@ -1,0 +1,137 @@
+"""Effects are found by being there: in the package, or in somebody else's distribution."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+import model.effects as effects
+from model import ModelError
+from model.effects import SLOTS, catalogue, effect
+
+GOOD = """
+from dataclasses import dataclass, replace
+from model.effects import Effect, Knob, effect
+
+@dataclass(frozen=True)
+class Doubled(Effect):
+    def force(self, weighed, p):
+        return p["force_mN"] * 1e-3 * weighed.session
+
+EFFECT = Doubled(
+    name="moon", meaning="m", form="f", slot="load_cell", signature="s", isolates="i", source="s",
+    knobs=(Knob("force_mN", "pull", "mN", 0.1),),
+)
+OURS = replace(EFFECT, name="gravity")
+WORDLESS = replace(EFFECT, name="wordless", meaning="")
+KNOBLESS = replace(EFFECT, name="knobless", knobs=None)
+NUMBER = 3
+"""
+
+
+def install(folder: Path, name: str, points: str, module: str = GOOD) -> None:
+    """A distribution as an installer leaves it."""
+    (folder / f"{name}.py").write_text(module, encoding="utf-8")
+    info = folder / f"{name}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf-8"
+    )
+    (info / "entry_points.txt").write_text(f"[labrig.effects]\n{points}\n", encoding="utf-8")
+
+
+def test_the_order_is_by_slot_then_by_name():
+    found = [(SLOTS.index(e.slot), name) for name, e in catalogue().items()]
+    assert found == sorted(found)
+    assert list(catalogue()) == list(catalogue())
+
+
+def test_what_is_handed_out_can_be_changed_without_harm():
+    catalogue().clear()
+    assert len(catalogue()) >= 28
+
+
+def test_every_effect_lies_in_a_file_of_its_own_name():
+    folder = Path(effects.__file__).parent
+    assert all((folder / f"{name}.py").is_file() for name in catalogue())
+
+
+def test_an_unknown_effect_is_named_with_those_there_are():
+    with pytest.raises(
+        ModelError, match="no effect 'gravitty'; choose one of: back_relaxation"
+    ) as e:
+        effect("gravitty")
+    assert str(e.value).endswith("(did you mean 'gravity'?)")
+    assert effect("gravity").name == "gravity"
+
+
+def test_the_package_hands_on_its_public_names_only():
+    assert set(effects.__all__) == {"SLOTS", "Effect", "Knob", "Slot", "catalogue", "effect"}
+
+
+def test_importing_it_loads_neither_scipy_nor_numba_nor_the_effects():
+    program = (
+        "import sys, model.effects; print(*(m for m in sys.modules if m.split('.')[0] in"
+        " ('scipy', 'numba') or m in ('importlib.metadata', 'model.effects.gravity')))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert run.stdout.split() == []
+
+
+def test_an_effect_of_another_distribution_is_found(tmp_path, monkeypatch):
+    install(tmp_path, "moonlight", "moon = moonlight:EFFECT")
+    monkeypatch.syspath_prepend(tmp_path)
+    found = catalogue()
+    assert list(found)[-1] == "moon"
+    assert effect("moon").knobs[0].plausible == 0.1
+    monkeypatch.undo()
+    assert "moon" not in catalogue()
+
+
+@pytest.mark.parametrize(
+    ("points", "module", "said"),
+    [
+        ("gone = NAME:NOTHING", GOOD, "has no attribute 'NOTHING'"),
+        ("gone = NAME:EFFECT", "import no_such_module", "No module named 'no_such_module'"),
+        ("gone = NAME:EFFECT", "1 / 0", "ZeroDivisionError"),
+        ("gone = NAME:NUMBER", GOOD, "it is of type int, not a model.effects.Effect"),
+        ("gone = NAME:WORDLESS", GOOD, "its meaning is empty"),
+        ("gone = NAME:KNOBLESS", GOOD, "failed with TypeError"),
+        ("gone = NAME:OURS", GOOD, "there is an effect 'gravity' already"),
+    ],
+)
+def test_an_effect_that_cannot_be_used_is_left_out_with_a_sentence(
+    tmp_path, monkeypatch, points, module, said
+):
+    name = f"broken_{abs(hash((points, module)))}"
+    install(tmp_path, name, points.replace("NAME", name), module)
+    ours = effect("position_error")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.warns(UserWarning, match="left out") as caught:
+        found = catalogue()
+    (text,) = [str(w.message) for w in caught]
+    assert said in text
+    assert text.startswith(f"the effect 'gone' of {name} (")
+    assert text.endswith(".")
+    assert "\n" not in text
+    assert len(found) == 28
+    assert found["gravity"].meaning != "m"
+    assert found["position_error"] is ours
+
+
+def test_of_two_strangers_with_one_name_the_first_stays(tmp_path, monkeypatch):
+    install(tmp_path, "moonlight_a", "moon = moonlight_a:EFFECT")
+    install(tmp_path, "moonlight_b", "moon = moonlight_b:EFFECT")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.warns(UserWarning, match=r"of moonlight_b .* 'moon' already"):
+        found = catalogue()
+    assert type(found["moon"]).__module__ == "moonlight_a"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        catalogue()  # said once

@@ -1,0 +1,215 @@
+"""Every effect is what the contract says; and the check of that finds what is not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from model.effects import SLOTS, Effect, Knob, catalogue
+from model.effects.conformance import acts, faults, faults_of_form, neutral, plausible
+
+# name: slot, parameters people are told, further knobs that are only tried
+TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
+    "nonuniform_eibm": ("eibm", ("decay_length_mm", "end_to_root_ratio"), ()),
+    "initial_curvature": ("rest_curvature", ("curvature_error_per_m",), ()),
+    "eibm_asymmetry": ("even_moment", ("ratio",), ()),
+    "nonuniform_stiffness": ("compliance", ("relative_change",), ()),
+    "nonlinear_stiffness": ("compliance", ("relative_change_at_10_per_m",), ()),
+    "stiffness_drift": ("time", ("relative_change",), ("since_wetting",)),
+    "eibm_drift": ("time", ("relative_change",), ("since_wetting",)),
+    "viscoelastic_creep": ("time", ("relative_change_per_decade",), ()),
+    "charging_lag": ("time", ("time_constant_s",), ()),
+    "back_relaxation": ("time", ("relative_loss_at_sample", "time_constant_s"), ()),
+    "first_pulse_transient": ("time", ("relative_deficit",), ("ratio",)),
+    "elongation_flexibility": ("compliance", ("relative_compliance",), ()),
+    "gravity": ("even_moment", ("load_N_per_m",), ()),
+    "surface_tension": ("load_cell", ("force_mN",), ()),
+    "clamp_compliance": ("compliance", ("rotation_rad_per_Nm",), ()),
+    "clamp_angle": ("rest_curvature", ("angle_rad",), ()),
+    "roll_friction": ("position", ("coefficient",), ()),
+    "roll_sticking": ("position", ("from_position_mm", "force_mN"), ()),
+    "roll_offset": ("position", ("offset_mm",), ()),
+    "force_offset": ("load_cell", ("force_mN",), ()),
+    "force_drift": ("load_cell", ("force_mN",), ()),
+    "load_cell_misalignment": ("load_cell", ("angle_rad",), ()),
+    "load_cell_hysteresis": ("load_cell", ("force_mN",), ("from_no_load",)),
+    "load_cell_compliance": ("load_cell", ("compliance_mm_per_mN",), ()),
+    "position_error": ("position", ("offset_mm",), ()),
+    "camera_scale": ("camera", ("relative_error",), ()),
+    "camera_perspective": ("camera", ("relative_error",), ("direction_rad",)),
+    "frame_delay": ("camera", ("delay_s",), ()),
+}
+UNITS = {
+    "_mm": "mm", "_per_m": "1/m", "_s": "s", "_mN": "mN", "_rad": "rad", "_N_per_m": "N/m",
+    "_rad_per_Nm": "rad/(N m)", "_mm_per_mN": "mm/mN",
+}  # fmt: skip
+EFFECTS = catalogue()
+
+
+def test_the_catalogue_holds_these_effects_and_no_others():
+    assert set(EFFECTS) == set(TABLE)
+    assert len(TABLE) == 28
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_slot_and_parameters_are_those_agreed_on(name: str):
+    effect, (slot, told, tried) = EFFECTS[name], TABLE[name]
+    assert effect.slot == slot
+    assert {k.name for k in effect.knobs} | set(effect.extra) == {*told, *tried}
+    assert effect.size.name in told
+    assert all(knob.tried for knob in effect.knobs[1:])  # nobody refines them from nothing
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_an_effect_conforms(name: str):
+    assert faults(EFFECTS[name]) == []
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_a_knob_is_in_the_unit_of_its_name(name: str):
+    for knob in EFFECTS[name].knobs:
+        ends = [end for end in UNITS if knob.name.endswith(end)]
+        wanted = UNITS[max(ends, key=len)] if ends else ""
+        if knob.name == "relative_change_at_10_per_m":
+            wanted = ""  # relative; the ending says at which curvature
+        assert knob.unit == wanted, knob.name
+
+
+def test_only_what_may_differ_between_sheets_is_free_by_configuration():
+    own = {name for name, effect in EFFECTS.items() if effect.by_configuration}
+    assert own == {"initial_curvature", "nonuniform_stiffness", "eibm_asymmetry"}
+
+
+def test_each_effect_acts_in_one_place_of_the_contract():
+    assert all(len(acts(effect)) == 1 for effect in EFFECTS.values())
+
+
+# ------------------------------------------------------------------- the check finds bad effects
+
+
+@dataclass(frozen=True)
+class Offset(Effect):
+    """A good one."""
+
+    def force(self, weighed, p):
+        return np.full_like(weighed.force_N, p["force_mN"] * 1e-3)
+
+
+def made(kind: type[Effect] = Offset, **other) -> Effect:
+    words = dict.fromkeys(("meaning", "form", "signature", "isolates", "source"), "words")
+    knobs = (Knob("force_mN", "more", "mN", 0.1),)
+    return kind(**{"name": "mine", "slot": "load_cell", "knobs": knobs, **words, **other})
+
+
+def test_a_good_effect_of_somebody_else_conforms():
+    assert faults(made()) == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"name": "two words"}, "must be one word"),
+        ({"meaning": " "}, "its meaning is empty"),
+        ({"slot": "elsewhere"}, "is none of rest_curvature"),
+        ({"tolerance": ("mood",)}, "its tolerance mood is none of s, position"),
+        ({"knobs": ()}, "it has no knob"),
+        ({"knobs": (Knob("a", "", "", 1.0), Knob("a", "", "", 1.0))}, "the same name"),
+        ({"knobs": (Knob("a", "", "", 5.0, high=1.0),)}, "must lie between -inf and 1"),
+        ({"knobs": (Knob("a", "", "", 1.0, log=True),)}, "lower bound must be positive"),
+        ({"knobs": (Knob("a", "", "", 0.0),)}, "plausible value is the neutral one"),
+        ({"kind": Effect}, "so it changes nothing"),
+    ],
+)
+def test_what_is_wrong_with_its_form_is_said(wrong, said):
+    found = faults_of_form(made(**wrong))
+    assert any(said in fault for fault in found), found
+
+
+@dataclass(frozen=True)
+class Spoils(Offset):
+    def force(self, weighed, p):
+        weighed.force_N += p["force_mN"]
+        return weighed.force_N * 0.0 + p["force_mN"]
+
+
+@dataclass(frozen=True)
+class AlwaysThere(Offset):
+    def force(self, weighed, p):
+        return np.full_like(weighed.force_N, p["force_mN"] + 1.0)
+
+
+@dataclass(frozen=True)
+class NeverThere(Offset):
+    def force(self, weighed, p):
+        return np.zeros_like(weighed.force_N)
+
+
+@dataclass(frozen=True)
+class NotANumber(Offset):
+    def force(self, weighed, p):
+        return p["force_mN"] * weighed.position_m
+
+
+@dataclass(frozen=True)
+class OneNumber(Offset):
+    def force(self, weighed, p):
+        return np.array(p["force_mN"])
+
+
+@dataclass(frozen=True)
+class Remembers(Offset):
+    calls: ClassVar[list[int]] = []
+
+    def force(self, weighed, p):
+        self.calls.append(1)
+        return np.full_like(weighed.force_N, p["force_mN"] * len(self.calls))
+
+
+@dataclass(frozen=True)
+class AddsUp(Offset):
+    """Adds to the beam it was given."""
+
+    def beam(self, beam, held, p):
+        beam.bend[:] += p["force_mN"]
+        return beam
+
+
+@dataclass(frozen=True)
+class Derives(Offset):
+    def derived(self, p, sheet):
+        return {"half": 0.5 * p["force_mN"]}
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        (Spoils, "changes the arrays"),
+        (AlwaysThere, "at force_mN = 0 it still changes the force"),
+        (NeverThere, "at force_mN = 0.1 it changes nothing"),
+        (NotANumber, "the force without contact is not finite"),
+        (OneNumber, "has shape (), not (32,)"),
+        (Remembers, "another answer"),
+        (AddsUp, "changes the arrays"),
+        (Derives, "it derives ['half'], but names the units of []"),
+    ],
+)
+def test_what_is_wrong_with_its_behaviour_is_said(kind: type[Effect], said: str):
+    found = faults(made(kind))
+    assert any(said in fault for fault in found), found
+
+
+def test_neutral_and_plausible_values_name_every_knob():
+    for effect in EFFECTS.values():
+        for values in (neutral(effect), plausible(effect)):
+            assert set(values) == {knob.name for knob in effect.knobs}
+        assert neutral(effect)[effect.size.name] == effect.size.neutral
+        assert effect.slot in SLOTS
+
+
+def test_an_effect_is_a_value_that_can_be_changed_into_another():
+    other = replace(EFFECTS["force_offset"], name="mine")
+    assert (other.name, other.slot) == ("mine", "load_cell")
+    assert EFFECTS["force_offset"].name == "force_offset"
