@@ -1,0 +1,346 @@
+"""Effects that need no solver, against what can be worked out by hand; and the sense of each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.effects import effect
+from model.effects.conformance import plausible
+from model.effects.examples import (
+    LENGTH_M,
+    NODES,
+    RADIUS_M,
+    example_beam,
+    example_clock,
+    example_points,
+    example_pulse,
+    example_sheet,
+    example_weighed,
+)
+from model.effects.interface import Clock, Weighed
+from model.effects.nonlinear_stiffness import bent, exponent
+from model.effects.roll_friction import slid
+
+WEIGHTS = np.polynomial.legendre.leggauss(NODES)[1] / 2.0  # of a mean over the nodes
+
+
+def values(name: str, **own: float) -> dict[str, float]:
+    return {**plausible(effect(name)), **own}
+
+
+# --------------------------------------------------------------------------------- along the sheet
+
+
+@pytest.mark.parametrize("decay_mm", [3.5, 8.0, 35.0, 120.0, 1e5, 1e9, np.inf])
+def test_eibm_that_falls_keeps_its_mean_and_falls_by_the_ratio(decay_mm: float):
+    beam, held = example_beam()
+    fall = effect("nonuniform_eibm")
+    p = values("nonuniform_eibm", decay_length_mm=decay_mm)
+    other = fall.beam(beam, held, p).eibm
+    assert other @ WEIGHTS == pytest.approx(beam.eibm @ WEIGHTS, rel=1e-4)
+    ratio = fall.derived(p, example_sheet())["end_to_root_ratio"]
+    assert ratio == pytest.approx(np.exp(-50.0 / decay_mm))
+    inside = np.exp(-(beam.s_m[-1] - beam.s_m[0]) / (decay_mm * 1e-3))
+    assert other[1, -1] / other[1, 0] == pytest.approx(inside)
+
+
+def test_a_stiffness_that_grows_makes_the_end_softer_by_less_than_the_root():
+    beam, held = example_beam()
+    soft = effect("nonuniform_stiffness").beam(beam, held, {"relative_change": 0.4}).soft
+    at = beam.s_m / LENGTH_M
+    assert soft[2] == pytest.approx(1.0 / (0.8 + 0.4 * at))
+    assert soft[0, 0] > 1.0 > soft[0, -1]
+
+
+@pytest.mark.parametrize("change", [-0.2, -0.05, 0.05, 0.5, 1.0])
+def test_the_nonlinear_law_is_inverted(change: float):
+    linear = np.concatenate([-np.geomspace(1e-40, 3e3, 60), [0.0], np.geomspace(1e-9, 3e3, 60)])
+    n = exponent(change)
+    u = bent(linear, n)
+    assert u * (1.0 + (u / 10.0) ** 2) ** n == pytest.approx(linear, rel=1e-11, abs=0.0)
+
+
+def test_stiffness_at_ten_per_metre_has_changed_by_what_the_parameter_says():
+    at_ten = 10.0 * 1.3  # the moment over B that bends a sheet by 10 per m when 30 % stiffer there
+    assert bent(np.array([at_ten]), exponent(0.3)) == pytest.approx(10.0, rel=1e-13)
+
+
+def test_a_nonlinear_sheet_bends_by_the_law_under_all_its_moments():
+    beam, held = example_beam()
+    beam = replace(beam, bend=beam.bend + 1.5, soft=beam.soft * 0.9)
+    other = effect("nonlinear_stiffness").beam(beam, held, {"relative_change_at_10_per_m": 0.3})
+    contact = -np.nan_to_num(held.normal_N / beam.stiffness)[:, None] * held.lever
+    change = other.soft * (other.eibm + other.bend + contact)  # k - k0
+    law = change * (1.0 + (change / 10.0) ** 2) ** np.log2(1.3)
+    assert law == pytest.approx(beam.soft * (beam.eibm + beam.bend + contact), rel=1e-10)
+    assert np.all(np.abs(other.bend[6] + other.eibm[6]) < np.abs(beam.eibm[6] + 1.5))  # stiffer
+
+
+def test_gravity_bends_a_straight_level_cantilever_as_in_the_textbook():
+    beam, held = example_beam()
+    s, flat = beam.s_m, np.zeros_like(held.x_m)
+    sheet = replace(beam.sheet, elongation_m=0.0)
+    held = replace(held, x_m=flat + s, y_m=flat, phi_rad=flat, end_phi_rad=np.zeros(7))
+    bend = effect("gravity").beam(replace(beam, sheet=sheet), held, {"load_N_per_m": 0.01}).bend
+    wanted = -0.01 * (LENGTH_M - s) ** 2 / 2.0
+    assert bend * beam.stiffness[:, None] == pytest.approx(flat + wanted, rel=1e-12)
+    bend = effect("gravity").beam(beam, held, {"load_N_per_m": 0.01}).bend  # 20 mm more
+    wanted = -0.01 * (LENGTH_M + 0.02 - s) ** 2 / 2.0
+    assert bend * beam.stiffness[:, None] == pytest.approx(flat + wanted, rel=1e-12)
+
+
+def test_the_weight_of_a_bent_sheet_counts_with_its_arm():
+    beam, held = example_beam()
+    bend = effect("gravity").beam(beam, held, {"load_N_per_m": 0.01}).bend
+    k, s, end = 45.0, beam.s_m, LENGTH_M
+    x, cos_end = np.sin(k * s) / k, np.cos(k * end)
+    on_sheet = (np.cos(k * s) - cos_end) / k**2 - (end - s) * x
+    tail = 0.02 * (np.sin(k * end) / k - x) + 0.5 * 0.02**2 * cos_end
+    moment = bend[6] * beam.stiffness[6]
+    assert moment == pytest.approx(-0.01 * (on_sheet + tail), rel=2e-3)
+
+
+# --------------------------------------------------------------------------- clamp, contact, object
+
+
+def test_the_clamp_turns_by_the_loads_moment_about_it():
+    beam, held = example_beam()
+    tilt = effect("clamp_compliance").beam(beam, held, {"rotation_rad_per_Nm": 20.0}).tilt_rad
+    moment = -held.force_N * RADIUS_M  # of the force on the sheet: it answers the push it gives
+    assert tilt[:6] == pytest.approx(20.0 * moment[:6])
+    assert tilt[6] == 0.0
+    phi_hat = held.gamma_rad + beam.stated_m / RADIUS_M
+    to_node = held.x_m[:, 0] * np.cos(phi_hat) + held.y_m[:, 0] * np.sin(phi_hat)
+    by_lever = -held.normal_N * (held.lever[:, 0] + to_node)
+    assert moment[:6] == pytest.approx(by_lever[:6], rel=1e-12)
+
+
+def test_the_load_cell_gives_way_where_it_is_pushed():
+    beam, held = example_beam()
+    shift = effect("load_cell_compliance").beam(beam, held, {"compliance_mm_per_mN": 0.01}).shift_m
+    assert shift[:6] * 1e3 == pytest.approx(0.01 * held.force_N[:6] * 1e3)
+    assert shift[6] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "p", "field", "wanted"),
+    [
+        ("initial_curvature", {"curvature_error_per_m": 1.5}, "rest", 1.5),
+        ("clamp_angle", {"angle_rad": 0.02}, "tilt_rad", 0.02),
+        ("position_error", {"offset_mm": 0.4}, "shift_m", 4e-4),
+        ("roll_offset", {"offset_mm": 0.4}, "offset_m", 4e-4),
+        ("elongation_flexibility", {"relative_compliance": 0.03}, "elongation_soft", 0.03),
+    ],
+)
+def test_what_is_simply_added(name, p, field, wanted):
+    beam, held = example_beam()
+    before = replace(beam, **{field: getattr(beam, field) + 0.25})
+    after = getattr(effect(name).beam(before, held, p), field)
+    assert after == pytest.approx(getattr(before, field) + wanted)
+
+
+def test_without_an_elongation_none_can_give_way():
+    beam, held = example_beam()
+    beam = replace(beam, sheet=replace(beam.sheet, elongation_m=0.0))
+    assert effect("elongation_flexibility").beam(beam, held, {"relative_compliance": 1.0}) is beam
+
+
+def test_the_asymmetry_acts_at_negative_voltages_only():
+    beam, held = example_beam()
+    other = effect("eibm_asymmetry").beam(beam, held, {"ratio": 0.8}).eibm
+    assert np.all(other[[2, 5]] == 0.8 * beam.eibm[[2, 5]])
+    assert np.all(np.delete(other, [2, 5], 0) == np.delete(beam.eibm, [2, 5], 0))
+
+
+def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():
+    beam, held = example_beam()
+    way = slid(beam, held)
+    assert way[1] == pytest.approx(1.0, abs=1e-4)  # at +2 V farther out than at -2 V
+    assert way[2] == pytest.approx(-1.0, abs=1e-4)
+    lean = np.sin(held.gamma_rad)
+    assert way[0] == pytest.approx(lean[0] / np.hypot(lean[0], 0.02))  # approached from below
+    assert way[3] == pytest.approx(-lean[3] / np.hypot(lean[3], 0.02))  # from above
+    assert way[0] > 0.99 > -0.99 > way[3]
+    assert way[6] == 0.0  # free
+    only = np.array([0, 1])  # without the opposite voltage: from where 0 V held them
+    few = replace(beam, **{n: getattr(beam, n)[only] for n in ("voltage_V", "stated_m", "up")})
+    kept = replace(held, s_hat_m=held.s_hat_m[only], gamma_rad=held.gamma_rad[only])
+    assert slid(few, kept)[1] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward():
+    """What Held has is N t_hat's share and n_hat's; the moment makes the rest of T."""
+    beam, held = example_beam()
+    mu, k = 0.1, 1
+    other = effect("roll_friction").beam(beam, held, {"coefficient": mu})
+    way, lean, kept = slid(beam, held)[k], np.tan(held.gamma_rad[k]), held.normal_N[k]
+    N = kept / (1.0 - mu * way * np.sign(kept) * lean)
+    T = mu * way * abs(N)  # on the sheet, along t_hat
+    assert kept == pytest.approx(N - T * lean)
+    true = -N * held.lever[k] - T * held.offset[k]
+    moment = -kept * held.lever[k] + other.bend[k] * beam.stiffness[k]
+    assert moment == pytest.approx(true, rel=1e-12)
+
+
+# --------------------------------------------------------------------------------------- load cell
+
+
+def test_a_misaligned_cell_measures_the_component_along_its_axis():
+    w = example_weighed()
+    added = effect("load_cell_misalignment").force(w, {"angle_rad": 0.07})
+    assert w.force_N + added == pytest.approx(w.normal_N * np.cos(w.gamma_rad - 0.07), rel=1e-12)
+    leaning_forward = w.gamma_rad > 0.1
+    assert np.all(np.sign(added[leaning_forward]) == np.sign(w.normal_N[leaning_forward]))
+
+
+def test_offset_drift_and_meniscus_add_what_they_say():
+    w = replace(example_weighed(), session=np.linspace(0.0, 1.0, 32))
+    assert effect("force_offset").force(w, {"force_mN": 0.3}) == pytest.approx(3e-4)
+    drift = effect("force_drift").force(w, {"force_mN": 0.3})
+    assert drift[[0, -1]] == pytest.approx([-1.5e-4, 1.5e-4])
+    pull = effect("surface_tension").force(w, {"force_mN": 0.3})
+    assert pull == pytest.approx(3e-4 * np.cos(w.gamma_rad))
+    away = example_weighed(touched=False)
+    assert not np.any(effect("surface_tension").force(away, {"force_mN": 0.3}))
+    assert np.all(effect("force_offset").force(away, {"force_mN": 0.3}) == 3e-4)
+
+
+def weighed(force_mN: list[float], position_mm: float | list[float] = 20.0) -> Weighed:
+    force = np.array(force_mN) * 1e-3
+    one = np.ones_like(force)
+    return Weighed(force, force, 0.0 * one, 1e-3 * np.array(position_mm) * one, 0.5 * one, one)
+
+
+def test_the_cell_hangs_behind_by_half_the_height_of_its_loop():
+    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    loop = effect("load_cell_hysteresis")
+    added = loop.force(weighed([0, 2, 2, 3, -1, -1, 2, 2.5]), p) * 1e3
+    assert added == pytest.approx([0, -0.05, -0.05, -0.05, 0.05, 0.05, -0.05, -0.05], abs=1e-6)
+    loaded = loop.force(weighed([1, 1, -2]), {**p, "from_no_load": 1.0}) * 1e3
+    assert loaded == pytest.approx([-0.05, -0.05, 0.05], abs=1e-6)
+
+
+def test_small_changes_of_load_move_inside_the_loop():
+    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    loop = effect("load_cell_hysteresis")
+    added = loop.force(weighed([1.0, 1.001, 1.002]), p) * 1e3
+    assert added == pytest.approx([0.0, -0.001, -0.002], rel=0.05)  # it does not follow at all
+    one, two = (loop.force(weighed([1.0, 1.0 + d]), p)[1] for d in (1e-6, -1e-6))
+    assert one == pytest.approx(-two, rel=1e-4)  # no jump between rising and falling
+
+
+def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
+    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    loop = effect("load_cell_hysteresis")
+    both = loop.force(weighed([0, 2, -1, -1, 2], [5, 5, 5, 10, 10]), p)
+    assert both[3] == 0.0
+    rows = [[0.0, 2.0, -1.0], [-1.0, 2.0, 1.0]]
+    w = Weighed(
+        *(np.stack([getattr(weighed(r), f) for r in rows]) for f in Weighed.__annotations__)
+    )
+    for row, alone in zip(loop.force(w, p), rows, strict=True):
+        assert row == pytest.approx(loop.force(weighed(alone), p))
+
+
+def test_a_sticking_sheet_keeps_back_a_change_of_force_at_far_positions_only():
+    p = {"force_mN": 0.2, "from_position_mm": 20.0}
+    forces = [1.0, 1.0, 3.0, -2.0, 3.0]
+    stick = effect("roll_sticking")
+    assert not np.any(stick.force(weighed(forces, 15.0), p))
+    far = stick.force(weighed(forces, 20.0), p) * 1e3
+    assert far == pytest.approx([0.0, 0.0, -0.2, 0.2, -0.2], abs=1e-3)
+
+
+# -------------------------------------------------------------------------------------------- time
+
+
+def test_a_lag_leaves_what_has_not_been_charged_yet():
+    clock = example_pulse()
+    eibm, stiffness = effect("charging_lag").course(clock, {"time_constant_s": 0.15})
+    assert eibm == pytest.approx(-2.0 * np.exp(-clock.pulse_s / 0.15))
+    assert not np.any(stiffness)
+    eibm, _ = effect("charging_lag").course(example_clock(), {"time_constant_s": 0.15})
+    assert not np.any(eibm[:10])  # at 0 V
+    assert eibm[10] == pytest.approx(0.5 * eibm[11])  # the first pulse comes from 0, not from -1
+
+
+def test_relaxation_is_counted_from_the_sampling_point():
+    p = {"relative_loss_at_sample": 0.1, "time_constant_s": 0.7}
+    relax = effect("back_relaxation")
+    clock = replace(example_pulse(), pulse_s=np.array([0, 0.1, 0.5, 0.55, 1e3, 0.2, 0.3, 0.4]))
+    eibm, _ = relax.course(clock, p)
+    assert eibm[0] == pytest.approx(1.0 / 0.9 - 1.0)  # 10 % of it will be lost
+    assert eibm[2] == pytest.approx(0.0, abs=1e-15)
+    assert eibm[1] > 0.0 > eibm[3] > eibm[4]
+    whole = 0.1 / (1.0 - np.exp(-0.5 / 0.7))
+    assert eibm[4] == pytest.approx((1.0 - whole) / 0.9 - 1.0)
+
+
+def test_the_first_pulses_fall_short():
+    p = {"relative_deficit": 0.2, "ratio": 0.5}
+    eibm, _ = effect("first_pulse_transient").course(example_clock(), p)
+    assert eibm[9:13] == pytest.approx([0.0, -0.2, -0.1, -0.05])
+
+
+def test_creep_is_the_same_in_each_decade():
+    clock = replace(example_clock(), run_s=np.geomspace(0.5, 500.0, 32))
+    _, stiffness = effect("viscoelastic_creep").course(clock, {"relative_change_per_decade": -0.02})
+    assert stiffness[-1] - stiffness[0] == pytest.approx(-0.06)
+    assert np.diff(stiffness) == pytest.approx(-0.06 / 31)
+
+
+def drifting(session: list[float], driven_s: list[float]) -> Clock:
+    n = len(session)
+    clock = example_clock()
+    cut = {name: getattr(clock, name)[:n] for name in Clock.__annotations__}
+    return Clock(**{**cut, "session": np.array(session), "driven_s": np.array(driven_s)})
+
+
+@pytest.mark.parametrize(("name", "which"), [("eibm_drift", 0), ("stiffness_drift", 1)])
+def test_a_drift_changes_by_its_size_over_the_data_or_since_wetting(name: str, which: int):
+    clock = drifting([0.0, 0.5, 1.0], [13.2, 6.6, 0.0])
+    over = effect(name).course(clock, {"relative_change": 0.1, "since_wetting": 0.0})
+    since = effect(name).course(clock, {"relative_change": 0.1, "since_wetting": 1.0})
+    assert over[which] == pytest.approx([-0.05, 0.0, 0.05])
+    assert since[which] == pytest.approx([0.05, 0.0, -0.05])
+    assert not np.any(over[1 - which])
+
+
+def test_drying_is_bounded():
+    long = drifting([0.0, 1.0], [0.0, 1e4])
+    p = {"relative_change": 1.0, "since_wetting": 1.0}
+    assert effect("stiffness_drift").course(long, p)[1][1] == pytest.approx(1.2)
+    p["relative_change"] = -1.0
+    assert effect("stiffness_drift").course(long, p)[1][1] == pytest.approx(1.0 / 2.2 - 1.0)
+    assert effect("eibm_drift").course(long, p)[0][1] == pytest.approx(-0.95)
+
+
+# ------------------------------------------------------------------------------------------ camera
+
+
+def test_a_wrong_scale_moves_points_away_from_the_clamp():
+    points = example_points()
+    x, y = effect("camera_scale").curve(points, {"relative_error": 0.02})
+    assert x == pytest.approx(0.02 * points.x_m)
+    assert y == pytest.approx(0.02 * points.y_m)
+
+
+def test_perspective_is_a_scale_that_changes_across_the_picture():
+    points = example_points()
+    p = {"relative_error": 0.02, "direction_rad": 0.0}
+    x, y = effect("camera_perspective").curve(points, p)
+    share = 0.02 * (points.x_m / LENGTH_M - 0.5)
+    assert x == pytest.approx(share * points.x_m)
+    assert y == pytest.approx(share * points.y_m)
+    x, y = effect("camera_perspective").curve(points, {**p, "direction_rad": np.pi / 2})
+    share = 0.02 * points.y_m / LENGTH_M
+    assert x == pytest.approx(share * points.x_m, abs=1e-15)
+    assert y == pytest.approx(share * points.y_m, abs=1e-15)
+
+
+def test_a_positive_delay_means_an_older_picture():
+    assert effect("frame_delay").delay_s({"delay_s": 0.012}) == 0.012
+    assert effect("force_offset").delay_s({"force_mN": 1.0}) == 0.0
