@@ -169,12 +169,12 @@ _STIFFNESS = Form(
     parameters=lambda c: {"relative_change": c},
 )  # fmt: skip
 _NONLINEAR = Form(
-    "nonlinear_stiffness", "wide", "relative change of B at 10 per m", 0.03, 0.1,
+    "nonlinear_stiffness", "wide", "relative change of B at 10 per m", 0.008, 0.05,
     _stiffening(60.0), "compliance",
     parameters=lambda c: {"relative_change_at_10_per_m": c},
 )  # fmt: skip
 _CURVATURE = Form(
-    "initial_curvature", "offset", "true minus stated k0, per m", 2.0, 20.0,
+    "initial_curvature", "offset", "true minus stated k0, per m", 1.0, 20.0,
     _more_curvature, "rest_curvature", place_mm=(0.0, 50.0),
     parameters=lambda e: {"curvature_error_per_m": e},
 )  # fmt: skip
@@ -197,7 +197,7 @@ FORMS: tuple[Form, ...] = (
         for f in ("cosh", "line", "root")
     ),
     _CURVATURE,
-    replace(_CURVATURE, form="hump", change=_hump, size=3.0, parameters=lambda _: {}),
+    replace(_CURVATURE, form="hump", change=_hump, size=2.0, parameters=lambda _: {}),
     Form("eibm_asymmetry", "ratio", "1 - |EIBM(-)/EIBM(+)|", 0.15, 0.9,
          lambda r, less: r.set("eibm.negative_ratio", 1 - less), "even_moment", symmetric=True,
          parameters=lambda less: {"ratio": 1 - less}),

@@ -13,8 +13,8 @@ from benchmarks.hidden_effects.registry import form_of
 from benchmarks.hidden_effects.sessions import Hidden, hidden_session
 from model import Measurements
 
-Measure = Callable[[Hidden], float]
 _ROUNDS = 12
+_MOST_FACTOR = 10.0  # from one guess to the next
 
 
 def force_gap_mN(hidden: Hidden, bare: Measurements | None = None) -> float:
@@ -46,40 +46,49 @@ def size_for_gap(case: Case, wanted: float, tolerance: float = 0.05) -> float:
     bare = hidden_session(case.bare).measurements
     curves = form_of(case.hidden[0].effect, case.hidden[0].form).felt_by == "curve"
     gap = curve_gap_mm if curves else force_gap_mN
-    return size_for(case, wanted, lambda hidden: gap(hidden, bare), tolerance)
+    return _size_for(case, wanted, lambda hidden: gap(hidden, bare), tolerance)
 
 
-def size_for(case: Case, wanted: float, measure: Measure, tolerance: float = 0.05) -> float:
+def size_for(
+    case: Case, wanted: float, measure: Callable[[Measurements], float], tolerance: float = 0.05
+) -> float:
     """The size of the case's one effect at which `measure` is within `tolerance` of `wanted`.
 
-    `measure` takes the session and must grow with the size, about in proportion: a gap, or a
-    detectability. Raises ValueError where even the largest size that makes sense is too small.
+    `measure` is the caller's, such as a detectability; it must grow with the size, about in
+    proportion. Raises ValueError where even the largest size that makes sense is too small.
     """
+    return _size_for(case, wanted, lambda hidden: measure(hidden.measurements), tolerance)
+
+
+def _size_for(
+    case: Case, wanted: float, measure: Callable[[Hidden], float], tolerance: float
+) -> float:
     (hiding,) = case.hidden
     form = form_of(hiding.effect, hiding.form)
-
-    def found(size: float) -> float:
-        return measure(hidden_session(replace(case, hidden=(replace(hiding, size=size),))))
-
-    size, low, high = form.size if hiding.size is None else hiding.size, 0.0, form.largest
+    size = form.size if hiding.size is None else hiding.size
+    low: tuple[float, float] | None = None  # a size that is too small, and what it makes
+    high: tuple[float, float] | None = None
     for _ in range(_ROUNDS):
-        value = found(size)
+        value = measure(hidden_session(replace(case, hidden=(replace(hiding, size=size),))))
         if abs(value - wanted) <= tolerance * wanted:
             return size
-        if value < wanted:
-            if size >= form.largest:
-                raise ValueError(
-                    f"{form.effect} ({form.form}) of {size:g} makes {value:.3g}, not {wanted:g}"
-                )
-            low = max(low, size)
-        else:
-            high = min(high, size)
-        guess = size * wanted / value if value > 0 else high
-        if not low < guess < high:
-            guess = high if high == form.largest and guess >= high else _between(low, high)
-        size = guess
+        if value < wanted and size >= form.largest:
+            raise ValueError(
+                f"{form.effect} ({form.form}) of {size:g} makes {value:.3g}, not {wanted:g}"
+            )
+        low, high = ((size, value), high) if value < wanted else (low, (size, value))
+        size = min(_guess(low, high, wanted), form.largest)
     raise ValueError(f"{form.effect} ({form.form}): no size found at which it makes {wanted:g}")
 
 
-def _between(low: float, high: float) -> float:
-    return math.sqrt(low * high) if low > 0 else high / 4
+def _guess(
+    low: tuple[float, float] | None, high: tuple[float, float] | None, wanted: float
+) -> float:
+    """Between two sizes by the power of the size that both follow; beyond one in proportion."""
+    if low is not None and high is not None:
+        if low[1] <= 0.0:
+            return (low[0] + high[0]) / 2
+        power = math.log(high[1] / low[1]) / math.log(high[0] / low[0])
+        return float(low[0] * (wanted / low[1]) ** (1 / power))
+    size, value = low or high or (0.0, 0.0)
+    return size * min(_MOST_FACTOR, wanted / max(value, 1e-300))

@@ -105,7 +105,7 @@ class History:
     def begin(self, stage: Stage) -> None:
         """From its start on, this is the set-up. The grid must have been made up to then."""
         if stage.setup is not self.stage.setup:
-            self._from[_TURNED] = stage.first_turned
+            self._from[_TURNED] = stage.first_turned(self._reach(stage))
             self._from[_COLUMNS:] = 0.0
             states = self._from[None, _STATE]
             now, drive = np.array([self.reached_s]), stage.drive(states)

@@ -121,10 +121,11 @@ class Stage:
         result[held] = B * self.setup.friction_per_m2(drive[held]) * turned_m[held] / SLIDE_M
         return result
 
-    @property
-    def first_turned(self) -> FloatArray:
-        """The elements when the set-up is new (ELEMENTS,)."""
+    def first_turned(self, reach: FloatArray) -> FloatArray:
+        """The elements, which turn by no more than `reach`, when the set-up is new (ELEMENTS,)."""
         first = np.zeros(ELEMENTS)
+        for step_N in np.diff(self.setup.arriving_N(moved_up=self.moved_up)):
+            first[:2] = np.clip(first[:2] + step_N, -reach[:2], reach[:2])
         if self.setup.rubs:
             first[2] = SLIDE_M * self.setup.first_slide(moved_up=self.moved_up)
         return first

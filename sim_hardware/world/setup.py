@@ -22,6 +22,8 @@ FloatArray = npt.NDArray[np.float64]
 _SCATTER_STREAM = 0x5E70
 # A set-up is never so odd that stiffness or moment vanish.
 _LEAST_SHARE = 0.1
+# How far beside a position the rolls take the sheet before they move it there.
+_APPROACH_M = 2e-3
 MILLI = 1e-3
 
 
@@ -222,6 +224,17 @@ class Setup:
     def sliding_m(self, drive: FloatArray) -> FloatArray:
         """Where along the sheet the rolls are."""
         return np.asarray(self.held.contact(drive)[1])
+
+    def arriving_N(self, *, moved_up: bool) -> FloatArray:
+        """Forces at 0 V on the way here: untouched, a little beside, here; what can be held."""
+        if self.position_m is None or not self.held.reachable:
+            return np.zeros(1)
+        beside_rad = self.arc_rad + (-1 if moved_up else 1) * _APPROACH_M / self.arc.radius_m
+        contact = Contact(self.chain, self.arc)
+        states = [contact.place(0.0, beside_rad), self.held.state(0.0)]
+        forces = [(s.along_per_m2, s.outward_per_m2) for s in states if s is not None]
+        felt = self.stiffness_Nm2 * self.along_axis(np.array(forces).T)
+        return np.concatenate(([0.0], felt))
 
     def first_slide(self, *, moved_up: bool) -> float:
         """Which way along the sheet the rolls slid while they were being placed: 1 outward."""
