@@ -1,0 +1,79 @@
+// Who holds control: one acts, the others watch. STOP belongs to everybody and is not here.
+
+import { h, newId, put } from "./dom.js";
+import { post } from "./net.js";
+
+const KEY = "labrig-operator";
+
+/** What the server says of control, and this page's way to take it. */
+export class Control {
+  constructor() {
+    this.client = null;
+    this.state = { holder: null, name: null, clients: 1 };
+    this.name = localStorage.getItem(KEY) ?? "";
+    this.watchers = new Set();
+  }
+
+  set(state) {
+    this.state = { ...this.state, ...state };
+    for (const update of this.watchers) update();
+  }
+
+  get mine() {
+    return this.client !== null && this.state.holder === this.client;
+  }
+
+  /** Why this page may not act; empty when it may (nobody's control is taken by acting). */
+  why() {
+    if (this.mine || !this.state.holder) return "";
+    return `${this.state.name || "Somebody else"} holds control; this page watches. Take control to act.`;
+  }
+
+  /** Act as the holder: takes control first where nobody has it. */
+  async act(work) {
+    if (!this.state.holder) await this.take();
+    return work();
+  }
+
+  async take(force = false) {
+    const body = { do: "take", name: this.name || "operator" };
+    this.set(await post("/api/control", force ? { ...body, force } : body));
+  }
+
+  async release() {
+    this.set(await post("/api/control", { do: "release" }));
+  }
+
+  rename(name) {
+    this.name = name.trim();
+    localStorage.setItem(KEY, this.name);
+  }
+}
+
+/** The words and the button in the bar. */
+export function controlView(control, place, fault) {
+  const id = newId("name");
+  const field = h("input", { id, value: control.name, maxlength: 40, placeholder: "your name", autocomplete: "name", onchange: () => control.rename(field.value) });
+  const held = h("span", { class: "control-held" });
+  const button = h("button", { type: "button", class: "small", onclick: () => press() });
+  const press = async () => {
+    try {
+      control.rename(field.value);
+      if (control.mine) await control.release();
+      else await control.take(Boolean(control.state.holder));
+    } catch (error) {
+      fault(error.message);
+    }
+  };
+  const show = () => {
+    const { holder, name, clients } = control.state;
+    const pages = clients > 1 ? ` \u00B7 ${clients} pages` : "";
+    held.textContent = `Control: ${control.mine ? `you (${name || "operator"})` : holder ? name || "somebody else" : "nobody"}${pages}`;
+    held.dataset.mine = control.mine;
+    button.textContent = control.mine ? "Release" : holder ? "Take over" : "Take control";
+    field.hidden = control.mine;
+  };
+  put(place, held, h("label", { for: id, class: "visually-hidden" }, "your name"), field, button);
+  control.watchers.add(show);
+  show();
+}

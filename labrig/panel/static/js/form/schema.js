@@ -1,0 +1,200 @@
+// A form made from a JSON Schema: the same limits as the file and the command line, stated once.
+
+import { h, newId, put } from "../dom.js";
+import { choiceField, flagField, numberField, numbersField, textField } from "./fields.js";
+import { faultOfCount, nameOf, resolve } from "./limits.js";
+
+/** `choices`: { key: [words] } for texts. `changed()` is called after each change. */
+export class SchemaForm {
+  constructor(schema, values, { choices = {}, changed = () => {} } = {}) {
+    Object.assign(this, { root: schema, choices, changed: () => changed() });
+    this.field = this.object("", schema, values ?? {}, true);
+    this.element = h("div", { class: "schema-form" }, this.field.element);
+  }
+
+  /** What the form says now; only what is given or differs from the default. */
+  get() {
+    return this.field.get() ?? {};
+  }
+
+  /** All that is wrong, as sentences; marks the fields, too. */
+  faults() {
+    return this.field.faults();
+  }
+
+  make(key, schema, value, required) {
+    const found = resolve(schema, this.root);
+    if (found.variants) return this.variants(key, found, value, required);
+    const inner = found.schema;
+    if (inner.type === "object") return found.nullable ? this.optional(key, inner, value) : this.object(key, inner, value ?? {}, required);
+    if (inner.type === "array") {
+      const items = resolve(inner.items ?? {}, this.root).schema;
+      if (items.type === "object") return this.list(key, inner, items, value ?? []);
+      return numbersField(key, { ...inner, items }, value, required, this.changed);
+    }
+    if (inner.enum) return choiceField(key, inner, value ?? inner.default, inner.enum.map((one) => ({ name: one, value: one })), null, this.changed);
+    if (inner.type === "boolean") return found.nullable ? this.threeWay(key, inner, value) : flagField(key, inner, value, this.changed);
+    if (inner.type === "number" || inner.type === "integer") return numberField(key, inner, value, required, this.changed);
+    return textField(key, inner, value, required, this.changed, this.choices[key] ?? []);
+  }
+
+  threeWay(key, schema, value) {
+    const options = [{ name: "yes", value: true }, { name: "no", value: false }];
+    return choiceField(key, schema, value ?? undefined, options, "by the mode", this.changed);
+  }
+
+  /** A group of fields. Optional groups beside each other (the kinds of a protocol) follow the others. */
+  object(key, schema, values, required) {
+    const needed = new Set(schema.required ?? []);
+    const fields = Object.entries(schema.properties ?? {}).map(([name, one]) => {
+      const field = this.make(name, one, values[name], needed.has(name));
+      return { name, field, fixed: resolve(one, this.root).schema.default, given: name in values };
+    });
+    const named = schema.additionalProperties ? this.tables(schema, values) : null;
+    const body = [fields.map(({ field }) => field.element), named?.element];
+    const element = key
+      ? h("fieldset", { class: "group", data: { key } }, h("legend", {}, nameOf(key).label), schema.description && h("p", { class: "field-hint" }, schema.description), body)
+      : h("div", { class: "group" }, body);
+    return {
+      element,
+      get: () => {
+        const found = {};
+        for (const { name, field, fixed, given } of fields) {
+          const value = field.get();
+          if (value === undefined) continue;
+          if (given || needed.has(name) || !same(value, fixed)) found[name] = value;
+        }
+        Object.assign(found, named?.get());
+        return required || Object.keys(found).length ? found : undefined;
+      },
+      faults: () => [...fields.flatMap(({ field }) => field.faults()), ...(named?.faults() ?? [])],
+    };
+  }
+
+  /** A group that may be left out. */
+  optional(key, schema, value) {
+    const inner = this.object("", schema, value ?? {}, true);
+    const box = h("input", { type: "checkbox", checked: value != null, data: { key } });
+    const body = h("div", { hidden: value == null }, schema.description && h("p", { class: "field-hint" }, schema.description), inner.element);
+    box.addEventListener("change", () => {
+      body.hidden = !box.checked;
+      this.changed();
+    });
+    const element = h("fieldset", { class: "group optional", data: { key } }, h("legend", {}, h("label", {}, box, ` ${nameOf(key).label}`)), body);
+    return {
+      element,
+      get: () => (box.checked ? inner.get() : undefined),
+      faults: () => (box.checked ? inner.faults() : []),
+    };
+  }
+
+  /** Groups one after the other, with 'add' and 'remove'. */
+  list(key, schema, items, values) {
+    const name = nameOf(key).label;
+    const entries = [];
+    const place = h("div", { class: "entries" });
+    const fault = h("p", { class: "field-fault" });
+    const show = () => put(place, entries.map((entry) => entry.row));
+    const add = (value) => {
+      const field = this.object("", items, value, true);
+      const entry = { field };
+      const drop = () => {
+        entries.splice(entries.indexOf(entry), 1);
+        show();
+        this.changed();
+      };
+      entry.row = h("div", { class: "entry", role: "group", "aria-label": name }, field.element, h("button", { type: "button", class: "small", onclick: drop }, "Remove"));
+      entries.push(entry);
+    };
+    values.forEach(add);
+    show();
+    const more = () => {
+      add({});
+      show();
+      this.changed();
+      entries.at(-1).row.querySelector("input, select")?.focus();
+    };
+    const element = h("fieldset", { class: "group list", data: { key } }, h("legend", {}, name), place, fault, h("button", { type: "button", class: "small", onclick: more }, `Add to ${name}`));
+    return {
+      element,
+      get: () => entries.map(({ field }) => field.get()),
+      faults: () => {
+        const count = faultOfCount(entries.length, schema);
+        fault.textContent = count;
+        return [...(count ? [`${name}: ${count}`] : []), ...entries.flatMap(({ field }) => field.faults())];
+      },
+    };
+  }
+
+  /** Tables by a name of their own, such as the configurations of a sheet. */
+  tables(schema, values) {
+    const inner = resolve(schema.additionalProperties, this.root).schema;
+    const known = new Set(Object.keys(schema.properties ?? {}));
+    const entries = [];
+    const place = h("div");
+    const show = () => put(place, entries.map((entry) => entry.row));
+    const add = (name, value) => {
+      const id = newId("name");
+      const title = h("input", { id, value: name, oninput: this.changed, autocomplete: "off", "aria-required": "true" });
+      const entry = { title, field: this.object("", inner, value, true) };
+      const drop = () => {
+        entries.splice(entries.indexOf(entry), 1);
+        show();
+        this.changed();
+      };
+      entry.row = h("fieldset", { class: "group table" }, h("legend", {}, h("label", { for: id }, inner.title ?? "table", " "), title, " ", h("button", { type: "button", class: "small", onclick: drop }, "Remove")), entry.field.element);
+      entries.push(entry);
+    };
+    for (const [name, value] of Object.entries(values)) if (!known.has(name)) add(name, value);
+    show();
+    const more = () => {
+      add("", {});
+      show();
+      entries.at(-1).title.focus();
+    };
+    return {
+      element: h("div", {}, place, h("button", { type: "button", class: "small", onclick: more }, `Add a ${(inner.title ?? "table").toLowerCase()}`)),
+      get: () => Object.fromEntries(entries.map(({ title, field }) => [title.value.trim(), field.get()])),
+      faults: () => {
+        const names = entries.map(({ title }) => title.value.trim());
+        const wrong = names.some((name, at) => !name || names.indexOf(name) !== at || known.has(name));
+        return [...(wrong ? ["Every table needs a name of its own."] : []), ...entries.flatMap(({ field }) => field.faults())];
+      },
+    };
+  }
+
+  /** One of several kinds of value: choose the kind, then give it. */
+  variants(key, { schema, variants, nullable }, value, required) {
+    const kinds = variants.map((one) => ({ name: one.const !== undefined ? String(one.const) : one.type === "object" ? (one.title ?? "table").toLowerCase() : `one ${one.type}`, value: one }));
+    const start = value === undefined ? schema.default : value;
+    const kind = choiceField(key, schema, variants.find((one) => fits(start, one)), kinds, nullable ? "none" : null, () => choose());
+    const place = h("div", { class: "variant" });
+    let inner = null;
+    const build = (initial) => {
+      const one = kind.get();
+      inner = one && one.const === undefined ? this.make(`${key}`, { ...one, title: undefined }, initial, true) : null;
+      put(place, inner?.element);
+    };
+    const choose = () => {
+      build(undefined);
+      this.changed();
+    };
+    build(start);
+    return {
+      element: h("div", {}, kind.element, place),
+      get: () => (inner ? inner.get() : kind.get()?.const),
+      faults: () => [...kind.faults(), ...(inner?.faults() ?? [])],
+    };
+  }
+}
+
+function fits(value, schema) {
+  if (value == null) return false;
+  if (schema.const !== undefined) return value === schema.const;
+  if (schema.type === "object") return typeof value === "object";
+  return typeof value === (schema.type === "integer" ? "number" : schema.type);
+}
+
+function same(a, b) {
+  return JSON.stringify(a) === JSON.stringify(b);
+}

@@ -1,0 +1,164 @@
+// What is known of a job: the story's messages applied one after the other, and nothing else.
+//
+// Whoever shows something calls `watch`; watchers are called once for all that came since the last
+// time, with the set of message types, at most once per picture of the screen.
+
+import { statistics } from "./format.js";
+import { Signals } from "./signals.js";
+
+const HIDDEN_MS = 300; // a hidden tab gets no animation frames, but its title must stay true
+
+/** State of a job; `alive` says whether it is heard of now. */
+export class Job {
+  constructor() {
+    this.watchers = new Set();
+    this.dirty = new Set();
+    this.counts = { pictures: 0, signals: 0, messages: 0 };
+    this.alive = null;
+    this.replay = null;
+    this.forget();
+  }
+
+  /** Forget everything of the job, as a story demands. */
+  forget() {
+    Object.assign(this, {
+      job: null, plan: null, started: null, state: { state: "idle", run: null }, output: null,
+      prompt: null, ended: null, curve: null, picture: null, preflight: null, weighing: null,
+      latest_s: null, now_run: null,
+    });
+    this.runs = new Map(); // run -> { readings: Map, started, stopped, invalid }
+    this.log = [];
+    this.signals = new Signals();
+  }
+
+  watch(update) {
+    this.watchers.add(update);
+    return () => this.watchers.delete(update);
+  }
+
+  /** One text message. */
+  apply(message) {
+    this.counts.messages += 1;
+    if (message.type === "story") {
+      this.forget();
+      message.messages.forEach((one) => this.take(one));
+      this.touch("story");
+    } else {
+      this.take(message);
+    }
+    this.touch(message.type);
+  }
+
+  /** One binary frame. */
+  applyBinary(header, buffer, start) {
+    if (header.type === "picture") {
+      this.counts.pictures += 1;
+      this.picture = { ...header, bytes: new Uint8Array(buffer, start), came: performance.now() };
+      this.hear(header.time_s);
+    } else if (header.type === "signals") {
+      this.counts.signals += header.count;
+      if (header.fresh || header.run !== this.signals.run) this.signals = new Signals(header.run);
+      this.signals.append(header.rows, header.count, buffer, start);
+    }
+    this.touch(header.type);
+  }
+
+  setAlive(alive) {
+    this.alive = alive;
+    this.touch("alive");
+  }
+
+  take(message) {
+    this.hear(message.time_s);
+    const way = WAYS[message.type];
+    if (way) way(this, message);
+    if (message.log) this.log.push({ time_s: message.time_s, type: message.type, text: message.log });
+  }
+
+  hear(time_s) {
+    if (time_s != null) this.latest_s = time_s;
+  }
+
+  /** The record of a run, made when first asked for. */
+  runOf(index) {
+    if (!this.runs.has(index)) this.runs.set(index, { readings: new Map(), started: null, stopped: null, invalid: null });
+    return this.runs.get(index);
+  }
+
+  /** The plan's entry of a run. */
+  planned(index) {
+    return this.plan?.runs.find((run) => run.run === index) ?? null;
+  }
+
+  /** Readings of a run that count, by voltage: [{ voltage, mean, scatter, count, values }]. */
+  means(index) {
+    const groups = new Map();
+    const run = this.runs.get(index);
+    if (!run || run.invalid) return [];
+    for (const reading of run.readings.values()) {
+      if (!reading.valid || reading.kind === "discarded") continue;
+      if (!groups.has(reading.voltage_V)) groups.set(reading.voltage_V, []);
+      groups.get(reading.voltage_V).push(reading.force_mN);
+    }
+    return [...groups].map(([voltage, values]) => ({ voltage, values, ...statistics(values) }));
+  }
+
+  /** Whether a job is under way now. */
+  get going() {
+    return this.job != null && (this.job.state === "starting" || this.job.state === "going");
+  }
+
+  touch(type) {
+    this.dirty.add(type);
+    if (this.due) return;
+    this.due = true;
+    const once = () => {
+      if (!this.due) return;
+      this.due = false;
+      const dirty = this.dirty;
+      this.dirty = new Set();
+      for (const update of this.watchers) update(dirty);
+    };
+    requestAnimationFrame(once);
+    setTimeout(once, HIDDEN_MS);
+  }
+}
+
+const WAYS = {
+  job: (job, m) => {
+    job.job = m;
+    if (m.state === "ended" || m.state === "lost") job.prompt = null;
+  },
+  plan: (job, m) => (job.plan = m),
+  started: (job, m) => (job.started = m),
+  state: (job, m) => {
+    job.state = m;
+    if (m.run != null) job.now_run = m.run;
+  },
+  output: (job, m) => (job.output = m),
+  prompt: (job, m) => (job.prompt = m),
+  answered: (job, m) => {
+    if (job.prompt?.prompt === m.prompt) job.prompt = null;
+  },
+  run_started: (job, m) => {
+    job.now_run = m.run;
+    job.runOf(m.run).started = m;
+  },
+  voltage: (job, m) => (job.runOf(m.run).voltage = m),
+  reading: (job, m) => job.runOf(m.run).readings.set(m.index, { ...m }),
+  marked: (job, m) => {
+    const run = job.runOf(m.run);
+    const why = `${m.why} (${m.who})`;
+    if (m.reading == null) run.invalid = why;
+    else if (run.readings.has(m.reading)) Object.assign(run.readings.get(m.reading), { valid: false, why });
+  },
+  run_stopped: (job, m) => (job.runOf(m.run).stopped = m),
+  ended: (job, m) => {
+    job.ended = m;
+    job.prompt = null;
+  },
+  curve: (job, m) => (job.curve = m),
+  preflight: (job, m) => (job.preflight = m),
+  weighing: (job, m) => (job.weighing = m),
+  replay: (job, m) => (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
+};

@@ -1,0 +1,42 @@
+// The log, newest at the end; follows unless the reader has scrolled away.
+
+import { h, say } from "../dom.js";
+import { timeOf } from "../words.js";
+
+const MOST_LINES = 1000;
+const NAMES = { warning: "WARNING", output: "OUTPUT", prompt: "ASKED", marked: "MARKED", ended: "ENDED", action: "DONE BY" };
+
+/** A job's log lines. */
+export class Log {
+  constructor(job) {
+    this.job = job;
+    this.list = h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log" });
+    this.count = h("span", { class: "muted" });
+    this.element = h("section", { class: "card log", "aria-label": "log" }, h("h2", {}, "Log ", this.count), this.list);
+    this.drawn = 0;
+    this.source = null;
+  }
+
+  update() {
+    const { log } = this.job;
+    if (this.source !== log) {
+      this.list.replaceChildren();
+      this.source = log;
+      this.drawn = Math.max(0, log.length - MOST_LINES);
+    }
+    if (this.drawn === log.length) return;
+    const follow = this.list.scrollHeight - this.list.scrollTop - this.list.clientHeight < 40;
+    for (const line of log.slice(this.drawn)) this.list.append(this.line(line));
+    this.drawn = log.length;
+    while (this.list.childElementCount > MOST_LINES) this.list.firstChild.remove();
+    say(this.count, `${log.length} lines`);
+    if (follow) this.list.scrollTop = this.list.scrollHeight;
+  }
+
+  line({ time_s, type, text }) {
+    return h(
+      "li", { class: `log-${type}` },
+      h("time", {}, timeOf(time_s)), NAMES[type] && h("b", {}, NAMES[type]), h("span", {}, text),
+    );
+  }
+}

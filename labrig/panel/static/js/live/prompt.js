@@ -1,0 +1,92 @@
+// What the operator is asked to do, large, with Go and 'stop the session'.
+
+import { h, put, say } from "../dom.js";
+
+/** `answer(done)` sends it; `may()` tells whether this page may answer, or why not. */
+export class PromptBar {
+  constructor(job, { answer, may }) {
+    this.job = job;
+    this.may = may;
+    this.text = h("p", { class: "prompt-text" });
+    this.why = h("p", { class: "prompt-why" });
+    this.go = h("button", { class: "go", type: "button", onclick: () => this.send(true), "aria-keyshortcuts": "Control+Enter" },
+      "Go", h("kbd", {}, "Ctrl Enter"));
+    this.stop = h("button", { type: "button", onclick: () => this.send(false) }, "Stop the session");
+    this.element = h(
+      "section", { class: "prompt", hidden: true, role: "alert", "aria-label": "the run asks" },
+      h("div", { class: "prompt-words" }, this.text, this.why),
+      h("div", { class: "prompt-do" }, this.go, this.stop),
+    );
+    this.answer = answer;
+    this.keys = (event) => {
+      if (event.key === "Enter" && event.ctrlKey && !this.element.hidden && !this.go.disabled) this.send(true);
+    };
+    document.addEventListener("keydown", this.keys);
+  }
+
+  destroy() {
+    document.removeEventListener("keydown", this.keys);
+  }
+
+  update() {
+    const { prompt } = this.job;
+    this.element.hidden = !prompt;
+    if (!prompt) {
+      this.sent = null;
+      return;
+    }
+    say(this.text, prompt.text);
+    const why = this.may();
+    const busy = this.sent === prompt.prompt;
+    this.go.disabled = this.stop.disabled = Boolean(why) || busy;
+    say(this.why, why || (busy ? "answer sent" : this.fault ?? "Check the rig, then press Go."));
+  }
+
+  async send(done) {
+    const { prompt } = this.job;
+    this.sent = prompt.prompt;
+    this.fault = null;
+    this.update();
+    try {
+      await this.answer(prompt.prompt, done);
+    } catch (error) {
+      this.sent = null;
+      this.fault = error.message;
+      this.update();
+    }
+  }
+}
+
+/** The result of a preflight as a table. */
+export function preflightTable(preflight) {
+  const rows = preflight.checks.map((check) => {
+    const word = check.ok ? (check.warning ? "WARNING" : "OK") : "FAILED";
+    return h(
+      "tr", { class: `check check-${word.toLowerCase()}` },
+      h("td", {}, h("span", { class: "verdict" }, word)), h("th", { scope: "row" }, check.name),
+      h("td", {}, check.found, typeof check.warning === "string" ? ` \u2014 ${check.warning}` : ""), h("td", {}, check.wanted),
+    );
+  });
+  const head = h("tr", {}, ["", "check", "found", "wanted"].map((name) => h("th", { scope: "col" }, name)));
+  return h("table", { class: "checks" }, h("thead", {}, head), h("tbody", {}, rows));
+}
+
+/** Preflight results, shown while there are any. */
+export class Preflight {
+  constructor(job) {
+    this.job = job;
+    this.body = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "preflight checks" });
+    this.verdict = h("strong");
+    this.element = h("section", { class: "card preflight", hidden: true }, h("h2", {}, "Preflight ", this.verdict), this.body);
+  }
+
+  update(dirty) {
+    if (!dirty.has("preflight") && !dirty.has("story") && this.built) return;
+    this.built = true;
+    const { preflight } = this.job;
+    this.element.hidden = !preflight;
+    if (!preflight) return;
+    say(this.verdict, preflight.ok ? "passed" : "FAILED");
+    put(this.body, preflightTable(preflight));
+  }
+}

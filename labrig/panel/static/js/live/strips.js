@@ -1,0 +1,177 @@
+// Drive voltage, force and current over the run's time, with every sampling point marked.
+
+import uPlot from "../../vendor/uplot/uPlot.esm.js";
+import { colourOf, h, say } from "../dom.js";
+import { number, signed } from "../format.js";
+import { drawMark } from "./marks.js";
+
+const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
+const ROLLING_S = 30;
+const NUMERAL_MS = 180; // numerals that change faster cannot be read
+const ROWS = [
+  { key: "drive_V", name: "Drive", unit: "V", decimals: 2, least: 0.5, colour: "--trace-drive" },
+  { key: "force_mN", name: "Force", unit: "mN", decimals: 3, least: 0.2, colour: "--trace-force" },
+  { key: "current_mA", name: "Current", unit: "mA", decimals: 1, least: 1, colour: "--trace-current" },
+];
+
+/** Three charts under one another on one time axis. */
+export class Strips {
+  constructor(job) {
+    this.job = job;
+    this.points = 0; // moments that have reached the charts
+    this.lines = ROWS.map((row, index) => this.line(row, index));
+    this.element = h("section", { class: "strips card", "aria-label": "strip charts" }, this.lines.map((line) => line.element));
+    this.seen = new ResizeObserver(() => this.resize());
+    this.seen.observe(this.element);
+    this.themed = () => this.lines.forEach((line) => this.repaint(line));
+    addEventListener("labrig-theme", this.themed);
+  }
+
+  destroy() {
+    this.seen.disconnect();
+    removeEventListener("labrig-theme", this.themed);
+    this.lines.forEach((line) => line.plot?.destroy());
+  }
+
+  line(row, index) {
+    const value = h("strong", { class: "numeral-value" }, "\u2013");
+    const plot = h("div", { class: "strip-plot" });
+    const element = h(
+      "div", { class: "strip", data: { row: row.key } },
+      h(
+        "div", { class: "numeral" },
+        h("span", { class: "numeral-name" }, row.name),
+        value,
+        h("span", { class: "numeral-unit" }, row.unit),
+      ),
+      plot,
+    );
+    return { row, value, place: plot, element, last: index === ROWS.length - 1, plot: null };
+  }
+
+  resize() {
+    for (const line of this.lines) {
+      const [width, height] = [line.place.clientWidth, line.place.clientHeight];
+      if (width < 20 || height < 20) continue;
+      if (line.plot) line.plot.setSize({ width, height });
+      else line.plot = this.chart(line, width, height);
+    }
+    this.show();
+  }
+
+  repaint(line) {
+    line.colours = null;
+    line.plot?.redraw(true, true);
+  }
+
+  colours(line) {
+    line.colours ??= {
+      trace: colourOf(this.element, line.row.colour),
+      ink: colourOf(this.element, "--muted"),
+      grid: colourOf(this.element, "--grid"),
+      plus: colourOf(this.element, "--plus"),
+      minus: colourOf(this.element, "--minus"),
+      zero: colourOf(this.element, "--zero"),
+      back: colourOf(this.element, "--surface"),
+    };
+    return line.colours;
+  }
+
+  chart(line, width, height) {
+    const stroke = () => this.colours(line).trace;
+    const axis = {
+      stroke: () => this.colours(line).ink,
+      grid: { stroke: () => this.colours(line).grid, width: 1 },
+      ticks: { show: false },
+      font: `12px ${getComputedStyle(document.body).fontFamily}`,
+    };
+    const options = {
+      width, height,
+      padding: [8, 10, line.last ? 0 : 4, 0],
+      legend: { show: false },
+      cursor: { show: false },
+      scales: { x: { time: false, range: () => this.window() }, y: { range: (_, low, high) => this.range(line, low, high) } },
+      series: [{}, { stroke, width: 1.25, points: { show: false } }, { stroke, width: 1.25, points: { show: false } }],
+      bands: [{ series: [2, 1], fill: stroke }],
+      axes: [
+        { ...axis, show: true, size: line.last ? 24 : 4, gap: 2, values: (_, ticks) => ticks.map((t) => (line.last ? `${t} s` : "")) },
+        { ...axis, size: 46, gap: 4, space: 26 },
+      ],
+      hooks: { draw: [(plot) => this.drawMarks(plot, line)] },
+    };
+    return new uPlot(options, [[], [], []], line.place);
+  }
+
+  /** What of the run's time is shown. */
+  window() {
+    const { signals } = this.job;
+    const duration = this.job.planned(signals.run ?? this.job.now_run)?.duration_s;
+    const now = signals.newestTime() ?? 0;
+    if (duration != null && duration <= WHOLE_S) return [-0.25, Math.max(duration, now)];
+    return [Math.max(now, ROLLING_S) - ROLLING_S, Math.max(now, ROLLING_S)];
+  }
+
+  range(line, low, high) {
+    if (line.row.key === "drive_V") {
+      const steps = this.job.planned(this.job.signals.run)?.steps ?? [];
+      const most = Math.max(1, ...steps.map(([, volts]) => Math.abs(volts)), Math.abs(low ?? 0), Math.abs(high ?? 0));
+      return [-1.2 * most, 1.2 * most];
+    }
+    if (low == null) return [-1, 1];
+    const middle = 0.5 * (low + high);
+    const half = Math.max(0.58 * (high - low), 0.5 * line.row.least);
+    return [middle - half, middle + half];
+  }
+
+  update(dirty) {
+    const asked = ["signals", "reading", "marked", "plan", "story", "run_started"].some((type) => dirty.has(type));
+    if (asked) this.show();
+  }
+
+  show() {
+    const { signals } = this.job;
+    for (const line of this.lines) {
+      const { key } = line.row;
+      line.plot?.setData([signals.column("run_s"), signals.column(`${key}_least`), signals.column(`${key}_most`)]);
+    }
+    this.points = signals.count;
+    const now = performance.now();
+    if (now - (this.said ?? -Infinity) < NUMERAL_MS && signals.count) return;
+    this.said = now;
+    for (const { row, value } of this.lines) {
+      const newest = signals.newest(row.key);
+      say(value, row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals));
+    }
+  }
+
+  /** Planned sampling points as ticks at the foot, taken ones as marks on the trace. */
+  drawMarks(plot, line) {
+    const { job } = this;
+    const run = job.signals.run ?? job.now_run;
+    const planned = job.planned(run);
+    if (!planned) return;
+    const { ctx, bbox } = plot;
+    const ratio = window.devicePixelRatio || 1;
+    const colours = this.colours(line);
+    const taken = job.runs.get(run)?.readings ?? new Map();
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top - 6 * ratio, bbox.width, bbox.height + 12 * ratio);
+    ctx.clip();
+    for (const [index, run_s, volts] of planned.readings) {
+      const reading = taken.get(index);
+      const x = plot.valToPos(reading?.run_s ?? run_s, "x", true);
+      const colour = volts > 0 ? colours.plus : volts < 0 ? colours.minus : colours.zero;
+      ctx.strokeStyle = colour;
+      ctx.lineWidth = ratio;
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top + bbox.height);
+      ctx.lineTo(x, bbox.top + bbox.height - 6 * ratio);
+      ctx.stroke();
+      if (!reading) continue;
+      const y = plot.valToPos(reading[line.row.key], "y", true);
+      drawMark(ctx, x, y, 4.5 * ratio, { volts, reading, colour, back: colours.back, ratio });
+    }
+    ctx.restore();
+  }
+}

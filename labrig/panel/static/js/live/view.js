@@ -1,0 +1,34 @@
+// All that shows one job, put together: used for the run, for a replay, and twice to compare.
+
+import { h } from "../dom.js";
+import { Log } from "./log.js";
+import { Picture } from "./picture.js";
+import { Preflight, PromptBar } from "./prompt.js";
+import { Readings } from "./readings.js";
+import { Strips } from "./strips.js";
+import { Timeline } from "./timeline.js";
+
+/** `acts`: { answer, mark, may }; null where nothing can be done (a replay). */
+export class LiveView {
+  constructor(job, acts = null) {
+    this.job = job;
+    this.picture = new Picture(job);
+    this.strips = new Strips(job);
+    this.timeline = new Timeline(job);
+    const readings = new Readings(job, acts ? { mark: acts.mark, may: acts.may } : {});
+    this.parts = [this.picture, this.strips, this.timeline, readings, new Preflight(job), new Log(job)];
+    if (acts) this.parts.unshift(new PromptBar(job, acts));
+    this.element = h("div", { class: "live" }, this.parts.map((part) => part.element));
+    this.stop = job.watch((dirty) => this.update(dirty));
+    this.update(new Set(["story", "picture"]));
+  }
+
+  update(dirty) {
+    for (const part of this.parts) part.update(dirty);
+  }
+
+  destroy() {
+    this.stop();
+    for (const part of this.parts) part.destroy?.();
+  }
+}

@@ -1,0 +1,147 @@
+// The page's beginning: the bar, the socket, and whichever page the address asks for.
+
+import { Control, controlView } from "./control.js";
+import { h, put, say, svg } from "./dom.js";
+import { Job } from "./job.js";
+import { get, setClient } from "./net.js";
+import { Socket } from "./socket.js";
+import { outputOf, goingOf, SHAPES } from "./words.js";
+
+const PAGES = {
+  run: () => import("./pages/run.js"),
+  new: () => import("./pages/new.js"),
+  "load-cell": () => import("./pages/load_cell.js"),
+  camera: () => import("./pages/camera.js"),
+  library: () => import("./pages/library.js"),
+  session: () => import("./pages/session.js"),
+  replay: () => import("./pages/replay.js"),
+  compare: () => import("./pages/compare.js"),
+  log: () => import("./pages/log.js"),
+};
+const CLIENT = "labrig-client";
+const at = (id) => document.getElementById(id);
+
+const app = { job: new Job(), control: new Control(), status: null, fault: netFault };
+window.labrig = app; // for whoever measures the page
+
+function netFault(text) {
+  const place = at("net-said");
+  place.hidden = !text;
+  place.dataset.kind = "bad";
+  say(place, text ?? "");
+}
+
+// ------------------------------------------------------------------------------------ the socket
+
+function welcome(hello) {
+  app.status = hello.status;
+  app.control.client = hello.client;
+  sessionStorage.setItem(CLIENT, hello.client);
+  setClient(hello.client);
+  window.labrigStop?.learn(hello.stop_url);
+  if (hello.status?.control) app.control.set(hello.status.control);
+  document.body.dataset.mode = hello.mode;
+  for (const hash of ["#/run", "#/new", "#/load-cell", "#/camera"]) {
+    document.querySelector(`.tabs a[href="${hash}"]`).hidden = hello.mode !== "rig";
+  }
+  if (!location.hash) location.replace(firstPage(hello));
+  app.welcomed = true;
+  dispatchEvent(new Event("labrig-hello"));
+}
+
+function firstPage(hello) {
+  if (hello.mode === "replay") return `#/replay?session=${encodeURIComponent(hello.status.session)}`;
+  return hello.mode === "rig" ? "#/run" : "#/library";
+}
+
+function receive(message) {
+  if (message.type === "hello") welcome(message);
+  else if (message.type === "control") app.control.set(message);
+  else app.job.apply(message);
+}
+
+async function alive(is) {
+  app.job.setAlive(is);
+  if (is) return netFault(null);
+  netFault("The panel does not answer: what is shown may be old. The run goes on without it; STOP still works.");
+  const status = await get("/api/status").catch((error) => error);
+  if (status.status === 401) netFault("This page is not let in: open the address that labrig panel has printed, with its token.");
+}
+
+// --------------------------------------------------------------------------------------- the bar
+
+function showBar() {
+  const { job } = app;
+  const output = outputOf(job);
+  const lamp = at("output");
+  if (lamp.dataset.state !== output.state) {
+    lamp.dataset.state = output.state;
+    put(lamp.querySelector("svg"), svg("path", { d: SHAPES[output.state], "fill-rule": "evenodd" }));
+  }
+  say(lamp.querySelector(".lamp-word"), output.word);
+  say(lamp.querySelector(".lamp-why"), output.why);
+  const going = goingOf(job);
+  say(at("going").querySelector(".going-word"), going.word);
+  say(at("going").querySelector(".going-why"), going.why);
+  const asks = job.prompt ? "\u25B6 " : "";
+  const title = `${asks}${output.word} \u00B7 ${going.word} \u2014 labrig`;
+  if (document.title !== title) document.title = title;
+}
+
+function themeButton() {
+  const root = document.documentElement;
+  const names = { auto: "Theme: system", light: "Theme: light", dark: "Theme: dark" };
+  const order = ["auto", "light", "dark"];
+  const set = (theme) => {
+    root.dataset.theme = theme;
+    localStorage.setItem("labrig-theme", theme);
+    at("theme").textContent = names[theme];
+    dispatchEvent(new Event("labrig-theme"));
+  };
+  const kept = localStorage.getItem("labrig-theme");
+  set(order.includes(kept) ? kept : "auto");
+  at("theme").addEventListener("click", () => set(order[(order.indexOf(root.dataset.theme) + 1) % 3]));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => dispatchEvent(new Event("labrig-theme")));
+}
+
+// ------------------------------------------------------------------------------------- the pages
+
+let page = null;
+let turn = 0;
+
+async function show() {
+  const [name, asked] = (location.hash.slice(2) || "").split("?");
+  if (!PAGES[name] || !app.welcomed) return;
+  const mine = ++turn;
+  const module = await PAGES[name]();
+  if (mine !== turn) return; // somebody has gone on meanwhile
+  page?.destroy?.();
+  const place = at("page");
+  place.className = `page page-${name}`;
+  for (const link of document.querySelectorAll(".tabs a")) {
+    if (link.hash === `#/${name}`) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  }
+  put(place);
+  page = module.mount(place, app, new URLSearchParams(asked));
+  app.page = page;
+}
+
+addEventListener("hashchange", () => {
+  at("page").focus({ preventScroll: true });
+  scrollTo(0, 0);
+  show();
+});
+addEventListener("labrig-hello", () => {
+  if (!page) show();
+});
+
+themeButton();
+controlView(app.control, at("control"), netFault);
+app.job.watch(showBar);
+showBar();
+const known = () => {
+  const client = sessionStorage.getItem(CLIENT);
+  return client ? `/ws?client=${encodeURIComponent(client)}` : "/ws";
+};
+app.socket = new Socket(known, { message: receive, binary: (...frame) => app.job.applyBinary(...frame), alive });

@@ -1,0 +1,63 @@
+// The run as it goes on.
+
+import { h, say } from "../dom.js";
+import { LiveView } from "../live/view.js";
+import { get, post } from "../net.js";
+
+/** Show the present job. */
+export function mount(place, app) {
+  const { job, control } = app;
+  const view = new LiveView(job, {
+    answer: (prompt, done) => control.act(() => post("/api/answer", { prompt, done })),
+    mark: (run, reading, why) => control.act(() => post("/api/mark", { run, reading, why })),
+    may: () => control.why(),
+  });
+  const bar = runBar(app);
+  place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, view.element);
+  const again = () => view.update(new Set(["prompt"]));
+  control.watchers.add(again);
+  const stop = job.watch(() => bar.update());
+  bar.update();
+  return {
+    view,
+    destroy() {
+      stop();
+      control.watchers.delete(again);
+      view.destroy();
+    },
+  };
+}
+
+/** What is running, the gentle stop, whose model is drawn; or the way to a new run. */
+function runBar({ job, control }) {
+  const name = h("strong", { class: "runbar-name" });
+  const fault = h("span", { class: "fault", role: "alert" });
+  const gentle = h("button", { type: "button", onclick: () => act(() => post("/api/stop_after_pulse")) }, "Stop after this pulse");
+  const model = h("select", { onchange: () => act(() => post("/api/model", { name: model.value || null })) }, h("option", { value: "" }, "none"));
+  const begin = h("a", { class: "button", href: "#/new" }, "New run");
+  const replay = h("a", { class: "button" }, "Replay it");
+  const act = async (work) => {
+    say(fault, control.why());
+    if (fault.textContent) return;
+    await control.act(work).catch((error) => say(fault, error.message));
+  };
+  get("/api/files").then(({ files }) => {
+    for (const file of files) if (file.kind === "model") model.append(h("option", { value: file.name }, file.name));
+    model.value = job.plan?.model ?? "";
+  }).catch(() => {});
+  const element = h(
+    "div", { class: "runbar" }, name, h("span", { class: "runbar-gap" }), fault,
+    h("label", {}, "Model drawn ", model), gentle, begin, replay,
+  );
+  const update = () => {
+    const run = job.job?.kind === "run" || job.plan;
+    const session = job.plan?.session ?? job.job?.session;
+    say(name, !run ? "No run yet" : [session, job.plan?.protocol, job.plan?.simulated ? "SIMULATED RIG" : null].filter(Boolean).join(" \u00B7 "));
+    gentle.hidden = !(job.going && job.job.kind === "run");
+    begin.hidden = job.going;
+    replay.hidden = job.going || !session;
+    if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
+    if (document.activeElement !== model && job.plan && "model" in job.plan) model.value = job.plan.model ?? "";
+  };
+  return { element, update };
+}
