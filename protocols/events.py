@@ -135,6 +135,14 @@ class ReadingMarked(Event):
 
 
 @dataclass(frozen=True)
+class ActionTaken(Event):
+    """A person did something at a panel, in words that follow their name."""
+
+    who: str
+    what: str
+
+
+@dataclass(frozen=True)
 class OutputChanged(Event):
     """The state of the output changed."""
 

@@ -11,7 +11,17 @@ from pathlib import Path
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli import calibrate, curves, demo, design, evaluate, exchange, prepare, record
+from labrig.cli import (
+    calibrate,
+    curves,
+    demo,
+    design,
+    evaluate,
+    exchange,
+    panel,
+    prepare,
+    record,
+)
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
 
@@ -23,7 +33,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
 )
-for room in (demo, prepare, record, evaluate, design, curves, calibrate, exchange):
+for room in (demo, prepare, record, panel, evaluate, design, curves, calibrate, exchange):
     room.add_to(app)
 
 

@@ -20,6 +20,10 @@ from labrig.experiment.rig import Rig, opened
 LISTEN_S = 2.0  # to each weight
 
 
+def _nothing_more(load_N: float, mean_V: float) -> None:
+    """Nobody draws the line while it grows."""
+
+
 @dataclass(frozen=True)
 class Weighing:
     """Each weight with the mean voltage it gave, and the line through them."""
@@ -30,10 +34,22 @@ class Weighing:
     calibration: LoadCellCalibration
 
 
-def weigh(rig: Rig, plan: Plan, loads_N: Sequence[float], tell: Callable[[str], None]) -> Weighing:
-    """Ask for one weight after the other, listen to each, fit a line. The output stays at 0 V."""
+def weigh(
+    rig: Rig,
+    plan: Plan,
+    loads_N: Sequence[float],
+    tell: Callable[[str], None],
+    on_mean: Callable[[float, float], None] = _nothing_more,
+) -> Weighing:
+    """Ask for one weight after the other, listen to each, fit a line. The output stays at 0 V.
+
+    `on_mean` is called with each weight in N and the mean voltage it gave.
+    """
+    volts: list[float] = []
     with opened(rig):
-        volts = [_listen(rig, load_N, tell) for load_N in loads_N]
+        for load_N in loads_N:
+            volts.append(_listen(rig, load_N, tell))
+            on_mean(load_N, volts[-1])
         range_V = rig.signals.ranges_V[list(rig.signals.channels).index("force")]
         rig.operator.ask(Prompt("dead_weight", "Take every weight off the load cell.", load_N=0.0))
     try:

@@ -68,6 +68,7 @@ class Translator:
             ev.ReadingTaken: self._reading,
             ev.FramesArrived: self._frames_arrived,
             ev.ReadingMarked: self._marked,
+            ev.ActionTaken: self._action_taken,
             ev.OutputChanged: self._output_changed,
             ev.Warned: self._warned,
             ev.RunStopped: self._run_stopped,
@@ -127,6 +128,9 @@ class Translator:
     def _answered(self, event: ev.OperatorAnswered) -> list[Rows]:
         said = "done" if event.done else "stop"
         return self._log(event, "answered", said, subject=event.prompt.kind)
+
+    def _action_taken(self, event: ev.ActionTaken) -> list[Rows]:
+        return self._log(event, "action", f"{event.who} {event.what}")
 
     def _warned(self, event: ev.Warned) -> list[Rows]:
         return self._log(event, "warned", event.text)

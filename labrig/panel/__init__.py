@@ -1,0 +1,1 @@
+"""The operator's page: a server that asks a run for what it shows, and never drives anything."""

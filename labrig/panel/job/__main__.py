@@ -1,0 +1,62 @@
+"""A job's process: an order comes in, the job is done, its end is told."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from drivers.interfaces import DeviceError
+from labrig.errors import ExitCode, LabrigError
+from labrig.panel.job.host import Host
+from labrig.panel.job.order import Order
+
+
+def _work_of(order: Order) -> Callable[[Host], tuple[int, str]]:
+    """Imported here: to be found by those who follow, a job need not be ready."""
+    if order.kind == "run":
+        from labrig.panel.job.running import run
+
+        return run
+    if order.kind == "preflight":
+        from labrig.panel.job.looking import look
+
+        return look
+    if order.kind == "weighing":
+        from labrig.panel.job.weighing import weigh_all
+
+        return weigh_all
+    from labrig.panel.job.camera import show
+
+    return show
+
+
+def _done(host: Host) -> tuple[int, str]:
+    try:
+        return _work_of(host.order)(host)
+    except LabrigError as error:
+        return int(error.code), str(error)
+    except DeviceError as error:
+        return int(ExitCode.NOT_READY), str(error)
+    except Exception as error:  # noqa: BLE001 - whoever follows must hear of it
+        import traceback
+
+        traceback.print_exc()  # into the panel's job.log
+        return int(ExitCode.FAILED), (
+            f"this should not have happened ({type(error).__name__}: {error}); please report it "
+            "with .labrig/job.log of the data folder."
+        )
+
+
+def main() -> int:
+    """Read the order, do it."""
+    host = Host(Order.from_json(sys.stdin.readline()))
+    code, text = int(ExitCode.FAILED), "the job was ended."
+    try:
+        code, text = _done(host)
+    finally:
+        host.end(code, text)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,55 @@
+"""The job `camera`: live pictures without a run, to aim and to calibrate."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+from drivers.interfaces import Camera, Clock, DeviceError
+from labrig.errors import BadInputError, ExitCode, NotReadyError
+from labrig.experiment.people import NobodyAsked
+from labrig.experiment.preflight import plan_of
+from labrig.experiment.wiring import wire
+from labrig.panel.job.host import Host
+from labrig.panel.pictures import raw_picture
+
+EVERY_S = 0.1
+_FRAMES = 1.5  # a window of so many frame periods holds at least one frame
+
+
+def show(host: Host) -> tuple[int, str]:
+    """Show the camera's pictures until asked to end. Only the camera is opened."""
+    if host.order.rig is None:
+        raise BadInputError("a rig.toml is needed to show its camera.")
+    plan = plan_of(Path(host.order.rig))
+    rig = wire(plan, NobodyAsked(lambda _text: None))
+    if rig.camera is None:
+        raise BadInputError(f"{host.order.rig}: names no camera; add [camera].")
+    ended = threading.Event()
+    host.on("end", lambda _asked: ended.set())
+    host.on("stop", lambda _asked: ended.set())
+    try:
+        rig.camera.open()
+    except DeviceError as fault:
+        raise NotReadyError(str(fault)) from fault
+    try:
+        rig.camera.start()
+        _show_all(host, rig.camera, rig.clock, _FRAMES / plan.schedule.frame_rate_hz, ended)
+    finally:
+        rig.camera.close()
+    return ExitCode.DONE, "the camera was closed"
+
+
+def _show_all(
+    host: Host, camera: Camera, clock: Clock, window_s: float, ended: threading.Event
+) -> None:
+    begun_s = clock.now()
+    while not ended.is_set():
+        now_s = clock.now()
+        camera.want(now_s, now_s + window_s)
+        clock.sleep_until(now_s + EVERY_S)
+        ended.wait(EVERY_S)  # a virtual clock does not wait, a person does
+        frames = camera.frames()
+        if frames:
+            frame = frames[-1]
+            host.feed.tell_picture(raw_picture(frame, frame.time_s - begun_s, None, None))

@@ -1,0 +1,100 @@
+"""Follows a run: its events become messages, strips of signals, pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drivers.interfaces import Frame
+from labrig.experiment.rig import DRIVE, Rig
+from labrig.panel.feed import Feed
+from labrig.panel.job.preview import Preview
+from labrig.panel.messages import Scribe
+from labrig.panel.pictures import raw_picture
+from labrig.panel.strip import Envelope
+from protocols import events as ev
+from protocols.scheduler import Scheduler
+from protocols.states import RunState
+
+
+class Follower:
+    """A watcher of `protocols.hub`. `asks_itself`: prompts are told by the one who asks them."""
+
+    def __init__(self, feed: Feed, scribe: Scribe, *, asks_itself: bool) -> None:
+        self._feed = feed
+        self._scribe = scribe
+        self._left_out: tuple[type, ...] = ()
+        if asks_itself:
+            self._left_out = (ev.OperatorAsked, ev.OperatorAnswered)
+        self._rig: Rig | None = None
+        self._preview: Preview | None = None
+        self._state: tuple[RunState, int | None] | None = None
+        self._run: ev.RunStarted | None = None
+        self._envelope: Envelope | None = None
+        self._sheet_V = 0.0
+        self.scheduler: Scheduler | None = None
+        self.on_begin: Callable[[], None] = lambda: None  # called once, after SessionStarted
+        self.going = False  # between the session's first event and its last
+
+    def attach(self, rig: Rig, preview: Preview | None) -> None:
+        """The rig that is followed."""
+        self._rig, self._preview = rig, preview
+
+    def __call__(self, event: ev.Event) -> None:
+        """See `protocols.hub`."""
+        if isinstance(event, ev.SessionStopped):
+            self.going = False
+        self._note(event)
+        if not isinstance(event, self._left_out):
+            message = self._scribe.message(event)
+            if message is not None:
+                self._feed.tell(message)
+        self._tell_state()
+        if isinstance(event, ev.SignalsArrived):
+            self._signals(event)
+        if isinstance(event, ev.ReadingTaken) and self._preview is None and event.frame is not None:
+            self._picture(event.frame, event.planned.voltage_V)
+        elif self._preview is not None and (frame := self._preview.newest()) is not None:
+            self._picture(frame, self._sheet_V)
+        if isinstance(event, ev.SessionStarted):
+            self.going = True
+            self.on_begin()
+
+    def _note(self, event: ev.Event) -> None:
+        if isinstance(event, ev.RunStarted):
+            self._run, self._envelope = event, Envelope(event.run.index)
+        elif isinstance(event, ev.VoltageSet):
+            self._sheet_V = event.write.sheet_V
+
+    def _tell_state(self) -> None:
+        if self.scheduler is None:
+            return
+        status = self.scheduler.status
+        if (status.state, status.run) != self._state:
+            self._state = (status.state, status.run)
+            self._feed.tell({"type": "state", "state": status.state.value, "run": status.run})
+
+    def _signals(self, event: ev.SignalsArrived) -> None:
+        if self._rig is None or self._run is None or self._envelope is None:
+            return
+        devices, channels = self._rig.devices(), list(self._run.channels)
+        volts = event.block.volts
+        clock = self._run.sample_clock
+        first_s = clock.time_of(event.block.first_index) - self._run.time_s
+        samples = np.stack(
+            [
+                first_s + np.arange(volts.shape[1]) / clock.rate_hz,
+                volts[channels.index(DRIVE)],
+                1e3 * devices.newtons(volts[channels.index("force")]),
+                1e3 * devices.amperes(volts[channels.index("current")]),
+            ]
+        )
+        strip = self._envelope.add(samples)
+        if strip is not None:
+            self._feed.tell_strip(strip)
+
+    def _picture(self, frame: Frame, voltage_V: float) -> None:
+        run = None if self._run is None else self._run.run
+        time_s = self._scribe.since_begin(frame.time_s)
+        self._feed.tell_picture(raw_picture(frame, time_s, run, voltage_V))

@@ -1,0 +1,122 @@
+"""What every job has: a feed for those who follow it, and a place where they find it."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from labrig.errors import LabrigError
+from labrig.panel.feed import Feed, Mail, Mailbox, Message
+from labrig.panel.job.order import Order
+from labrig.panel.link import LinkServer
+from labrig.panel.packing import Header, pack
+from labrig.panel.place import Place, write_place
+
+Handler = Callable[[dict[str, Any]], object]
+
+_FAREWELL_S = 2.0
+_FOR_STOP = frozenset({"output", "job", "ended"})
+
+
+class Host:
+    """Made at the job's beginning; `end` is its last word."""
+
+    def __init__(self, order: Order) -> None:
+        self.order = order
+        self.feed = Feed()
+        self._handlers: dict[str, Handler] = {}
+        self._server = LinkServer(self._do, self._teller)
+        self.place = Place(
+            id=order.id,
+            kind=order.kind,
+            by=order.by,
+            wall=order.wall,
+            session=order.session_name,
+            rig=order.rig,
+            pid=os.getpid(),
+            port=self._server.port,
+            key=self._server.key,
+        )
+        self.feed.tell(self.place.message())
+        write_place(Path(order.data), self.place)
+
+    def on(self, what: str, handler: Handler) -> None:
+        """Do this when asked for `what`. A LabrigError is the asker's answer."""
+        self._handlers[what] = handler
+
+    def tell(self, message: Message) -> None:
+        """To all who follow."""
+        self.feed.tell(message)
+
+    def end(self, code: int, text: str) -> None:
+        """Say how it ended, here and in the file, and let everybody hear it."""
+        self.place = self.place.ended(code, text)
+        write_place(Path(self.order.data), self.place)
+        self.feed.tell(self.place.message())
+        self._server.close(_FAREWELL_S)
+
+    def _do(self, asked: Header) -> Header:
+        handler = self._handlers.get(str(asked.get("do")))
+        if handler is None:
+            return {"error": f"a {self.order.kind} job cannot {asked.get('do')}."}
+        try:
+            handler(asked)
+        except LabrigError as error:
+            return {"error": str(error)}
+        except (KeyError, TypeError, ValueError) as error:
+            return {"error": f"what was asked cannot be understood ({error!r})."}
+        return {}
+
+    def _teller(self, role: str) -> FeedTeller:
+        return FeedTeller(self.feed, _FOR_STOP if role == "stop" else None)
+
+
+class FeedTeller:
+    """Sends what a feed tells; `only`: messages of these types and nothing else."""
+
+    def __init__(self, feed: Feed, only: frozenset[str] | None = None) -> None:
+        self._feed = feed
+        self._only = only
+        self._news = threading.Event()
+        self._closed = False
+        self._box = Mailbox(self._news.set)
+
+    def run(self, send_it: Callable[[bytes], None]) -> None:
+        """See `link.Teller`."""
+        self._feed.join(self._box)
+        try:
+            while True:
+                closed = self._closed  # first, so that what came before is sent
+                self._news.clear()
+                while (mail := self._box.take()) is not None:
+                    for packed in self._packed(mail):
+                        send_it(packed)
+                if closed:
+                    return
+                self._news.wait()
+        finally:
+            self._feed.leave(self._box)
+
+    def close(self) -> None:
+        """See `link.Teller`."""
+        self._closed = True
+        self._news.set()
+
+    def _packed(self, mail: Mail) -> list[bytes]:
+        found: list[bytes] = []
+        if mail.story is not None:
+            found.append(pack({"type": "story", "messages": self._wanted(mail.story)}))
+        found += [pack(message) for message in self._wanted(mail.messages)]
+        if self._only is None:
+            found += [pack(message) for message in mail.newest]
+            if mail.strip is not None:
+                found.append(mail.strip.packed())
+            if mail.picture is not None:
+                found.append(pack(*mail.picture))
+        return found
+
+    def _wanted(self, messages: list[Message]) -> list[Message]:
+        return [m for m in messages if self._only is None or m["type"] in self._only]

@@ -1,0 +1,57 @@
+"""What a job is asked to do: one line of JSON on its standard input."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from labrig.errors import BadInputError
+
+Kind = Literal["run", "preflight", "weighing", "camera"]
+
+
+@dataclass(frozen=True)
+class Order:
+    """Paths are whole ones. Which are needed depends on the kind."""
+
+    id: str
+    kind: Kind
+    by: str  # who asked for it
+    wall: str
+    data: str  # the data folder
+    rig: str | None = None
+    protocol: str | None = None
+    sheet: str | None = None
+    session: str | None = None  # to be made
+    resume: str | None = None  # to go on with
+    clock: Literal["real", "virtual"] = "virtual"  # of a simulated rig
+    loads_mN: tuple[float, ...] = ()
+
+    def to_json(self) -> str:
+        """One line."""
+        return json.dumps(asdict(self)) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Order:
+        """The reverse. Raises BadInputError."""
+        try:
+            values = json.loads(text)
+            values["loads_mN"] = tuple(values.get("loads_mN", ()))
+            return cls(**values)
+        except (ValueError, TypeError) as error:
+            raise BadInputError(f"a job's order cannot be read ({error}).") from None
+
+    def files(self) -> tuple[Path, Path, Path]:
+        """rig.toml, protocol.toml, sheet.toml. Raises BadInputError when one is missing."""
+        if self.rig is None or self.protocol is None or self.sheet is None:
+            raise BadInputError("a run needs rig.toml, protocol.toml and sheet.toml.")
+        return Path(self.rig), Path(self.protocol), Path(self.sheet)
+
+    @property
+    def session_name(self) -> str | None:
+        """The session's name within the data folder."""
+        if self.session is None:
+            return None
+        return Path(self.session).relative_to(self.data).as_posix()

@@ -1,0 +1,215 @@
+"""The job `run`: what `labrig run` does, with the page in the place of the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from labrig.errors import BadInputError, NotReadyError
+from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.resume import Resumption, resumed_plan
+from labrig.experiment.rig import Rig
+from labrig.experiment.run import Result, run_session
+from labrig.experiment.served import served_rig
+from labrig.experiment.signals import stop_signals
+from labrig.experiment.wiring import wire
+from labrig.panel.feed import Message
+from labrig.panel.job.follow import Follower
+from labrig.panel.job.host import Host
+from labrig.panel.job.order import Order
+from labrig.panel.job.people import PagePerson
+from labrig.panel.job.preview import Preview
+from labrig.panel.messages import Scribe, plan_message
+from labrig.panel.place import hidden_folder
+from labrig.panel.setup import setup_message
+from labrig.session import open_session
+from labrig.vision import Optics
+from protocols import ScheduleError
+from protocols.events import ActionTaken
+from protocols.hub import EventHub, SubscriberError
+from protocols.schedule import Purpose
+from protocols.stop import StopLevel, StopRequest
+
+
+def run(host: Host) -> tuple[int, str]:
+    """Do it; exit code and a sentence."""
+    order = host.order
+    if order.session is None:
+        raise BadInputError("a run needs the name of the session file to make.")
+    with _planned(order) as (plan, resumption), _on_its_clock(order, plan) as rig_plan:
+        done = resumption.done if resumption is not None else frozenset()
+        clock = "virtual" if rig_plan.rig.is_simulated else "real"
+        host.tell(setup_message(plan.optics, plan.sheets))
+        host.tell(message_of_plan(plan, clock, order.session_name, done))
+        result = _Run(host, rig_plan).execute(Path(order.session), resumption)
+    return int(result.code), f"{result.outcome.value}: {result.status.text}"
+
+
+@contextmanager
+def _planned(order: Order) -> Iterator[tuple[Plan, Resumption | None]]:
+    if order.resume is None:
+        yield load_plan(*order.files()), None
+        return
+    with open_session(Path(order.resume)) as session:
+        resumption = Resumption(session)
+        plan = resumed_plan(session)
+        resumption.check(plan)
+        yield plan, resumption
+
+
+@contextmanager
+def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
+    """The plan on the simulated boards' own sockets, when it is to take its real time."""
+    if not plan.rig.is_simulated or order.clock == "virtual":
+        yield plan
+        return
+    _refuse_what_nobody_does(plan)
+    rig = plan.rig
+    options: list[str] = []
+    if rig.simulated is not None and rig.simulated.world is not None:
+        options = ["--world", str(rig.simulated.world)]
+    record = hidden_folder(Path(order.data)) / "world_record.csv"
+    with served_rig(record, plan.schedule.runs[0].configuration, options) as served:
+        update: dict[str, Any] = {"ni": rig.ni.model_copy(update={"address": served["grpc"]})}
+        if rig.camera is not None:
+            update["camera"] = rig.camera.model_copy(update={"source": served["camera"]})
+        if "stage" in served:
+            stage = {"kind": "zaber", "port": served["stage"]}
+            update["stage"] = rig.stage.model_copy(update=stage)
+        yield replace(plan, rig=rig.model_copy(update=update))
+
+
+def _refuse_what_nobody_does(plan: Plan) -> None:
+    """In another process there is no simulated person who mounts a sheet or hangs a weight."""
+    runs = plan.schedule.runs
+    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
+    if by_hand or len({run.configuration for run in runs}) > 1:
+        raise NotReadyError(
+            "On the real clock a simulated rig measures one configuration, mounted once; choose "
+            'such a protocol (mode = "paper", one [[places]]), or the virtual clock.'
+        )
+
+
+class _Run:
+    """One run and those who may ask something of it."""
+
+    def __init__(self, host: Host, plan: Plan) -> None:
+        self._host = host
+        self._plan = plan
+        self._stop = StopRequest()
+        self._hub = EventHub(threaded=not plan.rig.is_simulated)
+        scribe = Scribe()
+        asks_itself = not plan.rig.is_simulated
+        self._follower = Follower(host.feed, scribe, asks_itself=asks_itself)
+        self._person = PagePerson(scribe, host.tell, self._stop, self._now)
+        self._rig = self._wired(plan)
+        for name, handler in (
+            ("stop", self._do_stop),
+            ("stop_after_pulse", self._do_stop_after_pulse),
+            ("answer", self._do_answer),
+            ("mark", self._do_mark),
+            ("note", lambda asked: self._note(str(asked["who"]), str(asked["what"]))),
+        ):
+            host.on(name, handler)
+
+    def execute(self, path: Path, resumption: Resumption | None) -> Result:
+        """Run the session."""
+        self._hub.add_watcher("the panel", self._follower)
+        self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
+        with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
+            return run_session(
+                self._rig,
+                self._plan,
+                path,
+                self._stop,
+                self._hub,
+                resumption=resumption,
+                on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
+            )
+
+    def _wired(self, plan: Plan) -> Rig:
+        rig = wire(plan, self._person, self._hub.emit)
+        preview = None
+        if rig.camera is not None and not plan.rig.is_simulated:
+            preview = Preview(rig.camera, rig.clock, plan.schedule.frame_rate_hz)
+            rig = replace(rig, camera=preview)
+        self._follower.attach(rig, preview)
+        return rig
+
+    def _now(self) -> float:
+        return self._rig.clock.now()
+
+    # -------------------------------------------------------------------- asked by whoever follows
+
+    def _do_stop(self, asked: Message) -> None:
+        who, why = str(asked.get("who", "somebody")), str(asked.get("why") or "")
+        reason = f"STOP was pressed by {who}" + (f": {why}" if why else "")
+        self._stop.request(StopLevel.NOW, reason)  # first of all; it waits for nothing
+        self._note(who, f"pressed STOP{': ' + why if why else ''}")
+
+    def _do_stop_after_pulse(self, asked: Message) -> None:
+        who = str(asked["who"])
+        self._stop.request(StopLevel.AFTER_PULSE, f"stopped by {who}, after the pulse")
+        self._note(who, "asked for a stop after the pulse")
+
+    def _do_answer(self, asked: Message) -> None:
+        said = self._person.answer(int(asked["prompt"]), bool(asked["done"]))
+        self._note(str(asked["who"]), f"answered {said}")
+
+    def _do_mark(self, asked: Message) -> None:
+        reading = asked["reading"]
+        scheduler = self._follower.scheduler
+        if scheduler is None:
+            raise BadInputError("no run has begun yet, so nothing can be marked.")
+        try:
+            scheduler.mark(
+                int(asked["run"]),
+                None if reading is None else int(reading),
+                str(asked["why"]),
+                str(asked["who"]),
+            )
+        except ScheduleError as error:
+            raise BadInputError(f"{error}.") from None
+        except SubscriberError as error:
+            raise BadInputError(f"it could not be recorded: {error}.") from None
+
+    def _note(self, who: str, what: str) -> None:
+        """Into the session's log, while there is one."""
+        if self._follower.going:
+            with suppress(SubscriberError):  # the run hears of it at its own next event
+                self._hub.emit(ActionTaken(self._rig.clock.now(), who, what))
+
+
+def message_of_plan(
+    plan: Plan, clock: str, session: str | None, done: frozenset[int] = frozenset()
+) -> Message:
+    """The plan as pages see it."""
+    limits = plan.rig.limits
+    return plan_message(
+        plan.schedule,
+        clock=clock,
+        session=session,
+        simulated=plan.rig.is_simulated,
+        limits={
+            "sheet_voltage_V": limits.sheet_voltage_V,
+            "time_under_voltage_s": limits.time_under_voltage_s,
+            "capacity_mN": 1e3 * plan.calibration.capacity_N,
+        },
+        picture=_optics(plan.optics),
+        done=done,
+    )
+
+
+def _optics(optics: Optics | None) -> Message | None:
+    if optics is None:
+        return None
+    width, height = optics.image_size or (None, None)
+    return {
+        "width": width,
+        "height": height,
+        "clamp_px": list(optics.clamp_px),
+        "px_per_mm": optics.px_per_mm,
+    }

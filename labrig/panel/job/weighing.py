@@ -1,0 +1,107 @@
+"""The job `weighing`: `labrig calibrate load-cell`, one dead weight after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drivers.interfaces import RealClock
+from drivers.load_cell import CalibrationError
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
+from labrig.errors import BadInputError, ExitCode
+from labrig.experiment.preflight import plan_of
+from labrig.experiment.weighing import weigh, write_calibration
+from labrig.experiment.wiring import wire
+from labrig.panel.feed import Message
+from labrig.panel.job.host import Host
+from labrig.panel.job.people import PagePerson
+from labrig.panel.messages import Scribe
+from labrig.panel.place import hidden_folder
+from protocols.events import Event
+from protocols.stop import StopLevel, StopRequest
+
+MADE = "load_cell.made.toml"  # in the panel's own folder, until it is accepted
+_LEAST_POINTS = 3
+
+
+def weigh_all(host: Host) -> tuple[int, str]:
+    """Ask for each weight, show the line as it grows, keep the calibration for acceptance."""
+    if host.order.rig is None:
+        raise BadInputError("a rig.toml is needed to weigh.")
+    plan = plan_of(Path(host.order.rig))
+    loads_N = [load / 1000 for load in host.order.loads_mN]
+    scribe, stop = Scribe(), StopRequest()
+    person = PagePerson(scribe, host.tell, stop, RealClock().now)
+    host.on("answer", lambda asked: person.answer(int(asked["prompt"]), bool(asked["done"])))
+    host.on("stop", lambda asked: stop.request(StopLevel.NOW, str(asked.get("why", ""))))
+
+    def of_simulated_person(event: Event) -> None:
+        """Who answers by themselves; what they were asked is shown all the same."""
+        message = scribe.message(event) if plan.rig.is_simulated else None
+        if message is not None:
+            host.tell(message)
+
+    points = _Points(host, loads_N)
+    rig = wire(plan, person, of_simulated_person)
+    found = weigh(rig, plan, loads_N, lambda _text: None, points.add)
+    points.tell(finished=True)
+    made = hidden_folder(Path(host.order.data)) / MADE
+    made.unlink(missing_ok=True)
+    write_calibration(found.calibration, made)
+    return ExitCode.DONE, "every weight was taken; look at the line, then accept it"
+
+
+class _Points:
+    """What was weighed so far."""
+
+    def __init__(self, host: Host, loads_N: Sequence[float]) -> None:
+        self._host = host
+        self._wanted_mN = [1e3 * load_N for load_N in loads_N]
+        self._loads_N: list[float] = []
+        self._volts: list[float] = []
+        self.tell(finished=False)
+
+    def add(self, load_N: float, mean_V: float) -> None:
+        """One more."""
+        self._loads_N.append(load_N)
+        self._volts.append(mean_V)
+        self.tell(finished=False)
+
+    def tell(self, *, finished: bool) -> None:
+        """The points, and the line through them once there is one."""
+        fit = self._fit()
+        off_N = [None] * len(self._loads_N) if fit is None else list(fit.residuals_N)
+        rows = zip(self._loads_N, self._volts, off_N, strict=True)
+        self._host.tell(
+            {
+                "type": "weighing",
+                "wanted": self._wanted_mN,
+                "points": [
+                    {
+                        "load_mN": 1e3 * load_N,
+                        "mV": 1e3 * volts,
+                        "off_mN": None if off is None else 1e3 * float(off),
+                    }
+                    for load_N, volts, off in rows
+                ],
+                "fit": None if fit is None else _as_message(fit),
+                "finished": finished,
+            }
+        )
+
+    def _fit(self) -> CalibrationFit | None:
+        if len(self._loads_N) < _LEAST_POINTS or len(set(self._loads_N)) < 2:
+            return None
+        try:
+            return fit_calibration(self._loads_N, self._volts)
+        except CalibrationError:
+            return None  # the job ends with its sentence, when all weights are there
+
+
+def _as_message(fit: CalibrationFit) -> Message:
+    return {
+        "sensitivity_V_per_N": fit.sensitivity_V_per_N,
+        "sensitivity_sigma_V_per_N": fit.sensitivity_sigma_V_per_N,
+        "offset_V": fit.offset_V,
+        "offset_sigma_V": fit.offset_sigma_V,
+    }

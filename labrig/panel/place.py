@@ -1,0 +1,80 @@
+"""Where a job can be found: a small file in the data folder, for its owner's eyes only."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from labrig.errors import BadInputError
+
+HIDDEN = ".labrig"
+GOING = "going"
+ENDED = "ended"
+LOST = "lost"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A job, and how to speak with it. `key` must be told first; nobody else knows it."""
+
+    id: str
+    kind: str  # run | preflight | weighing | camera
+    by: str
+    wall: str
+    session: str | None  # the file's name within the data folder
+    rig: str | None  # rig.toml's path
+    pid: int
+    port: int
+    key: str
+    state: str = GOING
+    code: int | None = None
+    text: str = ""
+
+    def message(self) -> dict[str, Any]:
+        """What pages may know of it."""
+        shown = ("id", "kind", "state", "by", "wall", "session", "code", "text")
+        return {"type": "job", **{name: getattr(self, name) for name in shown}}
+
+    def ended(self, code: int | None, text: str, state: str = ENDED) -> Place:
+        """The same, over."""
+        return replace(self, state=state, code=code, text=text)
+
+
+def hidden_folder(data: Path) -> Path:
+    """The panel's own folder within the data folder, made when it is not there."""
+    folder = data / HIDDEN
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
+    return folder
+
+
+def place_path(data: Path) -> Path:
+    """Where the file is."""
+    return data / HIDDEN / "job.json"
+
+
+def write_place(data: Path, place: Place) -> None:
+    """Write it, whole or not at all; only its owner can read it."""
+    hidden_folder(data)
+    path = place_path(data)
+    beside = path.with_name(f"{path.name}.{os.getpid()}.new")
+    try:
+        with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
+            json.dump(asdict(place), file)
+        beside.replace(path)
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+
+
+def read_place(data: Path) -> Place | None:
+    """The last job; None when there was none, or the file is no such file."""
+    try:
+        with place_path(data).open("rb") as file:
+            return Place(**json.loads(file.read(65536)))
+    except (OSError, ValueError, TypeError):
+        return None

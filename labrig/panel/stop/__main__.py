@@ -1,0 +1,184 @@
+"""The STOP process: a tiny HTTP server, and a link to the job that it holds all the time.
+
+It outlives a panel that dies while a job is going on, for the pages that are still open. Standard
+library only, so that it starts at once and has little that could fail.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import ssl
+import sys
+import threading
+from dataclasses import dataclass
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+from labrig.panel.settings import host_name
+from labrig.panel.stop.press import Line
+from labrig.panel.tokens import cookie_of, same_token
+
+PATIENCE_S = 3.0  # with a client that connects and says nothing
+MOST_BODY_BYTES = 4096
+MOST_AT_ONCE = 64
+_LOOK_S = 0.5
+
+
+@dataclass(frozen=True)
+class StopSettings:
+    """What the panel says on our input, as one line of JSON."""
+
+    host: str
+    port: int  # wanted; another free one is taken when it is not to be had
+    scheme: str
+    panel_port: int
+    hosts: tuple[str, ...] | None  # by which we may be called; None: any
+    token: str
+    data: str
+    certificate: str | None
+    key: str | None
+
+
+class StopServer(ThreadingHTTPServer):
+    """One thread for each request, and no more of them than are good for us."""
+
+    daemon_threads = True
+
+    def __init__(self, settings: StopSettings, line: Line) -> None:
+        self.settings = settings
+        self.line = line
+        self._room = threading.Semaphore(MOST_AT_ONCE)
+        if ":" in settings.host:
+            self.address_family = socket.AF_INET6
+        try:
+            super().__init__((settings.host, settings.port), Handler)
+        except OSError:
+            super().__init__((settings.host, 0), Handler)
+        self._tls = _tls(settings)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """In a thread of its own; the handshake, too, which a client may never end."""
+        if not self._room.acquire(blocking=False):
+            self.shutdown_request(request)
+            return
+        super().process_request(request, client_address)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """See `ThreadingMixIn`."""
+        try:
+            request.settimeout(PATIENCE_S)
+            if self._tls is not None:
+                request = self._tls.wrap_socket(request, server_side=True)
+            super().process_request_thread(request, client_address)
+        except OSError:
+            self.shutdown_request(request)
+        finally:
+            self._room.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A client that goes away is no news."""
+
+
+class Handler(BaseHTTPRequestHandler):
+    """POST /stop."""
+
+    server: StopServer
+    timeout = PATIENCE_S
+
+    def do_POST(self) -> None:
+        """The one thing."""
+        refused = self._refused()
+        if refused is not None:
+            self._answer(refused[0], {"error": refused[1]})
+            return
+        size = int(self.headers.get("Content-Length") or 0)
+        try:
+            asked = json.loads(self.rfile.read(size) or b"{}")
+        except ValueError:
+            asked = {}  # whatever was said: STOP was pressed
+        asked = asked if isinstance(asked, dict) else {}
+        name = " ".join(str(asked.get("name") or "somebody").split())[:40]
+        who = f"{name} ({self.client_address[0]})"
+        pressed = self.server.line.press(who, str(asked.get("why") or "")[:200])
+        self._answer(200, pressed.as_dict())
+
+    def do_GET(self) -> None:
+        """Whether we are there."""
+        refused = self._refused()
+        if refused is not None:
+            self._answer(refused[0], {"error": refused[1]})
+            return
+        self._answer(200, {"ready": True, "going": self.server.line.going})
+
+    def do_OPTIONS(self) -> None:
+        """A browser asks first whether it may."""
+        self._answer(204 if self._origin() else 403, None)
+
+    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - as the base class has it
+        """Nobody reads it."""
+
+    def _refused(self) -> tuple[int, str] | None:
+        settings = self.server.settings
+        if self.path.partition("?")[0] != "/stop":
+            return 404, "there is only /stop here."
+        if int(self.headers.get("Content-Length") or 0) > MOST_BODY_BYTES:
+            return 413, "that is too long."
+        bearer = self.headers.get("Authorization", "").removeprefix("Bearer ")
+        if same_token(bearer, settings.token):
+            return None
+        if self._origin() is None:
+            return 403, "only the panel's own page may do this."
+        if not same_token(cookie_of(self.headers.get("Cookie", "")), settings.token):
+            return 401, "the token is missing or wrong."
+        return None
+
+    def _origin(self) -> str | None:
+        """The asking page's origin, when it is the panel's own."""
+        settings = self.server.settings
+        host = host_name(self.headers.get("Host", "").lower())
+        if settings.hosts is not None and host.strip("[]") not in settings.hosts:
+            return None
+        own = f"{settings.scheme}://{host}:{settings.panel_port}"
+        return own if self.headers.get("Origin", "").lower() == own else None
+
+    def _answer(self, status: int, body: dict[str, Any] | None) -> None:
+        text = b"" if body is None else json.dumps(body).encode()
+        self.send_response(status)
+        origin = self._origin()
+        if origin is not None:
+            self.send_header("Access-Control-Allow-Origin", origin)
+            self.send_header("Access-Control-Allow-Credentials", "true")
+            self.send_header("Access-Control-Allow-Headers", "Content-Type, X-Labrig-Client")
+            self.send_header("Access-Control-Allow-Methods", "POST, GET")
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Length", str(len(text)))
+        self.end_headers()
+        self.wfile.write(text)
+
+
+def _tls(settings: StopSettings) -> ssl.SSLContext | None:
+    if settings.certificate is None:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(settings.certificate, settings.key)
+    return context
+
+
+def main() -> None:
+    """Serve until the panel has gone and no job is going on any more."""
+    settings = StopSettings(**json.loads(sys.stdin.readline()))
+    line, ended = Line(Path(settings.data)), threading.Event()
+    server = StopServer(settings, line)
+    threading.Thread(target=line.watch, args=(ended,), name="line", daemon=True).start()
+    threading.Thread(target=server.serve_forever, name="http", daemon=True).start()
+    sys.stdout.write(f"{server.server_address[1]}\n")
+    sys.stdout.flush()
+    sys.stdin.read()  # ends with the panel
+    while line.going:
+        ended.wait(_LOOK_S)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,169 @@
+"""What happens when STOP is pressed.
+
+The run is asked; who does not obey is ended; who is gone is looked after. Every voltage is written
+by the run, by the guard or by `labrig safe`, none here.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from labrig.panel.link import Link
+from labrig.panel.packing import BrokenLinkError, Header
+from labrig.panel.place import GOING, Place, read_place
+from labrig.panel.processes import module_environment
+
+OBEY_S = 1.0  # as long as the guard gives a run that hangs
+DIE_S = 2.0
+SAFE_S = 12.0  # `labrig safe`, with all its patience
+_LOOK_S = 0.2
+_TICK_S = 0.005
+_UNKNOWN_CODE = 6  # `labrig.errors.ExitCode.OUTPUT_UNKNOWN`
+ENERGISED = "energised"
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """What became of it."""
+
+    output: str  # safe | armed | energised | unknown
+    took_s: float
+    told: str
+
+    def as_dict(self) -> Header:
+        """For JSON."""
+        return {"output": self.output, "took_s": round(self.took_s, 4), "told": self.told}
+
+
+class Line:
+    """A link to whatever job is going on, held before it is needed."""
+
+    def __init__(self, data: Path) -> None:
+        self._data = data
+        self._lock = threading.Lock()
+        self._link: Link | None = None
+        self._place: Place | None = None
+        self._output = "unknown"
+        self._changed = threading.Condition()
+
+    def watch(self, ended: threading.Event) -> None:
+        """Keep the link, until `ended`."""
+        while not ended.wait(_LOOK_S):
+            with suppress(OSError):
+                self.hold()
+
+    @property
+    def going(self) -> bool:
+        """Whether there is a job that could be stopped."""
+        return self._link is not None and self._link.alive
+
+    def hold(self) -> Place | None:
+        """Link to the present job if there is one. Raises OSError when it should be but is not."""
+        with self._lock:
+            if self.going:
+                return self._place
+            found = read_place(self._data)
+            if found is None or found.state != GOING:
+                self._place = None
+                return None
+            self._place, self._output = (
+                found,
+                "armed",
+            )  # a job begins at 0 V, and tells what follows
+            self._link = Link(found.port, found.key, "stop", self._on_message, self._on_end)
+            return found
+
+    def press(self, who: str, why: str) -> Pressed:
+        """STOP. Returns when the voltage has gone, or when nothing more can be done about it."""
+        began_s = time.monotonic()
+        try:
+            place = self.hold()
+        except OSError:
+            return self._looked_after(began_s, "the run's process is gone")
+        link = self._link
+        if place is None or link is None:
+            last = read_place(self._data)
+            if last is not None and last.code == _UNKNOWN_CODE:
+                return self._looked_after(began_s, "the last run left its output unknown")
+            return Pressed("safe", 0.0, "no run is going on")
+        asked = threading.Event()
+        threading.Thread(target=_ask, args=(link, who, why, asked), daemon=True).start()
+
+        def obeyed() -> bool:
+            return (asked.is_set() or not link.alive) and self._output != ENERGISED
+
+        if self._wait_for(obeyed, OBEY_S):
+            return self._told(began_s, "the run was stopped")
+        if self._output != ENERGISED:
+            return self._told(began_s, "the run does not answer; its output was not energised")
+        if link.alive:
+            with suppress(OSError):  # it has just ended by itself
+                os.kill(place.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+            self._wait_for(lambda: not link.alive, DIE_S)
+        return self._looked_after(began_s, "the run did not obey and was ended")
+
+    # ------------------------------------------------------------------------------------- helpers
+
+    def _told(self, began_s: float, text: str) -> Pressed:
+        return Pressed(self._output, time.monotonic() - began_s, text)
+
+    def _looked_after(self, began_s: float, text: str) -> Pressed:
+        """`labrig safe` frees the boards, writes 0 V, reads it back."""
+        place = self._place or read_place(self._data)
+        self._output = "unknown"
+        if place is None or place.rig is None:
+            return self._told(began_s, f"{text}; switch the amplifier off by hand")
+        command = [sys.executable, "-m", "labrig", "safe", place.rig]
+        try:
+            done = subprocess.run(
+                command,
+                capture_output=True,
+                timeout=SAFE_S,
+                check=False,
+                text=True,
+                stdin=subprocess.DEVNULL,
+                env=module_environment(),
+            )
+        except (OSError, subprocess.TimeoutExpired) as error:
+            told = f"{text}; labrig safe failed ({error}): switch the amplifier off by hand"
+            return self._told(began_s, told)
+        self._output = "safe" if done.returncode == 0 else "unknown"
+        said = " ".join((done.stdout + done.stderr).split())
+        return self._told(began_s, f"{text}; labrig safe: {said}")
+
+    def _wait_for(self, condition: Callable[[], bool], limit_s: float) -> bool:
+        with self._changed:
+            end_s = time.monotonic() + limit_s
+            while not condition():
+                left_s = end_s - time.monotonic()
+                if left_s <= 0:
+                    return False
+                self._changed.wait(min(left_s, _TICK_S))
+            return True
+
+    def _on_message(self, header: Header, _payload: memoryview) -> None:
+        messages = header["messages"] if header.get("type") == "story" else [header]
+        with self._changed:
+            for message in messages:
+                if message.get("type") == "output":
+                    self._output = str(message["state"])
+            self._changed.notify_all()
+
+    def _on_end(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
+
+
+def _ask(link: Link, who: str, why: str, asked: threading.Event) -> None:
+    with suppress(BrokenLinkError):
+        link.ask({"do": "stop", "who": who, "why": why})
+        asked.set()
