@@ -49,7 +49,7 @@ EFFECT = BackRelaxation(
     knobs=(
         Knob(
             "relative_loss_at_sample", "share of the EIBM lost 0.5 s after the edge", "", 0.05,
-            low=-0.5, high=0.8,
+            low=0.0, high=0.8,
         ),
         Knob(
             "time_constant_s", "time in which 63 % of the loss happens", "s", 1.0,

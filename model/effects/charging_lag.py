@@ -12,15 +12,31 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class ChargingLag(Effect):
-    """From what it was before the edge the EIBM goes exponentially to its settled value."""
+    """From what it was before the edge the EIBM goes exponentially to its settled value.
+
+    It follows the voltage at the sheet, which takes its known time to rise: two lags in a row, of
+    which the base model has the known one.
+    """
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         missing = np.zeros_like(clock.pulse_s)
         if p["time_constant_s"] > 0.0:
-            left = np.exp(-np.maximum(clock.pulse_s, 0.0) / p["time_constant_s"])
+            left = _left(np.maximum(clock.pulse_s, 0.0), p["time_constant_s"], clock.rise_s)
             missing = np.where(clock.voltage_V != 0.0, (clock.opposite - 1.0) * left, 0.0)
         return missing, np.zeros_like(missing)
+
+
+def _left(t_s: FloatArray, tau_s: float, rise_s: FloatArray | float) -> FloatArray:
+    """What is left to go after both lags, less what would be after the known one alone.
+
+    tau (exp(-t/tau) - exp(-t/rise))/(tau - rise), written so that both may be the same.
+    """
+    rise = np.maximum(rise_s, 1e-9)
+    faster = 1.0 / rise - 1.0 / tau_s
+    faster = np.where(np.abs(faster) * tau_s < 1e-9, 1e-9 / tau_s, faster)
+    left: FloatArray = np.exp(-t_s / tau_s) * -np.expm1(-t_s * faster) / (rise * faster)
+    return left
 
 
 EFFECT = ChargingLag(
@@ -29,7 +45,10 @@ EFFECT = ChargingLag(
         "The sheet is a slow capacitor: 0.5 s after an edge of the voltage its EIBM has not"
         " arrived yet."
     ),
-    form="EIBM = settled x (1 - (1 - q) exp(-t/tau)), q = EIBM before the edge over settled",
+    form=(
+        "EIBM = settled x (1 - (1 - q) exp(-t/tau)), q = EIBM before the edge over settled; behind"
+        " the known rise of the voltage, as two lags in a row"
+    ),
     slot="time",
     signature=(
         "Within a pulse the force still goes its way at the sampling point; the first pulse, which"

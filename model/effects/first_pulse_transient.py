@@ -9,14 +9,17 @@ import numpy as np
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
+SAMPLE_S, PULSE_S = 0.5, 0.6  # of the paper's pulses
+
 
 @dataclass(frozen=True)
 class FirstPulseTransient(Effect):
-    """Pulse k = 0, 1, ... lacks a r^k of the EIBM."""
+    """Pulse k = 0, 1, ... lacks a r^k of the EIBM at its sampling point, and less as it goes on."""
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        left = p["ratio"] ** np.maximum(clock.pulse, 0.0)
+        k = clock.pulse + (clock.pulse_s - SAMPLE_S) / PULSE_S
+        left = p["ratio"] ** np.maximum(k, -1.0)
         missing = np.where(clock.pulse >= 0.0, -p["relative_deficit"] * left, 0.0)
         return missing, np.zeros_like(missing)
 
@@ -27,7 +30,10 @@ EFFECT = FirstPulseTransient(
         "The EIBM of the first pulses of a run falls short of the later ones', while the water in"
         " the sheet is still evenly distributed."
     ),
-    form="EIBM of pulse k = settled x (1 - a r^k), k = 0, 1, ...",
+    form=(
+        "EIBM = settled x (1 - a r^k), k = 0, 1, ... at the sampling points of the pulses and on by"
+        " 1 in 0.6 s between them"
+    ),
     slot="time",
     signature=(
         "In every run anew, what the voltage does grows from pulse to pulse and then stays; not at"

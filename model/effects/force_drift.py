@@ -11,17 +11,17 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class ForceDrift(Effect):
-    """A straight line over the session, 0 in its middle."""
+    """A straight line over the session, 0 when it begins: the cell was set to zero then."""
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        return p["force_mN"] * MILLI * (weighed.session - 0.5)
+        return p["force_mN"] * MILLI * weighed.session
 
 
 EFFECT = ForceDrift(
     name="force_drift",
     meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
-    form="F measured = F + c (tau - 1/2), tau = 0 to 1 over the session",
+    form="F measured = F + c tau, tau = 0 to 1 over the session",
     slot="load_cell",
     signature=(
         "An error of the force that goes with the time of day and nothing else; where positions are"

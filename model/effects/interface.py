@@ -98,6 +98,7 @@ class Clock:
     wetted_s: FloatArray  # since the sheet was last wetted
     driven_s: FloatArray  # under voltage since then
     opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
+    rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
 
 
 @dataclass

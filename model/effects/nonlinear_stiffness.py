@@ -18,21 +18,31 @@ _STEPS = 30
 class NonlinearStiffness(Effect):
     """Moment over change of curvature grows as (1 + (change/10 per m)^2)^n, n from the size.
 
-    The sheet answers to all moments together, EIBM and load and whatever else bends it; what the
-    curvature then lacks of the linear law's comes in as one more moment.
+    The sheet answers to all moments together, EIBM and load and whatever else bends it. The beam
+    gets the law's tangent at the present moments: its slope as softness, its value through one more
+    moment, so that solving and applying in turn are Newton's steps.
     """
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         load = -finite(held.normal_N / beam.stiffness)[:, None] * finite(held.lever)
         linear = (beam.eibm + beam.bend + load) * beam.soft
-        true = bent(linear, exponent(p["relative_change_at_10_per_m"]))
-        return replace(beam, bend=beam.bend + (true - linear) / beam.soft)
+        n = exponent(p["relative_change_at_10_per_m"])
+        true = bent(linear, n)
+        soft = beam.soft / steepness(true, n)
+        return replace(beam, soft=soft, bend=true / soft - beam.eibm - load)
 
 
 def exponent(relative_change: float) -> float:
     """n, so that the stiffness at 10 per m is 1 + `relative_change` times that at 0."""
     return float(np.log2(1.0 + relative_change))
+
+
+def steepness(change: FloatArray, n: float) -> FloatArray:
+    """Slope of the moment over B by the change of curvature."""
+    u2 = (change / AT_PER_M) ** 2
+    slope: FloatArray = (1.0 + u2) ** n * (1.0 + 2.0 * n * u2 / (1.0 + u2))
+    return slope
 
 
 def bent(linear: FloatArray, n: float) -> FloatArray:
