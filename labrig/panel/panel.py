@@ -11,6 +11,7 @@ from fastapi import Request
 from labrig.config import ReplayConfig, load_rig
 from labrig.errors import BadInputError
 from labrig.panel.actions import Actions
+from labrig.panel.calibrating import Calibrating
 from labrig.panel.control import Control, utc_now
 from labrig.panel.darkroom import Darkroom
 from labrig.panel.errors import NotNowError
@@ -32,6 +33,7 @@ class Panel:
         self.control = Control(self.feed.tell_newest)
         self.darkroom = Darkroom(self.feed)
         self.jobs = Jobs(settings.data, self.feed, self.darkroom)
+        self.calibrating = Calibrating()
         self.model: str | None = None
         self.simulated = _is_simulated(settings.rig)
         if settings.model is not None:
