@@ -13,8 +13,8 @@ import numpy as np
 from model.force_map import ForceMap, force_map, known_voltages, propagate, resized, section
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
-from model.predict import sampled_s
 from model.sheet_model import SheetModel
+from model.solved import sampled_s
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def shape_difference(
     def apart(changed: SheetModel) -> tuple[FloatArray, FloatArray]:
         found = _reached(force_map(changed, configuration, p, ends))
         s = sampled_s(found.setups[0])
-        shapes = found.equilibria.shapes(s)
+        shapes = found.solved.shapes(s)
         x, y = (a.reshape(len(p), 2, len(s)) for a in (shapes.x_m, shapes.y_m))
         return s, np.hypot(x[:, 0] - x[:, 1], y[:, 0] - y[:, 1])
 

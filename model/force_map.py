@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from model.beam import Equilibria, Status, solve
+from model.beam import Status
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
-from model.predict import batch
 from model.setup import Setup
 from model.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.solved import Solved, solved
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class ForceMap:
     s_hat_m: FloatArray
     reachable: npt.NDArray[np.bool_]
     setups: list[Setup]  # position after position, each at all voltages
-    equilibria: Equilibria
+    solved: Solved
 
     def all_reachable(self) -> bool:
         """Whether every place is reachable at every voltage."""
@@ -39,22 +39,18 @@ def force_map(
 ) -> ForceMap:
     """Solve all combinations at once."""
     p, V = np.atleast_1d(np.asarray(position_m, float)), np.atleast_1d(np.asarray(voltage_V, float))
-    by_voltage = [model.setup(configuration, float(p[0]), float(v)) for v in V]
-    R, origin = by_voltage[0].sheet.arc_radius_m, by_voltage[0].sheet.arc_origin_rad
-    setups = [
-        model.setup(configuration, float(x), float(v))
-        if model.effects
-        else replace(one, angle_rad=origin + float(x) / R)
-        for x in p
-        for v, one in zip(V, by_voltage, strict=True)
-    ]
-    found = solve(batch(setups))
-    B = np.array([s.B_Nm2 for s in setups])
+    if model.effects:
+        setups = model.setups(configuration, [(float(x), float(v)) for x in p for v in V])
+    else:
+        by_voltage = [model.setup(configuration, float(p[0]), float(v)) for v in V]
+        R, origin = by_voltage[0].sheet.arc_radius_m, by_voltage[0].sheet.arc_origin_rad
+        setups = [replace(one, angle_rad=origin + float(x) / R) for x in p for one in by_voltage]
+    found = solved(setups)
     shape = (len(p), len(V))
     # along the sheet's normal N; the arc's outward normal is its tangent turned back by 90 degrees
-    normal = -B * found.nu * np.sin(found.gamma_rad)
+    normal = -found.normal_N * np.sin(found.gamma_rad)
     return ForceMap(
-        p, V, found.force(B).reshape(shape), normal.reshape(shape), found.s_hat_m.reshape(shape),
+        p, V, found.force_N.reshape(shape), normal.reshape(shape), found.s_hat_m.reshape(shape),
         (found.status == Status.SOLVED).reshape(shape), setups, found,
     )  # fmt: skip
 

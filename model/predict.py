@@ -7,15 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from model.beam import Equilibria, Problems, Status, problems, solve
-from model.field import Field, merged_breaks
-from model.free import free_shape
+from model.beam import Equilibria, Status
 from model.measurements import FloatArray
 from model.reach import limit_m, other_solutions, stable
 from model.setup import Setup
 from model.sheet_model import SheetModel
-
-SPACING_M = 0.5e-3
+from model.solved import Solved, sampled_s, solved
 
 
 @dataclass(frozen=True)
@@ -58,79 +55,82 @@ class Prediction:
         }
 
 
-def free_curvature(setup: Setup) -> Field:
-    """k* = k0 + Me/B(s)."""
-    if setup.softness is None:
-        return setup.rest + setup.eibm * (1.0 / setup.B_Nm2)
-    soft, eibm, rest = setup.softness, setup.eibm, setup.rest
-    kinks = merged_breaks([soft.breaks_m, eibm.breaks_m, rest.breaks_m])
-
-    def value(s: FloatArray) -> FloatArray:
-        return rest(s) + eibm(s) * soft(s) / setup.B_Nm2
-
-    return Field.smooth(value, rest.length_m, kinks)
-
-
-def batch(setups: list[Setup]) -> Problems:
-    """The beam problems of setups of one sheet."""
-    sheet = setups[0].sheet
-    angles = [s.angle_rad - s.clamp_rad for s in setups]
-    return problems(
-        [free_curvature(s) for s in setups], angles, sheet.arc_radius_m, sheet.elongation_m,
-        setups[0].softness,
-    )  # fmt: skip
-
-
-def sampled_s(setup: Setup) -> FloatArray:
-    """Points from the clamp to the visible end, the sheet's end among them."""
-    length, end = setup.sheet.free_length_m, setup.sheet.free_length_m + setup.sheet.elongation_m
-    inner = np.linspace(0.0, length, max(2, int(np.ceil(length / SPACING_M - 1e-9)) + 1))
-    outer = np.linspace(length, end, int(np.ceil((end - length) / SPACING_M - 1e-9)) + 1)[1:]
-    return np.concatenate([inner, outer])
-
-
 def predict(
-    model: SheetModel, configuration: str, position_m: float, voltage_V: float
+    model: SheetModel,
+    configuration: str,
+    position_m: float,
+    voltage_V: float,
+    *,
+    as_seen: bool = True,
 ) -> Prediction:
-    """The condition's force and shape on the branch that continues the free shape."""
-    setup = model.setup(configuration, position_m, voltage_V)
-    found = solve(batch([setup]))
-    names = (configuration, position_m, voltage_V)
+    """The condition's force and shape on the branch that continues the free shape.
+
+    With `as_seen` they are what load cell and camera would show, where the model has effects of
+    these; otherwise what the sheet does.
+    """
+    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
+    setup, names = found.setups[0], (configuration, position_m, voltage_V)
     if found.status[0] != Status.SOLVED:
         nothing = np.zeros(0)
-        why = "not reachable: " + _why_not(setup, found)
         gone = np.nan
         return Prediction(
-            *names, reachable=False, why=why, F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
+            *names, reachable=False, why="not reachable: " + _why_not(setup, _first(found)),
+            F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
             s_m=nothing, x_m=nothing, y_m=nothing, curvature_per_m=nothing,
         )  # fmt: skip
     s = sampled_s(setup)
-    shape = found.shapes(s)
-    cos, sin = np.cos(setup.clamp_rad), np.sin(setup.clamp_rad)
-    x, y = shape.x_m[0], shape.y_m[0]
-    why = "; ".join(_remarks(found, setup))
+    F, (x, y, curvature) = float(found.force_N[0]), _shape(model, found, s, as_seen=as_seen)
+    if model.effects and as_seen:
+        from model.observed import load_cell_N
+
+        places = {v: k for k, v in enumerate(volts)}
+        F += load_cell_N(model.effects, found, places, voltage_V, position_m)
     return Prediction(
         *names,
         reachable=True,
-        why=why,
-        F_N=float(found.force(setup.B_Nm2)[0]),
-        N_N=float(setup.B_Nm2 * found.nu[0]),
+        why="; ".join(_remarks(_first(found), setup)),
+        F_N=F,
+        N_N=float(found.normal_N[0]),
         s_hat_m=float(found.s_hat_m[0]),
-        phi_hat_rad=float(found.phi_hat_rad[0] + setup.clamp_rad),
+        phi_hat_rad=float(found.phi_hat_rad[0]),
         s_m=s,
-        x_m=cos * x - sin * y,
-        y_m=sin * x + cos * y,
-        curvature_per_m=shape.curvature_per_m[0],
+        x_m=x,
+        y_m=y,
+        curvature_per_m=curvature,
     )
 
 
-def predict_free(model: SheetModel, configuration: str, voltage_V: float) -> tuple[FloatArray, ...]:
+def predict_free(
+    model: SheetModel, configuration: str, voltage_V: float, *, as_seen: bool = True
+) -> tuple[FloatArray, ...]:
     """s, x, y of the sheet with nothing touching it."""
-    setup = model.setup(configuration, 0.0, voltage_V)
-    s = sampled_s(setup)
-    x, y, _, _ = free_shape(free_curvature(setup), s)
-    cos, sin = np.cos(setup.clamp_rad), np.sin(setup.clamp_rad)
-    return s, cos * x - sin * y, sin * x + cos * y
+    found = solved(model.setups(configuration, [(None, voltage_V)]))
+    s = sampled_s(found.setups[0])
+    x, y, _ = _shape(model, found, s, as_seen=as_seen)
+    return s, x, y
+
+
+def _shape(
+    model: SheetModel, found: Solved, s_m: FloatArray, *, as_seen: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x, y and curvature of the first of the solutions."""
+    if not (model.effects and as_seen):
+        one = found.shapes(s_m)
+        return one.x_m[0], one.y_m[0], one.curvature_per_m[0]
+    from model.observed import as_pictured, camera_m
+
+    setup = found.setups[0]
+    then = as_pictured(setup, model.effects)
+    one = (found if then is setup else solved([then])).shapes(s_m)
+    x, y = one.x_m[0], one.y_m[0]
+    dx, dy = camera_m(model.effects, setup, one)
+    return x + dx, y + dy, one.curvature_per_m[0]
+
+
+def _first(found: Solved) -> Equilibria:
+    """The equilibrium of the first setup, which may lie in a batch with others."""
+    return next(part for rows, part in found.parts if rows[0] == 0)
 
 
 def _why_not(setup: Setup, found: Equilibria) -> str:

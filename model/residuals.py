@@ -8,13 +8,14 @@ from typing import Literal
 
 import numpy as np
 
-from model.beam import Shapes, Status, solve
+from model.beam import Shapes, Status
 from model.field import Field
 from model.free import free_shape
 from model.measurements import Curve, FloatArray
 from model.observations import Observation, Observed
-from model.predict import batch, free_curvature, sampled_s
+from model.predict import predict, predict_free
 from model.sheet_model import SheetModel
+from model.solved import free_curvature, sampled_s, solved
 
 Kind = Literal["constant", "varying"]
 
@@ -78,9 +79,11 @@ class _Answer:
 
 def against(observed: Observed, model: SheetModel) -> list[_Answer]:
     """A model's force, and its distance from the measured curve, for each condition."""
+    if model.effects:
+        return [_seen(observed, o, model) for o in observed.observations]
     name, answers = observed.sheet.configuration, []
     setups = [model.setup(name, o.position_m or 0.0, o.voltage_V) for o in observed.observations]
-    found = solve(batch(setups))
+    found = solved(setups)
     shapes = found.shapes(sampled_s(setups[0]))
     for i, o in enumerate(observed.observations):
         if o.position_m is None:
@@ -88,9 +91,25 @@ def against(observed: Observed, model: SheetModel) -> list[_Answer]:
         elif found.status[i] != Status.SOLVED:
             answers.append(_Answer(np.nan, np.nan, "has no equilibrium there"))
         else:
-            force = float(found.force(setups[i].B_Nm2)[i])
+            force = float(found.force_N[i])
             answers.append(_Answer(force, _distance(shapes, i, o.curve, observed)))
     return answers
+
+
+def _seen(observed: Observed, o: Observation, model: SheetModel) -> _Answer:
+    """One condition against a model with effects, those of load cell and camera among them."""
+    name, length = observed.sheet.configuration, observed.sheet.free_length_m
+    if o.position_m is None:
+        force, why = np.nan, ""
+        s, x, y = predict_free(model, name, o.voltage_V)
+    else:
+        found = predict(model, name, o.position_m, o.voltage_V)
+        if not found.reachable:
+            return _Answer(np.nan, np.nan, "has no equilibrium there")
+        force, why, s, x, y = found.F_N, "", found.s_m, found.x_m, found.y_m
+    inside = s <= length * (1.0 + 1e-9)
+    off = np.nan if o.curve is None else distance_to(x[inside], y[inside], o.curve, length)
+    return _Answer(force, off, why)
 
 
 def _free_distance(kappa: Field, o: Observation) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from model.field import Field
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.parameter import Parameter, finite
-from model.setup import EFFECTS, ActiveEffect, Setup
+from model.setup import ActiveEffect, Setup
 
 if TYPE_CHECKING:
     from model.predict import Prediction
@@ -118,23 +118,39 @@ class SheetModel:
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
         return self.sheets[configuration]
 
-    def setup(self, configuration: str, position_m: float, voltage_V: float) -> Setup:
-        """The beam problem of a condition, effects included."""
+    def setup(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
+        """The beam problem of a condition, effects included; without a position nothing touches."""
+        volts = self.beside(configuration, voltage_V) if self.effects else (voltage_V,)
+        return self.setups(configuration, [(position_m, v) for v in volts])[0]
+
+    def setups(
+        self, configuration: str, places: Sequence[tuple[float | None, float]]
+    ) -> list[Setup]:
+        """Beam problems of conditions, given by position and voltage, effects included."""
+        plain = [self._plain(configuration, *place) for place in places]
+        if not self.effects:
+            return plain
+        from model.active import with_effects
+
+        return with_effects(plain, [position for position, _ in places], self.effects)
+
+    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+        """A voltage, and those that it takes turns with in a run: 0 V and the other polarity."""
+        known = [0.0, *self.sheet(configuration).eibm]
+        opposite = float(np.clip(-voltage_V, min(known), max(known)))
+        if voltage_V == 0.0:
+            return (0.0, *(v for v in (max(known), min(known)) if v))
+        return tuple(dict.fromkeys((float(voltage_V), 0.0, opposite)))
+
+    def _plain(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
         one = self.sheet(configuration)
-        if not np.isfinite(position_m) or not np.isfinite(voltage_V):
+        if not np.isfinite(0.0 if position_m is None else position_m) or not np.isfinite(voltage_V):
             raise ModelError("position and voltage must be finite numbers")
-        setup = Setup(
-            one.sheet, voltage_V, one.sheet.arc_origin_rad + position_m / one.sheet.arc_radius_m,
+        along = np.nan if position_m is None else position_m / one.sheet.arc_radius_m
+        return Setup(
+            one.sheet, voltage_V, one.sheet.arc_origin_rad + along,
             one.B.value, one.rest.field(one.sheet.free_length_m), one.eibm_at(voltage_V),
         )  # fmt: skip
-        for effect in self.effects:
-            if effect.name not in EFFECTS:
-                raise ModelError(
-                    f"the model includes the effect '{effect.name}', unknown to this version"
-                )
-            values = {name: p.value for name, p in effect.parameters.items()}
-            setup = EFFECTS[effect.name].apply(setup, values)
-        return setup
 
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
         """Force and shape of a condition, or why it is not reachable."""
@@ -155,10 +171,7 @@ class SheetModel:
             },
             "figures_of_merit": dict(self.merit),
             "configurations": {name: _sheet_to_dict(one) for name, one in self.sheets.items()},
-            "effects": [
-                {"name": e.name, "parameters": {k: p.to_dict() for k, p in e.parameters.items()}}
-                for e in self.effects
-            ],
+            "effects": [e.to_dict() for e in self.effects],
         }  # fmt: skip
 
     @staticmethod
@@ -176,7 +189,7 @@ class SheetModel:
         merit = data.get("figures_of_merit", {})
         return SheetModel(
             {name: _sheet_from_dict(name, one) for name, one in sheets.items()},
-            tuple(_effect_from_dict(e, i) for i, e in enumerate(effects)),
+            tuple(ActiveEffect.from_dict(e, f"effects[{i}]") for i, e in enumerate(effects)),
             str(fitted.get("file", "")), str(fitted.get("sha256", "")),
             tuple(str(c) for c in fitted.get("held_out", [])),
             {str(k): finite(v, f"figures_of_merit.{k}") for k, v in dict(merit).items()},
@@ -240,19 +253,6 @@ def _voltage(text: object, where: str) -> float:
         return float(str(text))
     except ValueError:
         raise ModelError(f"{where}.eibm: '{text}' is not a voltage") from None
-
-
-def _effect_from_dict(data: object, index: int) -> ActiveEffect:
-    where = f"effects[{index}]"
-    if not isinstance(data, dict) or not isinstance(data.get("name"), str):
-        raise ModelError(f"{where}: a table with a name is wanted")
-    parameters = data.get("parameters", {})
-    if not isinstance(parameters, dict):
-        raise ModelError(f"{where}.parameters: a table is wanted")
-    return ActiveEffect(
-        data["name"],
-        {k: Parameter.from_dict(p, f"{where}.parameters.{k}") for k, p in parameters.items()},
-    )
 
 
 def _table(data: dict[str, Any], key: str, where: str = "") -> dict[str, Any]:

@@ -62,7 +62,9 @@ def draw_shapes(model: SheetModel, found: Answers, path: Path) -> None:
     with figure(5.4, 3.2) as fig:
         axes = fig.subplots()
         for volt in found.shapes.voltages_V:
-            one = predict(model, found.wanted.configuration, found.shapes.position_m, volt)
+            one = predict(
+                model, found.wanted.configuration, found.shapes.position_m, volt, as_seen=False
+            )
             axes.plot(1e3 * one.x_m, 1e3 * one.y_m, color=colour_of(volt), label=label_of(volt))
         axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
         apart_mm = 1e3 * found.shapes.distance_m.value

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from model import Prediction, SheetModel, predict
-from model.beam import solve
 from model.measurements import FloatArray
-from model.predict import batch
+from model.solved import solved
 
 
 @dataclass(frozen=True)
@@ -47,6 +44,7 @@ def force_curve_N(
     model: SheetModel, configuration: str, positions_m: FloatArray, voltage_V: float
 ) -> FloatArray:
     """F over positions, shape (positions,); NaN where a position cannot be reached."""
-    setups = [model.setup(configuration, float(p), voltage_V) for p in positions_m]
-    found = solve(batch(setups))  # one batch: hundreds of points in the time of one `predict`
-    return found.force(np.array([setup.B_Nm2 for setup in setups]))
+    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    places = [(float(p), v) for v in volts for p in positions_m]
+    # one batch: hundreds of points in the time of one `predict`
+    return solved(model.setups(configuration, places)).force_N[: len(positions_m)]

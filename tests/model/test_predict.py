@@ -200,7 +200,7 @@ def test_places_along_the_sheet_must_ascend():
 
 
 def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel):
-    from model.predict import free_curvature
+    from model.solved import free_curvature
     from model.setup import Setup
 
     one: ConfiguredSheet = truth.sheet("long")

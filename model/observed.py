@@ -1,0 +1,99 @@
+"""What load cell and camera make of a condition, where a model says that they deceive.
+
+Effects of the load cell see a typical run's readings in the order of time; those of the camera see
+the curve's points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.active import acting, unknowns
+from model.beam import Shapes
+from model.effects.interface import Points, Weighed
+from model.measurements import FloatArray
+from model.setup import ActiveEffect, Profile, Setup
+from model.solved import Solved
+from model.typical_run import SAMPLE_S, TypicalRun, mean_over, typical_run
+
+
+def load_cell_N(
+    effects: Sequence[ActiveEffect],
+    found: Solved,
+    rows: Mapping[float, int],
+    voltage_V: float,
+    position_m: float,
+) -> float:
+    """What the load cell adds to the mean of a condition's readings.
+
+    `rows`: by voltage, which of the solutions it is; all of them are at this position. The run
+    alternates between `voltage_V` and the other driving voltage there.
+    """
+    others = [v for v in rows if v not in (0.0, voltage_V)]
+    run = typical_run(voltage_V, others[0] if others else 0.0)
+    name, total = found.setups[0].sheet.configuration, 0.0
+    for one in acting(effects, name):
+        weighed = _weighed(found, rows, run, position_m)
+        added = one.effect.force(weighed, one.values)
+        if added is not None:
+            mean = mean_over(np.asarray(added), run.at(voltage_V))
+            total += mean * _factor(one.profile, position_m)
+    for other in unknowns(effects, name):
+        if other.slot == "load_cell" and other.profile is not None:
+            total += 1e-3 * _factor(other.profile, position_m)
+    return total
+
+
+def _factor(profile: Profile | None, position_m: float) -> float:
+    if profile is None or profile.along != "position":
+        return 1.0
+    return float(profile(np.array([position_m]))[0])
+
+
+def _weighed(
+    found: Solved, rows: Mapping[float, int], run: TypicalRun, position_m: float
+) -> Weighed:
+    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
+    ones = np.ones(len(of))
+    return Weighed(
+        np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
+        np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
+    )  # fmt: skip
+
+
+def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
+    """The sheet as it was when the picture was taken, which may be older than the reading."""
+    delay = sum(
+        one.effect.delay_s(one.values) for one in acting(effects, setup.sheet.configuration)
+    )
+    if not delay or setup.voltage_V == 0.0:
+        return setup
+    rise_s = max(setup.sheet.rise_time_s, 1e-6)
+    run = typical_run(setup.voltage_V, -setup.voltage_V)
+    way = 1.0 - run.clock.opposite  # what the EIBM has to go, over where it goes
+    lacking = way * (np.exp(-(SAMPLE_S - delay) / rise_s) - np.exp(-SAMPLE_S / rise_s))
+    return replace(setup, eibm=setup.eibm * (1.0 - mean_over(lacking, run.at(setup.voltage_V))))
+
+
+def camera_m(
+    effects: Sequence[ActiveEffect], setup: Setup, curve: Shapes
+) -> tuple[FloatArray, FloatArray]:
+    """What the camera adds to the points of one curve, the first of `curve`."""
+    s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
+    dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
+    name = setup.sheet.configuration
+    points = Points(x_m[None], y_m[None], setup.sheet.free_length_m)
+    for one in acting(effects, name):
+        added = one.effect.curve(points, one.values)
+        if added is not None:
+            along = one.profile is not None and one.profile.along == "s"
+            share = one.profile(s_m) if one.profile is not None and along else 1.0
+            dx, dy = dx + share * added[0][0], dy + share * added[1][0]
+    for other in unknowns(effects, name):
+        if other.slot == "camera" and other.profile is not None and other.profile.along == "s":
+            off = 1e-3 * other.profile(s_m)
+            dx, dy = dx - off * np.sin(phi_rad), dy + off * np.cos(phi_rad)
+    return dx, dy

@@ -1,0 +1,56 @@
+"""The readings that a prediction stands for: those of the paper's pulse train, mid-session.
+
+A model whose effects depend on time or on the order of the readings says what the mean of a
+condition's kept readings would be in such a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from model.effects.interface import Clock
+from model.measurements import FloatArray
+
+SLOT_S, SAMPLE_S = 0.6, 0.5
+ZEROS, DISCARDED, PULSES = 10, 2, 22
+
+
+@dataclass(frozen=True)
+class TypicalRun:
+    """Readings in the order of time: at 0 V, then pulses of `first_V` and `second_V` in turn."""
+
+    clock: Clock
+    kept: npt.NDArray[np.bool_]
+
+    def at(self, voltage_V: float) -> npt.NDArray[np.bool_]:
+        """The kept readings of a voltage."""
+        result: npt.NDArray[np.bool_] = self.kept & (self.clock.voltage_V == voltage_V)
+        return result
+
+
+def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> TypicalRun:
+    """The run of a condition at `first_V`; with 0 V as the first only the beginning counts."""
+    pulse = np.concatenate([np.full(ZEROS, -1.0), np.arange(PULSES, dtype=float)])
+    turn = np.arange(PULSES) % 2
+    pulses_V = np.where(turn == 0, first_V, second_V)
+    voltage = np.concatenate([np.zeros(ZEROS), pulses_V])
+    run_s: FloatArray = SLOT_S * np.arange(len(pulse), dtype=float) + SAMPLE_S
+    # 0 before the first pulse; later the other polarity, or the rest that stands for it
+    before = np.where(pulse <= 0.0, 0.0, -1.0 if first_V * second_V < 0.0 else 0.0)
+    driven_s = np.where(pulse < 0.0, 0.0, SLOT_S * pulse + SAMPLE_S)
+    since_edge_s = np.where(pulse < 0.0, run_s, SAMPLE_S)
+    middle = np.full(len(pulse), 0.5)
+    clock = Clock(
+        voltage_V=voltage, pulse_s=since_edge_s, pulse=pulse, run_s=run_s, session=middle,
+        wetted_s=run_s, driven_s=driven_s, opposite=np.asarray(before, dtype=float),
+        rise_s=rise_s,
+    )  # fmt: skip
+    return TypicalRun(clock, (pulse < 0.0) | (pulse >= DISCARDED))
+
+
+def mean_over(values: FloatArray, use: npt.NDArray[np.bool_]) -> float:
+    """Mean of the readings in use; 0 where there are none."""
+    return float(np.mean(values[use])) if np.any(use) else 0.0

@@ -1,0 +1,249 @@
+"""A model with effects predicts what a sheet with them does, and survives its file."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import Along, ModelError, Parameter, SheetModel, predict, predict_free
+from model.effects import catalogue
+from model.force_map import force_map
+from model.setup import ActiveEffect, Profile
+
+POSITION_M = 0.01
+# they are 0 in the middle of a session, or at the sampling point, or a matter of the rise time
+NOT_IN_MEANS = {"force_drift", "stiffness_drift", "eibm_drift", "back_relaxation", "frame_delay"}
+
+
+def active(name: str, **values: float) -> ActiveEffect:
+    return ActiveEffect(name, {k: Parameter(v, 0.0, "") for k, v in values.items()})
+
+
+def along(*values: float, along: str = "s") -> Profile:
+    at = tuple(np.linspace(0.0, 0.05, len(values)))
+    return Profile(along, at, values, tuple(0.0 for _ in values), "")
+
+
+def unknown(slot: str, profile: Profile) -> ActiveEffect:
+    return ActiveEffect("unknown", profile=profile, slot=slot)
+
+
+def with_eibm_times(model: SheetModel, factor: float) -> SheetModel:
+    sheets = {
+        name: replace(
+            one, eibm={v: replace(a, values=a.values * factor) for v, a in one.eibm.items()}
+        )
+        for name, one in model.sheets.items()
+    }
+    return replace(model, sheets=sheets)
+
+
+def plausible(name: str) -> ActiveEffect:
+    return active(name, **{knob.name: knob.plausible for knob in catalogue()[name].knobs})
+
+
+@pytest.mark.parametrize("name", sorted(catalogue()))
+def test_every_effect_of_the_catalogue_can_be_in_a_model(truth: SheetModel, name: str):
+    model = truth.with_effects(plausible(name))
+    for configuration in truth.sheets:
+        for voltage in (0.0, -2.0):
+            found = predict(model, configuration, POSITION_M, voltage)
+            assert found.reachable
+            assert np.isfinite([found.F_N, found.N_N, found.s_hat_m]).all()
+            assert np.isfinite(found.x_m).all()
+    assert seen_difference(model, truth) > 1e-8 or name in NOT_IN_MEANS
+
+
+def seen_difference(model: SheetModel, other: SheetModel) -> float:
+    differences = []
+    for configuration in other.sheets:
+        one, two = (predict(m, configuration, 0.028, -2.0) for m in (model, other))
+        differences += [abs(one.F_N - two.F_N), float(np.max(np.abs(one.x_m - two.x_m)))]
+    return max(differences)
+
+
+@pytest.mark.parametrize("name", sorted(catalogue()))
+def test_an_effect_at_its_neutral_value_changes_nothing(truth: SheetModel, name: str):
+    knobs = catalogue()[name].knobs
+    values = {knob.name: knob.plausible for knob in knobs}
+    if not np.isfinite(knobs[0].neutral):
+        pytest.skip("its absence is no number that a file could hold")
+    values[knobs[0].name] = max(knobs[0].neutral, knobs[0].low)
+    model = truth.with_effects(active(name, **values))
+    for voltage in (0.0, -2.0):
+        one, two = (predict(m, "long", POSITION_M, voltage) for m in (model, truth))
+        assert pytest.approx(two.F_N, rel=2e-3, abs=1e-9) == one.F_N
+        assert one.x_m == pytest.approx(two.x_m, abs=2e-5)
+
+
+def test_a_falling_eibm_is_the_same_as_one_written_out_along_the_sheet(truth: SheetModel):
+    decay_m, length = 0.02, 0.05
+    s = np.linspace(0.0, length, 201)
+    share = np.exp(-s / decay_m) * (length / decay_m) / (1.0 - np.exp(-length / decay_m))
+    one = truth.sheet("long")
+    written = {v: Along(s, share * a.values[0], 0.0 * s, "N m") for v, a in one.eibm.items()}
+    known = replace(truth, sheets={"long": replace(one, eibm=written)})
+    model = truth.with_effects(active("nonuniform_eibm", decay_length_mm=20.0))
+    for voltage in (2.0, -2.0):
+        ours, theirs = (predict(m, "long", POSITION_M, voltage) for m in (model, known))
+        assert pytest.approx(theirs.F_N, rel=1e-4) == ours.F_N
+        assert ours.y_m == pytest.approx(theirs.y_m, abs=2e-7)
+        free, known_free = (predict_free(m, "long", voltage) for m in (model, known))
+        assert free[2] == pytest.approx(known_free[2], abs=1e-6)
+
+
+def test_a_clamp_that_gives_way_turns_by_the_moment_that_the_force_has(truth: SheetModel):
+    model = truth.with_effects(active("clamp_compliance", rotation_rad_per_Nm=400.0))
+    found = predict(model, "long", POSITION_M, 2.0)
+    root = np.arctan2(found.y_m[1] - found.y_m[0], found.x_m[1] - found.x_m[0])
+    bent = 0.5 * 0.5e-3 * found.curvature_per_m[0]  # half of the first step's own turn
+    assert root - bent == pytest.approx(400.0 * -0.04 * found.F_N, abs=2e-5)
+    x, y = predict_free(model, "long", 2.0)[1:]
+    assert np.arctan2(y[1], x[1]) == pytest.approx(0.5 * 0.5e-3 * 49.0, abs=1e-3)
+
+
+def test_the_sheet_passes_beside_the_arcs_point_by_the_rolls_offset(truth: SheetModel):
+    model = truth.with_effects(active("roll_offset", offset_mm=0.5))
+    found = predict(model, "long", POSITION_M, 2.0)
+    angle = POSITION_M / 0.04
+    away = np.hypot(found.x_m - 0.04 * np.cos(angle), found.y_m - 0.04 * np.sin(angle))
+    assert away.min() == pytest.approx(0.5e-3, rel=2e-2)
+    assert found.s_m[away.argmin()] == pytest.approx(found.s_hat_m, abs=0.5e-3)
+
+
+def test_an_elongation_that_gives_way_makes_the_sheet_softer(truth: SheetModel):
+    stiff, firm, soft = (
+        predict(m, "short", 0.03, 0.0).F_N
+        for m in (truth, *(
+            truth.with_effects(active("elongation_flexibility", relative_compliance=c))
+            for c in (1e-9, 0.05)
+        ))
+    )  # fmt: skip
+    assert firm == pytest.approx(stiff, rel=1e-6)
+    assert abs(soft) < 0.95 * abs(stiff)
+
+
+def test_what_the_load_cell_adds_is_seen_and_not_felt(truth: SheetModel):
+    model = truth.with_effects(active("force_offset", force_mN=0.3))
+    plain, seen = (predict(m, "long", POSITION_M, 2.0) for m in (truth, model))
+    felt = predict(model, "long", POSITION_M, 2.0, as_seen=False)
+    assert pytest.approx(plain.F_N + 0.3e-3, abs=1e-9) == seen.F_N
+    assert pytest.approx(plain.F_N, abs=1e-9) == felt.F_N
+    assert pytest.approx(plain.N_N, rel=1e-9) == seen.N_N
+
+
+def test_a_load_cell_that_hangs_behind_brings_the_polarities_together(truth: SheetModel):
+    model = truth.with_effects(active("load_cell_hysteresis", force_mN=0.1, from_no_load=0.0))
+    gaps = [
+        predict(m, "long", POSITION_M, 2.0).F_N - predict(m, "long", POSITION_M, -2.0).F_N
+        for m in (truth, model)
+    ]
+    assert abs(gaps[0]) - abs(gaps[1]) == pytest.approx(0.2e-3, rel=0.01)
+
+
+def test_what_the_camera_adds_is_seen_and_not_there(truth: SheetModel):
+    model = truth.with_effects(active("camera_scale", relative_error=0.02))
+    plain, seen = (predict(m, "long", POSITION_M, 2.0) for m in (truth, model))
+    assert seen.x_m == pytest.approx(1.02 * plain.x_m, abs=1e-12)
+    there = predict(model, "long", POSITION_M, 2.0, as_seen=False)
+    assert there.x_m == pytest.approx(plain.x_m, abs=1e-12)
+
+
+def test_an_eibm_that_has_not_arrived_is_smaller_in_the_mean(truth: SheetModel):
+    tau = 0.2
+    model = truth.with_effects(active("charging_lag", time_constant_s=tau))
+    smaller = with_eibm_times(truth, 1.0 - 2.0 * np.exp(-0.5 / tau))
+    for voltage in (2.0, 0.0):
+        lagging, same = (predict(m, "long", POSITION_M, voltage) for m in (model, smaller))
+        assert pytest.approx(same.F_N, rel=1e-6) == lagging.F_N
+
+
+def test_factors_on_the_form_change_the_effect_where_they_say(truth: SheetModel):
+    whole = active("initial_curvature", curvature_error_per_m=4.0)
+    none, twice = (truth.with_effects(replace(whole, profile=along(f, f))) for f in (0.0, 2.0))
+    double = truth.with_effects(active("initial_curvature", curvature_error_per_m=8.0))
+    force = [predict(m, "long", POSITION_M, 2.0).F_N for m in (truth, none, double, twice)]
+    assert force[0] == pytest.approx(force[1], rel=1e-9)
+    assert force[2] == pytest.approx(force[3], rel=1e-9)
+
+
+def test_an_unknown_term_acts_at_its_slot(truth: SheetModel):
+    less = with_eibm_times(truth, 0.9)
+    eibm = truth.with_effects(unknown("eibm", along(-0.1, -0.1)))
+    rest = truth.with_effects(unknown("rest_curvature", along(4.0, 4.0)))
+    same = truth.with_effects(active("initial_curvature", curvature_error_per_m=4.0))
+    cell = truth.with_effects(unknown("load_cell", along(0.2, 0.2, along="position")))
+    for one, two in ((eibm, less), (rest, same)):
+        forces = [predict(m, "long", POSITION_M, 2.0).F_N for m in (one, two)]
+        assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+    assert (pytest.approx(0.2e-3, rel=1e-9)) == predict(cell, "long", 0.0, 0.0).F_N - predict(
+        truth, "long", 0.0, 0.0
+    ).F_N
+
+
+def test_each_configuration_may_have_its_own_value(truth: SheetModel):
+    effect = ActiveEffect(
+        "initial_curvature",
+        by_configuration={"long": {"curvature_error_per_m": Parameter(4.0, 0.1, "1/m")}},
+    )
+    model = truth.with_effects(effect)
+    same = truth.with_effects(active("initial_curvature", curvature_error_per_m=4.0))
+    long, known = (predict(m, "long", POSITION_M, 0.0).F_N for m in (model, same))
+    assert long == pytest.approx(known, rel=1e-12)
+    short, plain = (predict(m, "short", POSITION_M, 0.0).F_N for m in (model, truth))
+    assert short == pytest.approx(plain, rel=1e-12)
+
+
+def test_a_model_with_everything_in_it_survives_being_written_and_read(truth: SheetModel):
+    effects = (
+        replace(active("nonuniform_eibm", decay_length_mm=21.0), profile=along(1.1, 0.9, 1.0)),
+        replace(unknown("eibm", along(0.1, -0.1)), configurations=("long",)),
+        ActiveEffect(
+            "clamp_angle", by_configuration={"short": {"angle_rad": Parameter(0.01, 0.001, "rad")}}
+        ),
+    )
+    model = truth.with_effects(*effects)
+    again = SheetModel.from_dict(json.loads(json.dumps(model.to_dict())))
+    assert again.effects == effects
+    forces = [predict(m, "long", POSITION_M, 2.0).F_N for m in (model, again)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-12)
+
+
+def test_forces_over_positions_hold_the_effects_too(truth: SheetModel):
+    model = truth.with_effects(active("nonuniform_eibm", decay_length_mm=15.0))
+    found = force_map(model, "long", [0.0, POSITION_M], [-2.0, 0.0, 2.0])
+    for j, voltage in enumerate((-2.0, 0.0, 2.0)):
+        one = predict(model, "long", POSITION_M, voltage).F_N
+        assert found.tangential_N[1, j] == pytest.approx(one, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("effect", "text"),
+    [
+        (active("nonuniform_eibm"), "lacks its decay_length_mm"),
+        (active("camera_scale", relative_error=7.0), "must be within -0.5 and 0.5"),
+    ],
+)
+def test_an_effect_that_makes_no_sense_is_refused_with_its_name(truth: SheetModel, effect, text):
+    with pytest.raises(ModelError, match=text):
+        predict(truth.with_effects(effect), "long", 0.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"profile": {"along": "up"}}, "one of s, position, time"),
+        ({"profile": {"along": "s", "at": [0.0, 0.0], "value": [1, 1], "sigma": [0, 0]}}, "ascend"),
+        ({"profile": {"along": "s", "at": [0.0], "value": [1, 1], "sigma": [0]}}, "equally long"),
+        ({"by_configuration": 3}, "by_configuration: a table"),
+        ({"configurations": [3]}, "a list of names"),
+    ],
+)
+def test_a_broken_effect_in_a_model_file_is_refused_with_its_key(truth, change, text):
+    data = json.loads(json.dumps(truth.with_effects(active("clamp_angle")).to_dict()))
+    data["effects"][0].update(change)
+    with pytest.raises(ModelError, match=text):
+        SheetModel.from_dict(data)
