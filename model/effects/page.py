@@ -1,0 +1,107 @@
+"""The catalogue as a page of the docs: `python -m model.effects.page > docs/effects.md`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from model.effects.catalogue import catalogue
+from model.effects.interface import SLOTS, Effect, Knob
+
+HEAD = """\
+# The catalogue of effects
+
+What the base model leaves out, and `labrig diagnose` may find. This page is made from the effects
+themselves: `python -m model.effects.page > docs/effects.md`.
+
+An effect is one object in a file of its own, `model/effects/NAME.py`: a frozen subclass of
+`Effect` that overrides the one place where it acts, and `EFFECT`. Its first parameter says how much
+of it there is; the form is only a first guess, from which `diagnose` lets the data depart along
+what stands under *may differ along*. Another distribution adds an effect by an entry point:
+
+```toml
+[project.entry-points."labrig.effects"]
+moonlight = "my_package.moonlight:EFFECT"
+```
+
+`model.effects.conformance.faults(EFFECT)` says what is wrong with it; `[]` is what its tests want.
+One that cannot be used, or has a name that exists already, is left out with a warning.
+"""
+SLOT_NAMES = {
+    "rest_curvature": "the curvature at rest",
+    "eibm": "the EIBM along the sheet",
+    "even_moment": "a moment that does not change its sign with the voltage",
+    "compliance": "what gives way",
+    "position": "where and how the sheet is touched",
+    "load_cell": "the load cell",
+    "camera": "the camera",
+    "time": "time",
+}
+
+
+def page() -> str:
+    """The whole page."""
+    effects = [e for e in catalogue().values() if type(e).__module__.startswith("model.effects.")]
+    return "\n".join([HEAD, *_overview(effects), *_sections(effects)])
+
+
+def _overview(effects: list[Effect]) -> Iterable[str]:
+    yield "| effect | slot | parameters | form |"
+    yield "|---|---|---|---|"
+    for e in effects:
+        told = ", ".join([*(k.name for k in e.knobs), *e.extra])
+        yield f"| [{e.name}](#{e.name}) | {e.slot} | {told} | {_cell(e.form)} |"
+    yield ""
+
+
+def _sections(effects: list[Effect]) -> Iterable[str]:
+    for slot in SLOTS:
+        yield f"## {slot}: {SLOT_NAMES[slot]}\n"
+        for e in effects:
+            if e.slot == slot:
+                yield from _section(e)
+
+
+def _section(e: Effect) -> Iterable[str]:
+    yield f"### {e.name}\n"
+    yield f"{e.meaning}\n"
+    yield f"- **form**: {e.form}"
+    yield f"- **leaves**: {e.signature}"
+    yield f"- **isolated by**: {e.isolates}"
+    yield f"- **may differ along**: {', '.join(e.tolerance)}" + (
+        "; each configuration may have its own size" if e.by_configuration else ""
+    )
+    yield f"- **source**: {e.source}\n"
+    yield "| parameter | meaning | unit | plausible | bounds | absent at | tried |"
+    yield "|---|---|---|---|---|---|---|"
+    for knob in e.knobs:
+        yield _row(knob, shape=knob is not e.size)
+    for name, unit in e.extra.items():
+        yield f"| {name} | follows from the others | {unit} | | | | |"
+    yield ""
+
+
+def _row(knob: Knob, *, shape: bool) -> str:
+    bounds = f"{_number(knob.low)} to {_number(knob.high)}"
+    absent = "" if shape else _number(knob.neutral)
+    tried = ", ".join(_number(v) for v in knob.tried)
+    plausible = _number(knob.plausible)
+    cells = [knob.name, _cell(knob.meaning), knob.unit, plausible, bounds, absent, tried]
+    return f"| {' | '.join(cells)} |"
+
+
+def _number(value: float) -> str:
+    if math.isinf(value):
+        return "-∞" if value < 0.0 else "∞"
+    return f"{value:.4g}"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    import sys
+
+    sys.stdout.reconfigure(encoding="utf-8", newline="\n")  # type: ignore[union-attr]
+    sys.stdout.write(page())
