@@ -43,10 +43,10 @@ export class SchemaForm {
     return choiceField(key, schema, value ?? undefined, options, "by the mode", this.changed);
   }
 
-  /** A group of fields. Optional groups beside each other (the kinds of a protocol) follow the others. */
+  /** A group of fields. */
   object(key, schema, values, required) {
     const needed = new Set(schema.required ?? []);
-    const fields = Object.entries(schema.properties ?? {}).map(([name, one]) => {
+    const fields = this.ordered(schema, needed, values).map(([name, one]) => {
       const field = this.make(name, one, values[name], needed.has(name));
       return { name, field, fixed: resolve(one, this.root).schema.default, given: name in values };
     });
@@ -69,6 +69,17 @@ export class SchemaForm {
       },
       faults: () => [...fields.flatMap(({ field }) => field.faults()), ...(named?.faults() ?? [])],
     };
+  }
+
+  /** What is needed first, then the groups in use, then single values, then the rest. */
+  ordered(schema, needed, values) {
+    const rank = ([name, one]) => {
+      if (needed.has(name)) return 0;
+      const found = resolve(one, this.root);
+      if (found.schema.type !== "object" || found.variants) return 2;
+      return found.nullable && values[name] != null ? 1 : found.nullable ? 4 : 3;
+    };
+    return Object.entries(schema.properties ?? {}).sort((a, b) => rank(a) - rank(b));
   }
 
   /** A group that may be left out. */

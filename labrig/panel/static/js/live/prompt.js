@@ -73,11 +73,11 @@ export function preflightTable(preflight) {
 
 /** Preflight results, shown while there are any. */
 export class Preflight {
-  constructor(job) {
-    this.job = job;
+  constructor(job, opened = false) {
+    Object.assign(this, { job, opened });
     this.body = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "preflight checks" });
     this.verdict = h("strong");
-    this.element = h("section", { class: "card preflight", hidden: true }, h("h2", {}, "Preflight ", this.verdict), this.body);
+    this.element = h("details", { class: "card preflight", hidden: true }, h("summary", {}, h("h2", {}, "Preflight ", this.verdict)), this.body);
   }
 
   update(dirty) {
@@ -86,7 +86,9 @@ export class Preflight {
     const { preflight } = this.job;
     this.element.hidden = !preflight;
     if (!preflight) return;
-    say(this.verdict, preflight.ok ? "passed" : "FAILED");
+    const warnings = preflight.checks.filter((check) => check.ok && check.warning).length;
+    say(this.verdict, preflight.ok ? `passed${warnings ? `, ${warnings} to look at` : ""}` : "FAILED");
+    this.element.open = this.opened || !preflight.ok;
     put(this.body, preflightTable(preflight));
   }
 }

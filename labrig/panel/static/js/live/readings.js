@@ -15,11 +15,12 @@ export class Readings {
     this.table = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "mean force of every run" });
     this.single = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "single readings" });
     this.singleName = h("h3");
+    this.whole = h("div");
     this.element = h(
       "section", { class: "card readings", "aria-label": "readings" },
       h("h2", {}, "Readings ", h("span", { class: "muted" }, "force in mN, mean \u00B1 scatter of one reading")),
       this.cards,
-      h("div", { class: "readings-two" }, this.table, h("div", { class: "readings-single" }, this.singleName, this.single)),
+      h("div", { class: "readings-two" }, this.table, h("div", { class: "readings-single" }, h("div", { class: "readings-head" }, this.singleName, this.whole), this.single)),
     );
   }
 
@@ -81,7 +82,7 @@ export class Readings {
       this.showSingle();
     };
     return h(
-      "tr", { class: run.run === this.run ? "chosen" : "", },
+      "tr", { class: run.run === this.run ? "chosen" : "" },
       h("th", { scope: "row" }, h("button", { class: "link", type: "button", onclick: choose, "aria-pressed": String(run.run === this.run) }, `${run.run + 1} \u00B7 ${placeOf(run)}`),
         record.invalid && h("span", { class: "verdict bad" }, "INVALID")),
       columns.map((voltage) => {
@@ -98,13 +99,14 @@ export class Readings {
     say(this.singleName, planned ? `Run ${planned.run + 1}, each reading` : "");
     if (!planned || !record?.readings.size) {
       put(this.single);
+      put(this.whole);
       return;
     }
     const names = ["", "drive", "force, mN", "current, mA", "", ""];
     const readings = [...record.readings.values()].sort((a, b) => b.index - a.index);
+    put(this.whole, (this.mark || record.invalid) && this.marker(null, record.invalid, "Mark the whole run invalid"));
     put(
       this.single,
-      this.mark && this.marker(null, record.invalid, "Mark the whole run invalid"),
       h("table", {}, h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name)))), h("tbody", {}, readings.map((reading) => this.reading(reading)))),
     );
   }

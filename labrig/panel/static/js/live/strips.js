@@ -2,7 +2,7 @@
 
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
 import { colourOf, h, say } from "../dom.js";
-import { number, signed } from "../format.js";
+import { number, plain, signed } from "../format.js";
 import { drawMark } from "./marks.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
@@ -95,7 +95,7 @@ export class Strips {
       bands: [{ series: [2, 1], fill: stroke }],
       axes: [
         { ...axis, show: true, size: line.last ? 24 : 4, gap: 2, values: (_, ticks) => ticks.map((t) => (line.last ? `${t} s` : "")) },
-        { ...axis, size: 46, gap: 4, space: 26 },
+        { ...axis, size: 46, gap: 4, space: 26, values: (_, ticks) => ticks.map(plain) },
       ],
       hooks: { draw: [(plot) => this.drawMarks(plot, line)] },
     };

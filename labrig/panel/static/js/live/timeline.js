@@ -5,7 +5,7 @@ import { about, clock, number, volts } from "../format.js";
 import { placeOf } from "../words.js";
 import { svgMark } from "./marks.js";
 
-const RUNS_HIGH = 46;
+const RUNS_HIGH = 60;
 const WAVE_HIGH = 76;
 const LEFT = 40;
 const RIGHT = 12;
@@ -63,17 +63,27 @@ export class Timeline {
       return svg(
         "g", { class: `cell cell-${state}` },
         svg("title", {}, `run ${run.run + 1}: ${placeOf(run)}, ${state}`),
-        svg("rect", { class: "cell-wait", x: from + 0.5, y: 20, width: Math.max(start - from - 1, 0), height: 22 }),
-        svg("rect", { class: "cell-run", x: start + 0.5, y: 20, width: Math.max(end - start - 1, 1.5), height: 22 }),
-        room > 7 * name.length + 4 && svg("text", { x: (from + end) / 2, y: 13, "text-anchor": "middle" }, name),
-        state === "done" && room > 14 && svg("path", { class: "cell-tick", d: `M${end - 13} 31l4 4l6 -9` }),
+        svg("rect", { class: "cell-wait", x: from + 0.5, y: 32, width: Math.max(start - from - 1, 0), height: 22 }),
+        svg("rect", { class: "cell-run", x: start + 0.5, y: 32, width: Math.max(end - start - 1, 1.5), height: 22 }),
+        room > 7 * name.length + 4 && svg("text", { x: (from + end) / 2, y: 26, "text-anchor": "middle" }, name),
+        state === "done" && room > 14 && svg("path", { class: "cell-tick", d: `M${end - 13} 43l4 4l6 -9` }),
       );
     });
     this.now = svg("path", { class: "now" });
-    put(this.runs, svg("text", { x: 0, y: 13, class: "unit" }, "mm"), cells, this.now);
+    put(this.runs, svg("text", { x: 0, y: 26, class: "unit" }, "mm"), this.groups(plan), cells, this.now);
     this.runs.setAttribute("width", width);
     const done = plan.runs.filter((run) => this.stateOf(run) === "done").length;
     this.runs.setAttribute("aria-label", `${done} of ${plan.runs.length} runs are complete`);
+  }
+
+  /** The configurations' names, each where its runs begin. */
+  groups(plan) {
+    return plan.runs.map((run, index) => {
+      const before = plan.runs[index - 1];
+      if (before?.configuration === run.configuration) return null;
+      const x = this.x(before ? before.starts_s + before.duration_s : 0);
+      return svg("g", {}, svg("path", { class: "group-line", d: `M${x} 0V56` }), svg("text", { x: x + 4, y: 11, class: "group-name" }, run.configuration));
+    });
   }
 
   stateOf(run) {
@@ -127,7 +137,7 @@ export class Timeline {
     const run_s = going ? this.runTime(run) : record?.stopped ? run.duration_s : 0;
     const begun = job.started || job.job;
     const at = this.x(run.starts_s + (record?.started ? run_s : 0));
-    this.now.setAttribute("d", begun ? `M${at} 16V46M${at - 5} 16H${at + 5}L${at} 22Z` : "");
+    this.now.setAttribute("d", begun ? `M${at} 28V58M${at - 5} 28H${at + 5}L${at} 34Z` : "");
     const wave = this.waveX(run_s);
     this.waveNow.setAttribute("d", going ? `M${wave} 0V${WAVE_HIGH}` : "");
     say(this.said, this.words(run, going ? run_s : null));

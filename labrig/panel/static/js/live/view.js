@@ -16,9 +16,12 @@ export class LiveView {
     this.strips = new Strips(job);
     this.timeline = new Timeline(job);
     const readings = new Readings(job, acts ? { mark: acts.mark, may: acts.may } : {});
-    this.parts = [this.picture, this.strips, this.timeline, readings, new Preflight(job), new Log(job)];
-    if (acts) this.parts.unshift(new PromptBar(job, acts));
-    this.element = h("div", { class: "live" }, this.parts.map((part) => part.element));
+    const side = [new Preflight(job), new Log(job)];
+    const main = [this.picture, this.strips, this.timeline, readings];
+    if (acts) main.unshift(new PromptBar(job, acts));
+    this.parts = [...main, ...side];
+    const elements = (parts) => parts.map((part) => part.element);
+    this.element = h("div", { class: "live" }, elements(main), h("div", { class: "live-side" }, elements(side)));
     this.stop = job.watch((dirty) => this.update(dirty));
     this.update(new Set(["story", "picture"]));
   }

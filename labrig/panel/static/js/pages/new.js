@@ -21,7 +21,7 @@ class NewRun {
     this.app = app;
     this.preview = new Job(); // a job that only has a plan
     this.timeline = new Timeline(this.preview);
-    this.preflight = new Preflight(app.job);
+    this.preflight = new Preflight(app.job, true);
     this.fault = h("p", { class: "fault", role: "alert" });
     this.files = h("div", { class: "new-files" });
     this.facts = h("dl", { class: "facts" });

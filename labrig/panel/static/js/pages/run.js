@@ -28,6 +28,12 @@ export function mount(place, app) {
   };
 }
 
+/** Choose a name, also one that is not among the files. */
+function chosenModel(select, name) {
+  if (![...select.options].some((option) => option.value === name)) select.append(h("option", { value: name }, name));
+  select.value = name;
+}
+
 /** What is running, the gentle stop, whose model is drawn; or the way to a new run. */
 function runBar({ job, control }) {
   const name = h("strong", { class: "runbar-name" });
@@ -43,7 +49,7 @@ function runBar({ job, control }) {
   };
   get("/api/files").then(({ files }) => {
     for (const file of files) if (file.kind === "model") model.append(h("option", { value: file.name }, file.name));
-    model.value = job.plan?.model ?? "";
+    update();
   }).catch(() => {});
   const element = h(
     "div", { class: "runbar" }, name, h("span", { class: "runbar-gap" }), fault,
@@ -57,7 +63,7 @@ function runBar({ job, control }) {
     begin.hidden = job.going;
     replay.hidden = job.going || !session;
     if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
-    if (document.activeElement !== model && job.plan && "model" in job.plan) model.value = job.plan.model ?? "";
+    if (document.activeElement !== model && job.plan && "model" in job.plan) chosenModel(model, job.plan.model ?? "");
   };
   return { element, update };
 }
