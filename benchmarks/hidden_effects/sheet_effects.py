@@ -9,8 +9,15 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.hidden_effects.forms import Change, Form, set_to
-from benchmarks.hidden_effects.recipe import BOTH, LONG, Recipe
-from sim_hardware.world.along import fall, stiffness_rise
+from benchmarks.hidden_effects.recipe import (
+    BOTH,
+    EIBM_LONG_PER_M,
+    EIBM_SHORT_PER_M,
+    LONG,
+    SHORT,
+    Recipe,
+)
+from sim_hardware.world.along import bump, fall, stiffness_rise
 
 LENGTH_MM = 50.0
 RUN_DRIVEN_S = 13.0  # time at 2 V in a run
@@ -78,9 +85,18 @@ def _joint(recipe: Recipe, give: float) -> None:
     recipe.set("configurations.short.elongation_joint_mm", give * lever_mm / 3)
 
 
-def _offset_volts(recipe: Recipe, less: float) -> None:
-    """The amplifier's offset makes one polarity weaker than the other, and 0 V no rest."""
-    volts = 2 * less / (2 - less)
+def _even_near_clamp(recipe: Recipe, less: float) -> None:
+    """A part of the moment does not care for the sign of the voltage, most of all at the clamp."""
+    width_mm = 30.0
+    for name, per_m in ((LONG, EIBM_LONG_PER_M), (SHORT, EIBM_SHORT_PER_M)):
+        length = recipe.settings().configurations[name].free_length_m
+        mean = float(np.mean(bump(MIDDLES * length, 0.0, width_mm / 1e3)))
+        recipe.bump("even_moment", 0.0, width_mm, per_m * less / (2 - less) / mean, name)
+
+
+def _standing_volts(recipe: Recipe, per_m: float) -> None:
+    """The amplifier's offset bends the sheet when it should be at rest, either configuration."""
+    volts = 2.0 * per_m / EIBM_LONG_PER_M
     recipe.set("amplifier.offset_mV", volts * 1e3 / recipe.world["amplifier"]["gain"])
 
 
@@ -198,11 +214,13 @@ FORMS: tuple[Form, ...] = (
     ),
     _CURVATURE,
     replace(_CURVATURE, form="hump", change=_hump, size=2.0, parameters=lambda _: {}),
+    replace(_CURVATURE, form="standing_volts", change=_standing_volts,
+            accepted=("even_moment", "eibm")),
     Form("eibm_asymmetry", "ratio", "1 - |EIBM(-)/EIBM(+)|", 0.15, 0.9,
          lambda r, less: r.set("eibm.negative_ratio", 1 - less), "even_moment", symmetric=True,
          parameters=lambda less: {"ratio": 1 - less}),
-    Form("eibm_asymmetry", "offset_volts", "1 - |EIBM(-)/EIBM(+)|", 0.15, 0.9,
-         _offset_volts, "even_moment", symmetric=True,
+    Form("eibm_asymmetry", "near_clamp", "1 - |EIBM(-)/EIBM(+)|", 0.15, 0.9,
+         _even_near_clamp, "even_moment", symmetric=True,
          parameters=lambda less: {"ratio": 1 - less}),
     _STIFFNESS,
     *(replace(_STIFFNESS, form=f, change=_changing_stiffness(f)) for f in ("line", "step")),
