@@ -9,17 +9,18 @@ import numpy as np
 from model.effects.interface import Effect, Knob, Points, Values
 from model.measurements import FloatArray
 
+OVER_M = 0.05  # a length of the sheet's plane, not of one sheet: all are seen by the same camera
+
 
 @dataclass(frozen=True)
 class CameraPerspective(Effect):
-    """The scale changes linearly across the picture, 0 in the middle of the sheet's length."""
+    """The scale changes linearly across the picture; it is right at the clamp."""
 
     def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""
-        along_x, along_y = np.cos(p["direction_rad"]), np.sin(p["direction_rad"])
-        across = (points.x_m / points.scale_m - 0.5) * along_x
-        across = across + points.y_m / points.scale_m * along_y
-        return p["relative_error"] * across * points.x_m, p["relative_error"] * across * points.y_m
+        across = points.x_m * np.cos(p["direction_rad"]) + points.y_m * np.sin(p["direction_rad"])
+        share = p["relative_error"] * across / OVER_M
+        return share * points.x_m, share * points.y_m
 
 
 EFFECT = CameraPerspective(
@@ -28,11 +29,11 @@ EFFECT = CameraPerspective(
         "The camera is tilted against the sheet's plane, so that the scale grows across the"
         " picture: away from the clamp, or towards positive deflection."
     ),
-    form="r seen = (1 + c (x/l - 1/2)) r, or (1 + c y/l) r, from the clamp; for a small tilt",
+    form="r seen = (1 + c u/50 mm) r, from the clamp, u = x or y; a projection with a small tilt",
     slot="camera",
     signature=(
-        "Curves that are too large on one side of the picture and too small on the other; the"
-        " forces are right."
+        "Curves that are drawn out more and more with the distance from the clamp, or more on one"
+        " side than on the other; the forces are right."
     ),
     isolates="A target with a grid in view; the camera turned by a quarter.",
     source=(
@@ -40,7 +41,7 @@ EFFECT = CameraPerspective(
         " IEEE Trans. Pattern Anal. Mach. Intell. 22, 1330"
     ),
     knobs=(
-        Knob("relative_error", "change of scale over the sheet's length", "", 0.01, -0.5, 0.5),
+        Knob("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
         Knob(
             "direction_rad", "in which the scale grows: 0 along x, pi/2 along y", "rad", 0.0,
             -np.pi, np.pi, tried=(0.0, 0.5 * np.pi),

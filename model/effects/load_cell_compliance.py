@@ -31,7 +31,7 @@ EFFECT = LoadCellCompliance(
     isolates="The contact in the picture beside the force; the cell pushed with a known weight.",
     source="Doebelin, Measurement Systems: Application and Design (stiffness of force cells)",
     knobs=(
-        Knob("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 0.5),
+        Knob("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
     ),
     tolerance=("position",),
 )  # fmt: skip

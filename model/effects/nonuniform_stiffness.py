@@ -36,7 +36,7 @@ EFFECT = NonuniformStiffness(
         " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
     ),
     knobs=(
-        Knob("relative_change", "of the stiffness from root to end", "", 0.15, -1.5, 1.5),
+        Knob("relative_change", "of the stiffness from root to end", "", 0.15, -1.8, 1.8),
     ),
     tolerance=("s",),
     by_configuration=True,

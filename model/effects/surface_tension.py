@@ -34,8 +34,8 @@ EFFECT = SurfaceTension(
     form="F measured = F + c cos(gamma) while the sheet is touched",
     slot="load_cell",
     signature=(
-        "As a wrong zero, but not in readings without contact, and smaller where the sheet leans:"
-        " for the short sheet, which meets the arc squarely, only the former tells the two apart."
+        "As a wrong zero, but each sheet has its own, most likely the short one, in whose rolls the"
+        " water stays; not in readings without contact, and smaller where the sheet leans."
     ),
     isolates="A zero taken without touching the sheet beside one taken just as it touches.",
     source=(
@@ -44,4 +44,5 @@ EFFECT = SurfaceTension(
     ),
     knobs=(Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),),
     tolerance=("position", "voltage"),
+    by_configuration=True,
 )

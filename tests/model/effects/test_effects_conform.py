@@ -80,7 +80,8 @@ def test_a_knob_is_in_the_unit_of_its_name(name: str):
 
 def test_only_what_may_differ_between_sheets_is_free_by_configuration():
     own = {name for name, effect in EFFECTS.items() if effect.by_configuration}
-    assert own == {"initial_curvature", "nonuniform_stiffness", "eibm_asymmetry"}
+    sheet = {"initial_curvature", "nonuniform_stiffness", "eibm_asymmetry"}
+    assert own == sheet | {"surface_tension"}
 
 
 def test_each_effect_acts_in_one_place_of_the_contract():

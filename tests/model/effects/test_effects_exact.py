@@ -343,11 +343,11 @@ def test_perspective_is_a_scale_that_changes_across_the_picture():
     points = example_points()
     p = {"relative_error": 0.02, "direction_rad": 0.0}
     x, y = effect("camera_perspective").curve(points, p)
-    share = 0.02 * (points.x_m / LENGTH_M - 0.5)
+    share = 0.02 * points.x_m / 0.05
     assert x == pytest.approx(share * points.x_m)
     assert y == pytest.approx(share * points.y_m)
     x, y = effect("camera_perspective").curve(points, {**p, "direction_rad": np.pi / 2})
-    share = 0.02 * points.y_m / LENGTH_M
+    share = 0.02 * points.y_m / 0.05
     assert x == pytest.approx(share * points.x_m, abs=1e-15)
     assert y == pytest.approx(share * points.y_m, abs=1e-15)
 
