@@ -30,6 +30,8 @@ class Data:
     fixed: FloatArray  # (R, n) known variances
     precision: FloatArray  # (p,) of a Gaussian prior on beta about -away
     away: FloatArray  # (p,) how far the present parameters are from their prior mean
+    # of the priors of ln sigma about their guess, where not the same for all
+    width: FloatArray | float = PRIOR_WIDTH
 
 
 @dataclass(frozen=True)
@@ -106,7 +108,7 @@ def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[floa
     We = (W @ error[:, :, None])[:, :, 0]
     _, more = np.linalg.slogdet(information)
     quadratic = float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
-    away = (log_sigma - guess) / PRIOR_WIDTH
+    away = (log_sigma - guess) / data.width
     slopes = []
     for Z in data.groups:
         WZ = W @ Z
@@ -116,12 +118,17 @@ def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[floa
     n = np.arange(W.shape[1])
     rest = W[:, n, n] - np.sum((WX @ C) * WX, axis=2) - We**2
     slopes += [float(np.sum(mask * rest)) for mask in data.masks]
-    gradient = 2.0 * np.exp(2.0 * log_sigma) * np.array(slopes) + 2.0 * away / PRIOR_WIDTH
+    gradient = 2.0 * np.exp(2.0 * log_sigma) * np.array(slopes) + 2.0 * away / data.width
     return logdet + float(more) + quadratic + float(away @ away), gradient
 
 
-def estimate(data: Data, guess: FloatArray, start: FloatArray | None = None) -> Solution:
-    """REML: the scatter that explains the misfit, and beta weighed with it."""
+def estimate(
+    data: Data, guess: FloatArray, start: FloatArray | None = None, accuracy: float = 2e-9
+) -> Solution:
+    """REML: the scatter that explains the misfit, and beta weighed with it.
+
+    `accuracy` is that of the likelihood's logarithm, relative.
+    """
     from scipy.optimize import minimize  # slow to import
 
     def cost(log_sigma: Vector) -> tuple[float, Vector]:
@@ -131,7 +138,8 @@ def estimate(data: Data, guess: FloatArray, start: FloatArray | None = None) -> 
     begin: Vector = (guess if start is None else start).reshape(len(guess))
     bounds = [(float(g) - 7.0, float(g) + 6.0) for g in guess]
     found = minimize(
-        cost, begin, jac=True, method="L-BFGS-B", bounds=bounds, options={"maxiter": 80}
+        cost, begin, jac=True, method="L-BFGS-B", bounds=bounds,
+        options={"maxiter": 80, "ftol": accuracy},
     )
     return weigh(data, np.asarray(found.x))
 

@@ -1,0 +1,256 @@
+"""What to measure next: for each entry of a menu, how far apart it would put two candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.features import Look, Seen, look
+from model.discrepancy.linear import linearise, noise_of
+from model.discrepancy.point import Study
+from model.discrepancy.result import Next
+from model.discrepancy.score import Candidate, Projected, candidates, members
+from model.discrepancy.settle import Fitted, Problem
+from model.effects.interface import Clock, Effect
+from model.measurements import FloatArray, ModelError
+from model.noise import weigh
+
+RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
+PULSES = 22
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something that can be measured besides."""
+
+    name: str
+    what: str
+    minutes: Callable[[Look], float]
+    add: Callable[[Look], tuple[Seen, ...]]
+    protocol: dict[str, object]
+
+
+def _copies(
+    one: Look, keep: Callable[[Seen], bool], change: Callable[[Seen, int], Seen], run: int
+) -> tuple[Seen, ...]:
+    del run
+    return tuple(change(s, i) for i, s in enumerate(one.seen) if keep(s) and not s.free)
+
+
+def _again(seen: Seen, mounting: int, up: float | None = None) -> Seen:
+    key = (seen.run[0], seen.run[1], mounting, seen.run[3])
+    return replace(seen, run=key, up=seen.up if up is None else up)
+
+
+def _middle(one: Look) -> list[float]:
+    return sorted({s.position_m for s in one.seen if not s.free})
+
+
+def _remount(one: Look) -> tuple[Seen, ...]:
+    places = _middle(one)
+    chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
+    return _copies(one, lambda s: s.position_m in chosen, lambda s, i: _again(s, 90), 0)
+
+
+def _reversed(one: Look) -> tuple[Seen, ...]:
+    return _copies(one, lambda s: True, lambda s, i: _again(s, 91, -1.0), 0)
+
+
+def _repeat(one: Look) -> tuple[Seen, ...]:
+    return _copies(one, lambda s: True, lambda s, i: _again(s, 92), 0)
+
+
+def _half(one: Look) -> tuple[Seen, ...]:
+    """Half the voltage at every position; 0 V there, too."""
+
+    def change(s: Seen, i: int) -> Seen:
+        clock = replace(s.clock, voltage_V=0.5 * s.clock.voltage_V)
+        return replace(_again(s, 93), voltage_V=0.5 * s.voltage_V, clock=clock)
+
+    return _copies(one, lambda s: True, change, 0)
+
+
+def _free(one: Look) -> tuple[Seen, ...]:
+    """Six shapes without the load cell: twice at each voltage."""
+    result = []
+    for mounting in (94, 95):
+        for volts in sorted({s.voltage_V for s in one.seen}):
+            like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
+            if like is None:
+                continue
+            nothing = np.zeros(1)
+            clock = Clock(
+                np.full(1, volts), np.full(1, 0.5), nothing, nothing, np.full(1, 0.5), nothing,
+                nothing, nothing,
+            )  # fmt: skip
+            result.append(
+                replace(
+                    like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
+                    run=(one.sheet.configuration, np.inf, mounting, 0), position_m=np.nan,
+                    force_N=np.zeros(0), clock=clock, own_curves=(),
+                )
+            )  # fmt: skip
+    return tuple(result)
+
+
+def _between(one: Look) -> tuple[Seen, ...]:
+    """Positions half-way between those measured."""
+    places = _middle(one)
+    step = 0.5 * (places[1] - places[0]) if len(places) > 1 else 0.0
+
+    def change(s: Seen, i: int) -> Seen:
+        at = s.position_m + step
+        return replace(s, position_m=at, run=(s.run[0], at, 0, 0))
+
+    return _copies(one, lambda s: bool(places) and s.position_m < places[-1], change, 0)
+
+
+def _shuffled(one: Look) -> tuple[Seen, ...]:
+    """All positions again, in an order that has nothing to do with their place on the arc."""
+    random = np.random.default_rng(7)
+    places = _middle(one)
+    at = dict(zip(places, random.permutation(len(places)) / max(len(places) - 1, 1), strict=True))
+
+    def change(s: Seen, i: int) -> Seen:
+        session = np.full(len(s.force_N), at[s.position_m])
+        return replace(_again(s, 96), clock=replace(s.clock, session=session))
+
+    return _copies(one, lambda s: True, change, 0)
+
+
+def _runs(one: Look) -> float:
+    return RUN_MINUTES * len(_middle(one))
+
+
+MENU: tuple[Entry, ...] = (
+    Entry("free_shapes", "six free shapes of each configuration, the load cell moved away",
+          lambda one: 1.5, _free, {"extras": {"free_shapes": 6}}),
+    Entry("remount", "three positions set anew", lambda one: 3.0 * RUN_MINUTES, _remount,
+          {"extras": {"remount": 3}}),
+    Entry("reversed_approach", "all positions again, approached from the other side", _runs,
+          _reversed, {"extras": {"reversed_approach": True}}),
+    Entry("between", "positions half-way between those measured", _runs, _between,
+          {"extras": {"between": True}}),
+    Entry("half_voltage", "all positions at half the voltage", _runs, _half,
+          {"extras": {"half_voltage": True}}),
+    Entry("random_order", "all positions again in random order", _runs, _shuffled,
+          {"extras": {"random_order": True}}),
+    Entry("more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
+)  # fmt: skip
+
+
+def separation(fitted: Fitted, pair: tuple[Candidate, Candidate], size: float) -> float:
+    """Sigmas between two candidates, the first at a size that is `size` sigmas long."""
+    study = fitted.problem.study
+    weighed = Projected.of(study, fitted.linear, fitted.solution)
+    both = np.stack([c.columns[:, 0] for c in pair], axis=1)
+    A, _ = weighed.normal(study, both)
+    if A[0, 0] <= 0.0 or A[1, 1] <= 0.0:
+        return float(np.sqrt(max(A[0, 0], 0.0))) * size
+    rest = A[0, 0] - A[0, 1] ** 2 / A[1, 1]
+    return float(np.sqrt(max(rest, 0.0))) * size
+
+
+def next_measurement(
+    fitted: Fitted,
+    between: Sequence[Effect],
+    values: Sequence[dict[str, float]],
+    sizes: Sequence[float],
+) -> Next | None:
+    """The entry that separates the two (or the most alike of several) best for its time."""
+    if len(between) < 2:
+        return None
+    first, second = between[0], between[1]
+    now = _apart(fitted, first, second, values, sizes)
+    best: tuple[float, Entry, float, float] | None = None
+    for entry in MENU:
+        try:
+            larger = extended(fitted, entry)
+            then = _apart(larger, first, second, values, sizes)
+        except (ModelError, np.linalg.LinAlgError):
+            continue
+        minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
+        worth = max(then**2 - now**2, 0.0) / minutes
+        if best is None or (min(then, 8.0), worth) > (min(best[2], 8.0), best[0]):
+            best = (worth, entry, then, minutes)
+    if best is None:
+        return None
+    _, entry, then, minutes = best
+    why = (
+        f"{entry.what}: it would set {first.name} and {second.name} {then:.1f} sigma apart"
+        f" (now {now:.1f}), in about {minutes:.0f} minutes"
+    )
+    return Next(why, entry.name, now, then, minutes, entry.protocol)
+
+
+def _apart(
+    fitted: Fitted, first: Effect, second: Effect, values: Sequence[dict[str, float]],
+    sizes: Sequence[float],
+) -> float:  # fmt: skip
+    """The smaller of the distances of each from the other."""
+    pools = [candidates(fitted, [e]) for e in (first, second)]
+    picked = []
+    for pool, wanted in zip(pools, values, strict=True):
+        match = [c for c in pool if dict(c.values) == dict(wanted)]
+        picked.append(match[0] if match else pool[len(pool) // 2])
+    return min(
+        separation(fitted, (picked[0], picked[1]), sizes[0]),
+        separation(fitted, (picked[1], picked[0]), sizes[1]),
+    )
+
+
+def extended(fitted: Fitted, entry: Entry) -> Fitted:
+    """The design with an entry added: only its geometry counts, no data are made up."""
+    problem = fitted.problem
+    looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.study.looks]
+    rests = [scene.rest for scene in problem.study.scenes]
+    study = Study(looks, rests)
+    noise = noise_of(study)
+    larger = Problem.of(study, problem.bases, noise)
+    bases = problem.bases
+    if any(
+        len(a.voltages_V) != len(b.voltages_V)
+        for a, b in zip(looks, problem.study.looks, strict=True)
+    ):
+        bases = _with_half(problem, study)
+        larger = replace(larger, bases=bases)
+    theta = fitted.theta
+    if bases.size > problem.bases.size:
+        theta = np.concatenate([theta, _half_start(problem, bases, theta)])
+    linear = linearise(study, bases, noise, theta)
+    log_sigma = larger.guess.copy()
+    n = min(len(log_sigma), len(fitted.solution.log_sigma))
+    log_sigma[:n] = fitted.solution.log_sigma[:n]
+    return Fitted(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
+
+
+def _with_half(problem: Problem, study: Study) -> object:
+    """Parameters of the further voltages, after all others."""
+    from model.discrepancy.linear import Bases
+
+    parts, place = [], problem.bases.size
+    for one, own in zip(problem.bases.parts, study.looks, strict=True):
+        eibm = dict(one.eibm)
+        for volts in own.voltages_V:
+            if volts not in eibm:
+                eibm[volts], place = (place, 1.0), place + 1
+        parts.append(replace(one, eibm=eibm))
+    return Bases(tuple(parts), place)
+
+
+def _half_start(problem: Problem, bases: object, theta: FloatArray) -> FloatArray:
+    from model.discrepancy.linear import Bases
+
+    assert isinstance(bases, Bases)
+    more = np.zeros(bases.size - problem.bases.size)
+    for one in bases.parts:
+        for volts, (i, _) in one.eibm.items():
+            if i >= problem.bases.size:
+                like = one.eibm.get(2.0 * volts)
+                more[i - problem.bases.size] = 0.5 * theta[like[0]] if like else 0.0
+    return more
+
+
+__all__ = ["MENU", "Entry", "look", "members", "next_measurement"]

@@ -1,0 +1,335 @@
+"""A state of the model, base parameters and active effects, and what it says of all the data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+
+import numpy as np
+
+from model.discrepancy.features import Look
+from model.discrepancy.rows import Layout, Part
+from model.discrepancy.scene import Answers, Scene, Solved
+from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
+from model.field import Field
+from model.measurements import FloatArray, ModelError, SheetGeometry
+
+LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
+STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
+SELF_CONSISTENT = 4  # rounds of solving and applying effects that depend on the solution
+FEW_ROUNDS_N = 1e-8
+
+
+@dataclass(frozen=True)
+class Active:
+    """An effect with its values; by configuration where each has its own."""
+
+    effect: Effect
+    values: Mapping[str, Mapping[str, float]]  # configuration -> knob -> value
+
+
+@dataclass
+class Step:
+    """A change of one configuration's prediction, to first order."""
+
+    beam: FloatArray  # (K, Q) columns of `Scene.answers`
+    eibm: FloatArray  # (n,) relative, of each reading
+    stiffness: FloatArray  # (n,)
+    force_N: FloatArray  # (n,) of each reading
+    bin_eibm: FloatArray  # (b,) relative to the sampling point
+    bin_stiffness: FloatArray
+    points_m: FloatArray  # (K, S) of the predicted points along the normal
+    frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older
+
+    def times(self, factor: float) -> Step:
+        """The same, larger."""
+        return Step(*(factor * getattr(self, name) for name in self.__dataclass_fields__))
+
+
+@dataclass(frozen=True)
+class State:
+    """One configuration, solved."""
+
+    beam: Beam
+    solved: Solved
+    answers: Answers
+    by_eibm: FloatArray  # (K,) dF / d ln Me
+    modes_by_eibm: FloatArray  # (K, M)
+    response: FloatArray | None  # (K, L) force at the EIBM times `LEVELS`; None: its slope will do
+    weighed: Weighed  # of the readings, before what the load cell adds
+    residual: FloatArray  # of this configuration's rows, at their places among all
+    rows: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+
+class Study:
+    """All configurations of a data set: predicts rows, and their changes."""
+
+    def __init__(self, looks: list[Look], rests: list[Field]) -> None:
+        self.looks = looks
+        self.scenes = [Scene(one, rest) for one, rest in zip(looks, rests, strict=True)]
+        self.layout = Layout(looks, self.scenes)
+        self.names = [one.sheet.configuration for one in looks]
+
+    def part(self, c: int) -> Part:
+        """Rows of a configuration."""
+        return self.layout.parts[c]
+
+    def state(self, c: int, base: Beam, active: tuple[Active, ...]) -> State:
+        """Solve a configuration with its effects; residuals of its rows."""
+        scene, name = self.scenes[c], self.names[c]
+        inner = [(a.effect, a.values[name]) for a in active if name in a.values]
+        base = self._timed(c, base, inner)
+        beam, solved = base, scene.solve(base)
+        changing = [e for e in inner if type(e[0]).beam is not Effect.beam]
+        for _ in range(SELF_CONSISTENT if changing else 0):
+            before = solved.force_N
+            beam = base
+            for effect, values in changing:
+                beam = effect.beam(beam, solved.held, values)
+            solved = scene.solve(beam)
+            if np.nanmax(np.abs(solved.force_N - before), initial=0.0) < FEW_ROUNDS_N:
+                break
+        answers = scene.answers(beam, solved)
+        G = scene.count
+        by_eibm = np.einsum("kg,kg->k", answers.force[:, :G], beam.eibm * beam.soft)
+        modes_by = np.einsum("kmg,kg->km", answers.modes[:, :, :G], beam.eibm * beam.soft)
+        weighed = self._weighed(c, solved)
+        response = self._response(c, beam, inner)
+        state = State(beam, solved, answers, by_eibm, modes_by, response, weighed, np.zeros(0))
+        return replace(state, residual=self._residual(c, state, inner))
+
+    def _timed(self, c: int, base: Beam, inner: list[tuple[Effect, Values]]) -> Beam:
+        """EIBM and stiffness as they are in the mean of each condition's readings."""
+        eibm, stiffness = self.mean_course(c, inner)
+        if not (np.any(eibm) or np.any(stiffness)):
+            return base
+        share = (1.0 + eibm) / (1.0 + stiffness)
+        return replace(
+            base, eibm=base.eibm * share[:, None], stiffness=base.stiffness * (1.0 + stiffness)
+        )
+
+    def mean_course(
+        self, c: int, inner: list[tuple[Effect, Values]]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Relative change of EIBM and stiffness in the mean of each condition's readings: (K,)."""
+        part, K = self.part(c), self.scenes[c].K
+        eibm, stiffness = np.zeros(K), np.zeros(K)
+        count = np.maximum(np.bincount(part.reading_of, minlength=K), 1)
+        for effect, values in inner:
+            course = effect.course(part.clock, values)
+            if course is not None:
+                driven = part.clock.voltage_V != 0.0
+                eibm += np.bincount(part.reading_of, np.where(driven, course[0], 0.0), K) / count
+                stiffness += np.bincount(part.reading_of, course[1], K) / count
+        return np.maximum(eibm, -0.95), np.maximum(stiffness, -0.95)
+
+    def _response(
+        self, c: int, beam: Beam, inner: list[tuple[Effect, Values]]
+    ) -> FloatArray | None:
+        """Forces at other sizes of the EIBM, where an effect changes it much in time."""
+        clock = self.part(c).bin_clock
+        courses = [effect.course(clock, values) for effect, values in inner]
+        largest = max((float(np.max(np.abs(f[0]), initial=0.0)) for f in courses if f), default=0.0)
+        if largest < STRONG:
+            return None
+        scene = self.scenes[c]
+        result = [scene.forces(replace(beam, eibm=beam.eibm * level)) for level in LEVELS]
+        return np.stack(result, axis=1)
+
+    def _weighed(self, c: int, solved: Solved) -> Weighed:
+        part, of = self.part(c), self.part(c).reading_of
+        held, scene = solved.held, self.scenes[c]
+        touching = np.isfinite(held.force_N[of]).astype(float)
+        return Weighed(
+            np.nan_to_num(held.force_N[of]), np.nan_to_num(held.normal_N[of]),
+            np.nan_to_num(held.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
+        )  # fmt: skip
+
+    def _residual(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
+        part, scene = self.part(c), self.scenes[c]
+        y = np.zeros(self.layout.size)
+        of = part.reading_of
+        measured = part.trend @ (part.measured_N - state.solved.force_N[of])
+        y[part.trend_rows] = measured
+        has = scene.has_curve
+        y[part.mode_rows[has]] = state.solved.modes_m[has]
+        y[part.bin_rows] = part.bin_N
+        y[part.sway_rows] = self._sway(c, state)
+        nothing = self.no_step(c)
+        of, (eibm, stiffness) = part.reading_of, self.mean_course(c, inner)
+        for effect, values in inner:
+            step = self._outer_step(c, state, effect, values, nothing)
+            y -= self.rows_of(c, state, step)
+        # the means are in the beam problem already
+        driven = part.clock.voltage_V != 0.0
+        mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of])
+        y += self.rows_of(c, state, mean)
+        y -= self._bent_more(c, state, inner)
+        return y - self.rows_of(c, state, self._rise_step(c))
+
+    def _sway(self, c: int, state: State) -> FloatArray:
+        """Trends of how large each reading's curve is against its mean."""
+        part, scene = self.part(c), self.scenes[c]
+        sizes = np.zeros(len(part.reading_of))
+        for k in np.unique(part.sway_of):
+            own = part.reading_of == k
+            u = state.modes_by_eibm[k]
+            modes = np.array(
+                [
+                    _modes(scene, int(k), curve, state.solved)
+                    for curve in self.looks[c].seen[k].own_curves
+                ]
+            )
+            weight = float(u @ u)
+            sizes[own] = modes @ u / weight if weight > 0.0 else 0.0
+        result: FloatArray = part.sway @ sizes
+        return result
+
+    # -- first-order changes
+
+    def no_step(self, c: int) -> Step:
+        """No change."""
+        scene, part = self.scenes[c], self.part(c)
+        n, b = len(part.reading_of), len(part.bin_of)
+        return Step(
+            np.zeros((scene.K, scene.columns)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(b),
+            np.zeros(b), np.zeros(scene.curve_s.shape), np.zeros(n),
+        )  # fmt: skip
+
+    def step(self, c: int, state: State, effect: Effect, values: Values) -> Step:
+        """What an effect changes at a state."""
+        other = effect.beam(state.beam, state.solved.held, values)
+        change = self.scenes[c].change(state.beam, other, state.solved.held)
+        step = replace(self.no_step(c), beam=change)
+        return self._outer_step(c, state, effect, values, step)
+
+    def _outer_step(self, c: int, state: State, effect: Effect, values: Values, step: Step) -> Step:
+        """The part of an effect that is not in the beam problem."""
+        part, scene = self.part(c), self.scenes[c]
+        course = effect.course(part.clock, values)
+        if course is not None:
+            within, at_sample = self.bin_courses(c, effect, values)
+            driven = part.clock.voltage_V != 0.0
+            step = replace(
+                step, eibm=np.where(driven, course[0], 0.0), stiffness=np.asarray(course[1]),
+                bin_eibm=within[0] - at_sample[0], bin_stiffness=within[1] - at_sample[1],
+            )  # fmt: skip
+        delay = effect.delay_s(values)
+        if delay:
+            rise = max(scene.sheet.rise_time_s, 1e-6)
+            later = rise_left(part.clock, rise, -delay) - rise_left(part.clock, rise, 0.0)
+            step = replace(step, frame_eibm=-later)
+        if type(effect).force is not Effect.force:
+            step = replace(step, force_N=self._added_force(c, state, effect, values))
+        points = Points(state.solved.x_m, state.solved.y_m, scene.length)
+        moved = effect.curve(points, values)
+        if moved is not None:
+            normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
+            step = replace(step, points_m=normal)
+        return step
+
+    def bin_courses(
+        self, c: int, effect: Effect, values: Values
+    ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
+        """Mean over the pulses of an effect's course, in each part and at its sampling point."""
+        part = self.part(c)
+        result = []
+        for clock in (part.bin_clock, part.bin_sample):
+            course = effect.course(clock, values) or (np.zeros(clock.run_s.shape),) * 2
+            result.append((part.bin_mean(course[0]), part.bin_mean(course[1])))
+        return result[0], result[1]
+
+    def _added_force(self, c: int, state: State, effect: Effect, values: Values) -> FloatArray:
+        """What the load cell adds to each reading; it is given them in the order of time."""
+        order, w = self.part(c).in_time, state.weighed
+        sorted_ = Weighed(*(getattr(w, f.name)[order] for f in fields(Weighed)))
+        result = np.zeros(len(order))
+        added = effect.force(sorted_, values)
+        if added is not None:
+            result[order] = added * sorted_.touching
+        return result
+
+    def _rise_step(self, c: int) -> Step:
+        """The known rise of the voltage: parts of a pulse against its sampling point."""
+        part, step = self.part(c), self.no_step(c)
+        rise = max(self.scenes[c].sheet.rise_time_s, 1e-6)
+        later = rise_left(part.bin_clock, rise, 0.0) - rise_left(part.bin_sample, rise, 0.0)
+        return replace(step, bin_eibm=-part.bin_mean(later))
+
+    def rows_of(self, c: int, state: State, step: Step) -> FloatArray:
+        """A step in all rows (N,)."""
+        part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
+        of, answers = part.reading_of, state.answers
+        force = np.nan_to_num(state.solved.force_N)
+        by_stiffness = force - state.by_eibm
+        condition = np.einsum("kq,kq->k", answers.force, step.beam)
+        readings = condition[of] + state.by_eibm[of] * step.eibm
+        readings += by_stiffness[of] * step.stiffness + step.force_N
+        y[part.trend_rows] = part.trend @ readings
+        bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
+        y[part.sway_rows] = part.sway @ bent
+        mean = np.zeros(scene.K)
+        np.add.at(mean, of, bent)
+        mean /= np.maximum(np.bincount(of, minlength=scene.K), 1)
+        modes = np.einsum("kmq,kq->km", answers.modes, step.beam)
+        modes += state.modes_by_eibm * mean[:, None]
+        modes += np.einsum("kms,ks->km", scene.project, step.points_m)
+        has = scene.has_curve
+        y[part.mode_rows[has]] = modes[has]
+        b = part.bin_of
+        y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + by_stiffness[b] * step.bin_stiffness
+        return y
+
+    def _bent_more(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
+        """What the rows of the pulses have to be told beyond the force's slope by the EIBM."""
+        part, y = self.part(c), np.zeros(self.layout.size)
+        if state.response is None:
+            return y
+        rise = max(self.scenes[c].sheet.rise_time_s, 1e-6)
+        total = np.stack(  # in the parts of a pulse, and at its sample
+            [-part.bin_mean(rise_left(k, rise, 0.0)) for k in (part.bin_clock, part.bin_sample)]
+        )
+        for effect, values in inner:
+            for row, course in zip(total, self.bin_courses(c, effect, values), strict=True):
+                row += course[0]
+        mean, _ = self.mean_course(c, inner)  # which the beam problem has already
+        total = (1.0 + total) / (1.0 + mean[part.bin_of]) - 1.0
+        powers = np.linalg.solve(np.vander(LEVELS - 1.0), state.response.T)  # (L, K) a polynomial
+        forces = [
+            np.sum(powers[:, part.bin_of] * np.vander(m, len(LEVELS)).T, axis=0) for m in total
+        ]
+        exact = forces[0] - forces[1]
+        y[part.bin_rows] = exact - state.by_eibm[part.bin_of] * (total[0] - total[1])
+        return y
+
+
+def rise_left(clock: Clock, rise_s: float, later_s: float) -> FloatArray:
+    """What is missing of the settled EIBM after a rise with this time constant, relative."""
+    left: FloatArray = (1.0 - clock.opposite) * np.exp(-(clock.pulse_s + later_s) / rise_s)
+    return np.where(clock.voltage_V != 0.0, left, 0.0)
+
+
+def _modes(scene: Scene, k: int, curve: object, solved: Solved) -> FloatArray:
+    """Modes of a reading's own curve, along the normals of its condition."""
+    from model.measurements import Curve
+
+    assert isinstance(curve, Curve)
+    n = min(len(curve.s_m), scene.curve_s.shape[1])
+    off = (curve.x_m[:n] - solved.x_m[k, :n]) * solved.nx[k, :n]
+    off = off + (curve.y_m[:n] - solved.y_m[k, :n]) * solved.ny[k, :n]
+    result: FloatArray = scene.project[k, :, :n] @ off
+    return result
+
+
+def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
+    """A model that was fitted to another sheet cannot explain this one."""
+    for what, a, b in (
+        ("free length", sheet.free_length_m, other.free_length_m),
+        ("elongation", sheet.elongation_m, other.elongation_m),
+        ("arc radius", sheet.arc_radius_m, other.arc_radius_m),
+    ):
+        if abs(a - b) > 1e-6:
+            raise ModelError(
+                f"the model was fitted to a '{sheet.configuration}' with a {what} of {b * 1e3:g} mm,"
+                f" these data are of one with {a * 1e3:g} mm"
+            )

@@ -1,0 +1,128 @@
+"""From measurements to a problem that can be searched, or one sentence that says why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.base import bases_of, rest_of, start
+from model.discrepancy.features import look
+from model.discrepancy.linear import noise_of
+from model.discrepancy.point import Study, check_geometry
+from model.discrepancy.settle import Problem
+from model.discrepancy.tolerance import Found
+from model.effects.catalogue import effect as effect_of
+from model.measurements import FloatArray, Measurements, ModelError
+from model.sheet_model import SheetModel
+
+FEWEST_SETUPS = 4
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of `diagnose`."""
+
+    symmetric: bool = False  # one |EIBM| for both polarities
+    # positions to leave out of the fit: (configuration or "" for all, position in m)
+    hold_out: tuple[tuple[str, float], ...] = ()
+    calibrate: int = 0  # sessions simulated with nothing missing, from which the threshold comes
+    seed: int = 0  # of these
+    exclude: tuple[str, ...] = ()  # effects that are not to be considered
+    model: SheetModel | None = None  # whose effects are taken as known
+    most_effects: int = 3
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Ready to be searched."""
+
+    measurements: Measurements  # without what is held out
+    held_out: Measurements | None
+    problem: Problem
+    theta: FloatArray
+    found: tuple[Found, ...]
+    notes: tuple[str, ...]
+
+
+def prepare(measurements: Measurements, options: Options) -> Prepared:
+    """Everything usable; a `ModelError` where not even the base model can be fitted."""
+    used, out = _parted(measurements, options.hold_out)
+    names = [n for n in used.sheets if any(c.configuration == n for c in used.conditions)]
+    if not names:
+        raise ModelError(
+            "there are no measurements: no condition of any configuration of the sheet"
+        )
+    notes, looks, rests, kept = [], [], [], []
+    for name in names:
+        try:
+            one = look(used, name)
+            rests.append(rest_of(used, name))
+        except ModelError as error:
+            if len(names) == 1:
+                raise
+            notes.append(f"configuration '{name}' was left out: {error}")
+            continue
+        looks.append(one)
+        kept.append(name)
+    if not looks:
+        raise ModelError(notes[0])
+    known = [stated for _, stated in rests]
+    study = Study(looks, [rest for rest, _ in rests])
+    bases = bases_of(study, known, options.symmetric)
+    theta = start(used, study, bases, known, options.symmetric)
+    if options.model is not None:
+        for one in looks:
+            sheet = options.model.sheet(one.sheet.configuration).sheet
+            check_geometry(one.sheet, sheet)
+    problem = Problem.of(study, bases, noise_of(study))
+    return Prepared(used, out, problem, theta, _active(options.model, kept), tuple(notes))
+
+
+def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
+    """The effects that a model has already, to be refined with the rest."""
+    if model is None:
+        return ()
+    result = []
+    for one in model.effects:
+        if one.name == "unknown":
+            continue
+        entry = effect_of(one.name)
+        shared = {k.name: k.plausible for k in entry.knobs}
+        shared |= {k: p.value for k, p in one.parameters.items() if k in shared}
+        own = getattr(one, "by_configuration", None) or {}
+        values = {
+            name: {**shared, **{k: p.value for k, p in own.get(name, {}).items() if k in shared}}
+            for name in names
+        }
+        result.append(Found(entry, values))
+    return tuple(result)
+
+
+def _parted(
+    measurements: Measurements, hold_out: tuple[tuple[str, float], ...]
+) -> tuple[Measurements, Measurements | None]:
+    """What is fitted, and what is held out."""
+    if not hold_out:
+        return measurements, None
+
+    def is_out(configuration: str, position_m: float | None) -> bool:
+        return position_m is not None and any(
+            name in ("", configuration) and abs(position_m - at) < 1e-6 for name, at in hold_out
+        )
+
+    kept = [c for c in measurements.conditions if not is_out(c.configuration, c.position_m)]
+    out = [c for c in measurements.conditions if is_out(c.configuration, c.position_m)]
+    if not out:
+        places = ", ".join(f"{at * 1e3:g} mm" for _, at in hold_out)
+        raise ModelError(f"nothing was measured at the position to be held out ({places})")
+    series = tuple(s for s in measurements.series if not is_out(s.configuration, s.position_m))
+    return (
+        replace(measurements, conditions=tuple(kept), series=series),
+        replace(measurements, conditions=tuple(out), series=()),
+    )
+
+
+def setups(prepared: Prepared) -> int:
+    """How many times the load cell was set: what the scatter between set-ups is estimated from."""
+    return len([r for r in prepared.problem.study.layout.runs if np.isfinite(r[1])])

@@ -1,0 +1,162 @@
+"""The inferred form: of an effect beside the catalogue's, or of something unknown, with its band."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.discrepancy.linear import with_columns
+from model.discrepancy.result import FormCurve, Unknown
+from model.discrepancy.search import Contender
+from model.discrepancy.settle import Fitted
+from model.discrepancy.slots import UNITS, Shape, shapes
+from model.discrepancy.tolerance import FORM, whole_step
+from model.effects.interface import Slot
+from model.measurements import FloatArray
+from model.noise import weigh
+from model.setup import ActiveEffect, Profile
+
+POINTS = 51
+SHARES = (0.75, 0.5, 0.43)  # of the waves along the sheet, as in `tolerance`
+
+
+def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
+    """A free form with its band, along the coordinate in which it says most."""
+    slot: Slot = contender.score.candidate.slot  # type: ignore[assignment]
+    found = shapes(fitted, slot)
+    columns = np.stack([s.rows for s in found], axis=1)
+    linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
+    log_sigma = (
+        fitted.solution.log_sigma if contender.solution is None else contender.solution.log_sigma
+    )
+    solution = weigh(linear.data, log_sigma)
+    n = len(found)
+    beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
+    best, strength = ("", ""), -1.0
+    for key in dict.fromkeys((s.configuration, s.along) for s in found):
+        use = np.array([(s.configuration, s.along) == key and s.wave is not None for s in found])
+        rows = columns[:, use] @ beta[use]
+        weighed = float(np.sum(rows**2 / _typical(fitted)))
+        if use.any() and weighed > strength:
+            best, strength = key, weighed
+    name, along = best
+    use = np.array([(s.configuration, s.along) == best and s.wave is not None for s in found])
+    t = np.linspace(0.0, 1.0, POINTS)
+    by = np.stack([_value(s, t) for s, u in zip(found, use, strict=True) if u], axis=1)
+    unit, factor = UNITS[slot], _factor(slot)
+    values = factor * by @ beta[use]
+    band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
+    at = t * _span(fitted, name, along)
+    return Unknown(slot, name, at, values, band, unit, along, _depends(slot, along))
+
+
+def _value(shape: Shape, t: FloatArray) -> FloatArray:
+    assert shape.wave is not None
+    return shape.wave(t)
+
+
+def _factor(slot: Slot) -> float:
+    return {"rest_curvature": 5.0, "even_moment": 0.3, "position": 1e3, "load_cell": 1e3,
+            "camera": 1e3}.get(slot, 1.0)  # fmt: skip
+
+
+def _typical(fitted: Fitted) -> FloatArray:
+    layout = fitted.problem.study.layout
+    V = np.linalg.inv(fitted.solution.weights)
+    diagonal: FloatArray = np.einsum("rii->ri", V)[layout.run_of, layout.row_of]
+    return diagonal
+
+
+def _span(fitted: Fitted, name: str, along: str) -> float:
+    """The coordinate's end: mm along the sheet, mm on the arc, or seconds in the run."""
+    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)] if name else None
+    if scene is None:
+        return 1.0
+    if along == "position":
+        return float(np.nanmax(scene.stated_m)) * 1e3
+    return scene.length * 1e3 if along in ("s", "place") else 20.0
+
+
+def _depends(slot: Slot, along: str) -> str:
+    said = {
+        "rest_curvature": "the same at all voltages and positions",
+        "eibm": "in proportion to the EIBM, so it changes sign with the voltage",
+        "even_moment": "only under voltage, with the same sign at both polarities",
+        "compliance": "in proportion to the moment, at all voltages",
+        "position": "goes with the position on the arc",
+        "load_cell": "in the force alone, not in the shapes",
+        "camera": "in the pictures alone, not in the forces",
+        "time": "goes with time",
+    }[slot]
+    return said if along != "time" else said + ", along the run"
+
+
+def unknown_effect(one: Unknown) -> ActiveEffect:
+    """As an empirical term of the model."""
+    along = "s" if one.along in ("s", "place") else one.along
+    scale = 1.0 if along == "time" else 1e-3
+    profile = Profile(
+        along if along in ("s", "position", "time") else "s",  # type: ignore[arg-type]
+        tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
+        one.unit,
+    )  # fmt: skip
+    names = () if one.slot == "camera" else (one.configuration,)
+    return ActiveEffect("unknown", profile=profile, slot=one.slot, configurations=names)
+
+
+def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
+    """How much of an effect is deviation from the catalogue's form, and the form along the sheet."""
+    one, span = fitted.found[index], fitted.spans[index]
+    knobs = len(one.knobs())
+    first = span.start + knobs
+    beta, C = fitted.solution.beta, fitted.solution.covariance
+    columns = fitted.linear.columns
+    typical = _typical(fitted)
+    study, theta = fitted.problem.study, fitted.theta
+    whole = np.zeros(study.layout.size)
+    others = tuple(a for i, a in enumerate(fitted.active) if i != index)
+    steps = []
+    for c, name in enumerate(study.names):
+        if name in one.values:
+            base = fitted.problem.bases.beam(study, c, theta)
+            step = whole_step(study, c, fitted.linear.states[c], base, others, one.active)
+            steps.append((c, step))
+            whole += study.rows_of(c, fitted.linear.states[c], step)
+    projected = whole - _on_base(fitted, whole)
+    deviation = columns[:, first : span.stop] @ beta[first : span.stop]
+    deviation = deviation - _on_base(fitted, deviation)
+    d2, w2 = (float(np.sum(v**2 / typical)) for v in (deviation, projected))
+    share = d2 / (d2 + w2) if d2 + w2 > 0.0 else 0.0
+    if "s" not in one.effect.tolerance or not steps:
+        return share, None
+    c, step = steps[0]
+    scene = study.scenes[c]
+    G = scene.count
+    along = step.beam[:, :G] + step.beam[:, G : 2 * G]
+    k = int(np.argmax(np.max(np.abs(along), axis=1)))
+    values = along[k]
+    # the deviations along the sheet come last but for those by voltage: find them by their waves
+    offset = 1 if len(study.names) > 1 and not one.effect.by_configuration else 0
+    places = np.arange(first + offset, min(first + offset + 3, span.stop))
+    t = scene.s_m / scene.length
+    waves = np.stack(
+        [FORM * s * np.sqrt(2.0) * np.cos(j * np.pi * t) for j, s in enumerate(SHARES, 1)], axis=1
+    )[:, : len(places)]
+    factor = 1.0 + waves @ beta[places]
+    sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C[np.ix_(places, places)], waves))
+    scale = np.max(np.abs(values)) or 1.0
+    return share, FormCurve(
+        "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
+        np.abs(values) * sigma / scale, "what the effect adds, relative",
+    )  # fmt: skip
+
+
+def _on_base(fitted: Fitted, column: FloatArray) -> FloatArray:
+    """The part of a column that the base parameters can take up."""
+    size, study = fitted.problem.bases.size, fitted.problem.study
+    layout, W = study.layout, fitted.solution.weights
+    X = layout.pad(fitted.linear.columns[:, :size])
+    p = X.shape[2]
+    A = X.reshape(-1, p).T @ (W @ X).reshape(-1, p) + np.diag(fitted.linear.data.precision[:size])
+    b = X.reshape(-1, p).T @ (W @ layout.pad(column)[:, :, None])[:, :, 0].ravel()
+    result: FloatArray = fitted.linear.columns[:, :size] @ np.linalg.lstsq(A, b, rcond=1e-12)[0]
+    return result

@@ -1,0 +1,164 @@
+"""Where each number stands: the rows of all runs, padded to equal length for the noise model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from model.discrepancy.features import SAMPLE_S, WINDOW_S, Look, RunKey, trends
+from model.discrepancy.scene import Scene
+from model.effects.interface import Clock
+from model.measurements import FloatArray
+
+Index = npt.NDArray[np.int64]
+WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
+MOST_SWAYS = 3  # trends of a curve's size over the readings
+
+
+@dataclass(frozen=True)
+class Part:
+    """Rows of one configuration, indices into the vector of all data."""
+
+    reading_of: Index  # (n,) condition of each reading
+    clock: Clock  # (n,) of the readings
+    measured_N: FloatArray  # (n,)
+    in_time: Index  # (n,) the readings in the order in which they were taken
+    trend: FloatArray  # (rows, n) from readings to mean and trends
+    trend_rows: Index  # (rows,)
+    trend_of: Index  # (rows,) condition
+    is_mean: npt.NDArray[np.bool_]  # (rows,)
+    mode_rows: Index  # (K, M); -1: no curve
+    sway: FloatArray  # (rows, n) from readings to trends of the curve's size
+    sway_rows: Index
+    sway_of: Index
+    bin_clock: Clock  # (m,) each part in each of the pulses
+    bin_sample: Clock  # (m,) the sampling points of these pulses
+    bin_at: Index  # (m,) which part
+    bin_of: Index  # (b,) condition
+    bin_rows: Index
+    bin_set: Index  # (b,) which of the pulses
+    bin_N: FloatArray  # (b,) measured
+    bin_variance: FloatArray  # (b,)
+    edge_s: float  # how well the pulses' edges are known in time
+
+    def bin_mean(self, values: FloatArray) -> FloatArray:
+        """Mean over the pulses: (m,) to (b,)."""
+        count = np.bincount(self.bin_at, minlength=len(self.bin_of))
+        total: FloatArray = np.bincount(self.bin_at, values, len(self.bin_of))
+        return total / np.maximum(count, 1)
+
+
+class Layout:
+    """Rows of all configurations, run by run."""
+
+    def __init__(self, looks: list[Look], scenes: list[Scene]) -> None:
+        self.runs: list[RunKey] = []
+        self._run_of: list[int] = []
+        self.size = 0
+        self.parts = [self._part(look, scene) for look, scene in zip(looks, scenes, strict=True)]
+        self.run_of = np.array(self._run_of, dtype=np.int64)
+        self.row_of = np.zeros(self.size, dtype=np.int64)
+        counts = np.zeros(len(self.runs), dtype=np.int64)
+        for i, r in enumerate(self._run_of):
+            self.row_of[i] = counts[r]
+            counts[r] += 1
+        self.height = int(counts.max(initial=1))
+
+    def pad(self, flat: FloatArray) -> FloatArray:
+        """(N, ...) to (R, n, ...); rows that a run does not have are 0."""
+        result = np.zeros((len(self.runs), self.height, *flat.shape[1:]))
+        result[self.run_of, self.row_of] = flat
+        return result
+
+    def _new(self, run: RunKey, count: int) -> Index:
+        if run not in self.runs:
+            self.runs.append(run)
+        self._run_of += [self.runs.index(run)] * count
+        self.size += count
+        return np.arange(self.size - count, self.size)
+
+    def _part(self, look: Look, scene: Scene) -> Part:
+        seen = look.seen
+        reading_of = np.concatenate([np.full(len(o.force_N), k) for k, o in enumerate(seen)])
+        n = len(reading_of)
+        clocks = [o.clock for o in seen if len(o.force_N)]
+        trend, trend_rows, trend_of, means = [], [], [], []
+        sway, sway_rows, sway_of = [], [], []
+        modes = np.full((len(seen), scene.modes), -1)
+        start = 0
+        for k, o in enumerate(seen):
+            own = slice(start, start + len(o.force_N))
+            start = own.stop
+            T = trends(o.clock) if len(o.force_N) else np.zeros((0, 0))
+            for j, row in zip(self._new(o.run, len(T)), T, strict=True):
+                trend.append(_widened(row, own, n))
+                trend_rows.append(j)
+                trend_of.append(k)
+            means += [True] * min(1, len(T)) + [False] * (len(T) - 1)
+            if o.curve is not None:
+                modes[k] = self._new(o.run, scene.modes)
+            if o.own_curves and o.voltage_V != 0.0:
+                rows = T[1 : 1 + MOST_SWAYS]
+                for j, row in zip(self._new(o.run, len(rows)), rows, strict=True):
+                    sway.append(_widened(row, own, n))
+                    sway_rows.append(j)
+                    sway_of.append(k)
+        bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
+        parts = [(seen[p.condition].clock, at, width) for p in look.pulses
+                 for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+        return Part(
+            reading_of.astype(np.int64), joined(clocks),
+            np.concatenate([o.force_N for o in seen]), _in_time(joined(clocks), reading_of, look),
+            _stacked(trend, n), _index(trend_rows), _index(trend_of), np.array(means, dtype=bool),
+            modes, _stacked(sway, n), _index(sway_rows), _index(sway_of),
+            joined([_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]),
+            joined([_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]),
+            np.concatenate([_index([]), *(np.full(len(WITHIN) * len(c.run_s), i) for i, (c, *_) in enumerate(parts))]),
+            _index([p.condition for p in look.pulses for _ in p.force_N]),
+            np.concatenate([_index([]), *bins]),
+            _index([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
+            np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
+            np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
+            max([0.0, *(p.edge_s for p in look.pulses)]),
+        )  # fmt: skip
+
+
+def joined(clocks: list[Clock]) -> Clock:
+    """One after the other."""
+    return Clock(
+        *(
+            np.concatenate([np.zeros(0), *(getattr(c, f.name) for c in clocks)])
+            for f in fields(Clock)
+        )
+    )
+
+
+def _in_pulse(sample: Clock, at_s: float) -> Clock:
+    """Another moment of the same pulses."""
+    later = at_s - sample.pulse_s
+    return replace(
+        sample, pulse_s=sample.pulse_s + later, run_s=sample.run_s + later,
+        wetted_s=sample.wetted_s + later, driven_s=sample.driven_s + later,
+    )  # fmt: skip
+
+
+def _in_time(clock: Clock, of: FloatArray, look: Look) -> Index:
+    keys = list(dict.fromkeys(o.run for o in look.seen))
+    run = np.array([keys.index(look.seen[int(k)].run) for k in of])
+    return np.lexsort((clock.run_s, run, np.round(clock.session, 12)))
+
+
+def _widened(row: FloatArray, own: slice, n: int) -> FloatArray:
+    result = np.zeros(n)
+    result[own] = row
+    return result
+
+
+def _stacked(rows: list[FloatArray], n: int) -> FloatArray:
+    return np.array(rows) if rows else np.zeros((0, n))
+
+
+def _index(values: list[int]) -> Index:
+    return np.array(values, dtype=np.int64)

@@ -1,0 +1,249 @@
+"""An effect as columns beside the base model: its size, its knobs, and how its form may differ.
+
+No formula is nature's. So an effect is its form times (1 + a smooth deviation): along the sheet,
+from voltage to voltage, along the arc, in time, or from one configuration to the other, whichever
+it depends on; with a standard deviation of about a third, and integrated over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from model.discrepancy.linear import Bases, Linear
+from model.discrepancy.point import Active, State, Step, Study
+from model.effects.interface import Beam, Effect, Knob
+from model.measurements import FloatArray
+
+FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
+SIGN = 0.25  # and from one voltage or configuration to the other
+OWN = 1.0  # where each configuration may have its own size
+MOST_LOG_STEP = 0.4
+
+
+@dataclass(frozen=True)
+class Found:
+    """An effect in the model, with the values it has there."""
+
+    effect: Effect
+    values: Mapping[str, Mapping[str, float]]  # configuration -> knob -> value
+    width: float = 3.0  # of the prior of the size, in units of its plausible size
+    tolerant: bool = True
+    sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    @property
+    def active(self) -> Active:
+        """As states have it."""
+        return Active(self.effect, self.values)
+
+    def knobs(self) -> list[tuple[Knob, tuple[str, ...]]]:
+        """Knobs that are refined, each with the configurations that share its value."""
+        names = tuple(self.values)
+        free = [k for i, k in enumerate(self.effect.knobs) if i == 0 or k.log]
+        if not self.effect.by_configuration:
+            return [(k, names) for k in free]
+        return [(k, (name,)) for k in free for name in names]
+
+
+def whole_step(
+    study: Study, c: int, state: State, base: Beam, others: tuple[Active, ...], one: Active
+) -> Step:
+    """What an effect as it stands changes, to first order, given the others."""
+    without = shaped(base, state, others, study.names[c])
+    values = one.values[study.names[c]]
+    full = one.effect.beam(without, state.solved.held, values)
+    step = replace(study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.held))
+    return study._outer_step(c, state, one.effect, values, step)  # noqa: SLF001
+
+
+def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> Beam:
+    """The base with effects applied, at a known solution."""
+    for one in active:
+        if name in one.values:
+            base = one.effect.beam(base, state.solved.held, one.values[name])
+    return base
+
+
+def deviations(effect: Effect, study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
+    """The ways in which the form may differ, each with its standard deviation."""
+    scene, part = study.scenes[c], study.part(c)
+    G = scene.count
+    driven = np.sign(scene.voltage_V)
+    for along in effect.tolerance:
+        if along == "s":
+            t = scene.s_m / scene.length
+            for j, share in ((1, 0.75), (2, 0.5), (3, 0.43)):
+                wave = np.sqrt(2.0) * np.cos(j * np.pi * t)
+                beam = np.zeros_like(step.beam)
+                beam[:, :G] = step.beam[:, :G] * wave
+                beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * wave
+                yield replace(study.no_step(c), beam=beam), FORM * share
+        elif along == "position":
+            u = _unit(np.nan_to_num(scene.stated_m))
+            for j, share in ((1, 0.8), (2, 0.6)):
+                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
+                yield _weighed(step, wave, part.reading_of, part.bin_of), FORM * share
+        elif along == "voltage":
+            for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
+                yield _weighed(step, wave, part.reading_of, part.bin_of), SIGN
+        elif along == "time":
+            yield from _in_time(study, c, step)
+        elif along == "place":
+            u = scene.curve_s / np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
+            for j, share in ((1, 0.8), (2, 0.6)):
+                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
+                yield replace(study.no_step(c), points_m=step.points_m * wave), FORM * share
+
+
+def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
+    part = study.part(c)
+    for name, scale, waves in (
+        ("session", 1.0, (1,)),
+        ("pulse", 30.0, (1,)),
+        ("pulse_s", 0.6, (1, 2, 3)),
+    ):
+        at, in_bin = getattr(part.clock, name), getattr(part.bin_clock, name)
+        if name != "pulse_s" and np.ptp(at) == 0.0:
+            continue
+        for j in waves:
+            wave, bins = (
+                np.sqrt(2.0) * np.cos(j * np.pi * np.clip(a / scale, 0.0, 1.0))
+                for a in (at, in_bin)
+            )
+            bins = part.bin_mean(bins)
+            yield replace(
+                study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
+                force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
+                bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
+            ), FORM * 0.6 / j  # fmt: skip
+
+
+def _weighed(step: Step, wave: FloatArray, of: FloatArray, bin_of: FloatArray) -> Step:
+    return Step(
+        step.beam * wave[:, None], step.eibm * wave[of], step.stiffness * wave[of],
+        step.force_N * wave[of], step.bin_eibm * wave[bin_of], step.bin_stiffness * wave[bin_of],
+        step.points_m * wave[:, None], step.frame_eibm * wave[of],
+    )  # fmt: skip
+
+
+def _unit(values: FloatArray) -> FloatArray:
+    span = float(np.ptp(values))
+    return (values - values.min()) / span if span > 0.0 else np.full_like(values, 0.5)
+
+
+def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step]) -> FloatArray:
+    """The form itself, and its deviations times their standard deviations: (N, 1 + J)."""
+    whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+    columns = [np.sum(whole, axis=0)]
+    if len(steps) > 1 and all(np.any(w) for w in whole):
+        share = OWN if effect.by_configuration else SIGN
+        signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
+        columns.append(share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0))
+    ways: list[FloatArray] = []
+    for c, step in enumerate(steps):
+        found = [
+            share * study.rows_of(c, states[c], s)
+            for s, share in deviations(effect, study, c, step)
+        ]
+        for j, row in enumerate(found):
+            if j < len(ways):
+                ways[j] = ways[j] + row
+            else:
+                ways.append(row)
+    kept = [w for w in ways if np.any(w)]
+    return np.stack([*columns, *kept], axis=1)
+
+
+def effect_columns(
+    study: Study,
+    bases: Bases,
+    theta: FloatArray,
+    linear: Linear,
+    one: Found,
+    active: tuple[Active, ...],
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Columns of an effect in the model: its knobs, then the tolerance of its form; their priors."""
+    columns, precision, away = [], [], []
+    places = {name: c for c, name in enumerate(study.names)}
+    bent = [bases.beam(study, c, theta) for c in range(len(study.names))]
+    for knob, names in one.knobs():
+        column = np.zeros(study.layout.size)
+        for name in names:
+            column += _by_knob(study, places[name], linear, bent[places[name]], one, active, knob)
+        value = one.values[names[0]][knob.name]
+        columns.append(column)
+        if knob.log:
+            precision.append(1.0)
+            centre = float(np.log(knob.plausible))
+            away.append(float(np.log(value)) - centre if knob is one.effect.size else 0.0)
+        else:
+            precision.append((one.width * knob.plausible) ** -2.0)
+            away.append(value - knob.neutral)
+    if one.tolerant:
+        others = tuple(a for a in active if a.effect is not one.effect)
+        steps = [
+            whole_step(study, c, linear.states[c], bent[c], others, one.active)
+            if name in one.values else study.no_step(c)
+            for c, name in enumerate(study.names)
+        ]  # fmt: skip
+        extra = atoms(study, linear.states, one.effect, steps)
+        first = 2 if one.effect.by_configuration and len(steps) > 1 else 1
+        for j in range(first, extra.shape[1]):
+            columns.append(extra[:, j])
+            precision.append(1.0)
+            away.append(0.0)
+    return np.stack(columns, axis=1), np.array(precision), np.array(away)
+
+
+def _by_knob(
+    study: Study, c: int, linear: Linear, base: Beam, one: Found, active: tuple[Active, ...],
+    knob: Knob,
+) -> FloatArray:  # fmt: skip
+    """Derivative of the rows by a knob, or by its logarithm."""
+    name, state = study.names[c], linear.states[c]
+    values = dict(one.values[name])
+    value = values[knob.name]
+    h = 0.02 if knob.log else 0.05 * knob.plausible
+    both = []
+    for sign in (-1.0, 1.0):
+        values[knob.name] = value * np.exp(sign * h) if knob.log else value + sign * h
+        turned = tuple(
+            Active(a.effect, {name: dict(values)}) if a.effect is one.effect else a for a in active
+        )
+        beam = shaped(base, state, turned, name)
+        outer = study._outer_step(c, state, one.effect, values, study.no_step(c))  # noqa: SLF001
+        both.append((beam, outer))
+    (low, outer_low), (high, outer_high) = both
+    step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.held))
+    rows = study.rows_of(c, state, step) - study.rows_of(
+        c, state, replace(outer_low, beam=0.0 * outer_low.beam)
+    )
+    result: FloatArray = rows / (2.0 * h)
+    return result
+
+
+def moved(
+    found: tuple[Found, ...], beta: FloatArray, sigma: FloatArray, spans: list[slice]
+) -> tuple[tuple[Found, ...], bool]:
+    """The effects after a step; whether it was small."""
+    result, quiet = [], True
+    for one, span in zip(found, spans, strict=True):
+        values = {name: dict(v) for name, v in one.values.items()}
+        unsure = {name: dict(one.sigma.get(name, {})) for name in values}
+        for place, (knob, names) in enumerate(one.knobs(), span.start):
+            step, doubt = float(beta[place]), float(sigma[place])
+            quiet = quiet and abs(step) < 0.1 * doubt
+            for name in names:
+                old = values[name][knob.name]
+                if knob.log:
+                    new = old * float(np.exp(np.clip(step, -MOST_LOG_STEP, MOST_LOG_STEP)))
+                    unsure[name][knob.name] = new * doubt
+                else:
+                    most = 3.0 * knob.plausible
+                    new = old + float(np.clip(step, -most, most))
+                    unsure[name][knob.name] = doubt
+                values[name][knob.name] = float(np.clip(new, knob.low, knob.high))
+        result.append(replace(one, values=values, sigma=unsure))
+    return tuple(result), quiet
