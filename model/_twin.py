@@ -1,4 +1,4 @@
-"""The equilibrium in NumPy: the same equations as `_kernel.py`, written another way.
+"""The equilibrium in NumPy: the same equations as `_kernel`, written another way.
 
 One function gives the residuals of all nodes and of the closure for whole batches; derivatives
 are taken by complex step, so none of the compiled engine's algebra is repeated here. It checks
@@ -185,7 +185,7 @@ def _follow(case: Case, u: Numbers, start: Case, r: Rule) -> tuple[Numbers, Numb
 def solve_many(
     breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
     angles: Numbers, warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """As `_kernel.solve_many`."""
     case = _case(breaks, kappa, soft, R, angles)
     free, polar = _free(case, r)
@@ -198,12 +198,13 @@ def solve_many(
     sure = done & ((u[:, -1] * R <= breaks[-1]) | (np.abs(polar - angles) < 1.0))
     status[:] = np.where(sure & (u[:, -1] * R <= reach), SOLVED, FAILED)
     _store(case, u, r, psi, x, np.arange(len(u)), status == SOLVED)
+    return int(np.count_nonzero(status == FAILED))
 
 
 def rescue_many(
     breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
     angles: Numbers, psi: Numbers, x: Numbers, status: Numbers,
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """As `_kernel.rescue_many`."""
     for attempt in range(2):
         left = np.flatnonzero(status == FAILED if attempt == 0 else status != SOLVED)
@@ -224,6 +225,7 @@ def rescue_many(
         found = np.where(v[:, -1] * R <= reach, SOLVED, SLIPPED)
         status[left] = np.where(done, found, status[left])
         _store(case, v, r, psi, x, left, done)
+    return int(np.count_nonzero(status == FAILED))
 
 
 def _store(
@@ -234,7 +236,7 @@ def _store(
     nu, s_hat = u[:, -2] / case.R**2, u[:, -1] * case.R
     phi_hat = -_loaded(case, shaped, nu, s_hat, r).psi_end
     psi[rows[done]] = shaped[done]
-    x[rows[done]] = np.stack([nu, s_hat, phi_hat, case.angle], axis=1)[done]
+    x[rows[done]] = np.stack([nu, s_hat, phi_hat], axis=1)[done]
 
 
 def _points(case: Case, u: Numbers, s: Numbers, r: Rule) -> tuple[Numbers, Numbers]:

@@ -28,10 +28,10 @@ from model.measurements import FloatArray, ModelError
 LEAST_SHARE = 200  # problems that are worth a thread
 Engine = Literal["auto", "compiled", "numpy"]
 Accuracy = Literal["normal", "reference"]
-# nodes for panels that turn less than so many rad
+# nodes for panels whose width over R, and a quarter of the angle they turn, add up to less
 _NODES: dict[Accuracy, tuple[tuple[float, int], ...]] = {
-    "normal": ((0.04, 4), (0.12, 5), (0.4, 6), (0.7, 8), (np.inf, 10)),
-    "reference": ((0.04, 6), (0.12, 8), (0.3, 10), (np.inf, 16)),
+    "normal": ((0.05, 4), (0.22, 5), (0.56, 6), (0.85, 7), (1.0, 8), (1.2, 9), (np.inf, 10)),
+    "reference": ((0.05, 6), (0.2, 8), (0.5, 10), (np.inf, 16)),
 }
 _PASSES: dict[Accuracy, int] = {"normal": 1, "reference": 2}
 _TURN: dict[Accuracy, float] = {"normal": 3.2, "reference": 1.0}  # rad of free curvature in a panel
@@ -93,8 +93,14 @@ def problems(
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
     if len(rows) < len(angles):
         rows = np.repeat(rows, len(angles), axis=0)
-    turn = largest * float((breaks[1:] - breaks[:-1]).max())
+    turn = largest * _widest(breaks)
     return Problems(breaks, rows, soft[None], radius_m, length + elongation_m, angles, turn)
+
+
+def _widest(breaks_m: FloatArray) -> float:
+    if len(breaks_m) == 2:
+        return float(breaks_m[1] - breaks_m[0])
+    return float((breaks_m[1:] - breaks_m[:-1]).max())
 
 
 def finer(
@@ -112,13 +118,12 @@ def finer(
 
 
 def nodes_for(batch: Problems, accuracy: Accuracy = "normal") -> int:
-    """Collocation nodes a panel: as many as the one that turns most needs."""
-    widths = batch.breaks_m[1:] - batch.breaks_m[:-1]
-    turn = batch.turn_rad
+    """Collocation nodes a panel: as many as the one that asks for most; 5e-10 of N R^2/B."""
+    widest, turn = _widest(batch.breaks_m), batch.turn_rad
     if turn is None:
-        turn = float(np.max(np.sum(np.abs(batch.kappa), axis=2) * widths, initial=0.0))
-    turn = max(turn, float(widths.max()) / batch.radius_m)
-    return next(n for most, n in _NODES[accuracy] if turn < most)
+        turn = widest * float(np.max(np.sum(np.abs(batch.kappa), axis=2), initial=0.0))
+    measure = widest / batch.radius_m + 0.25 * turn
+    return next(nodes for most, nodes in _NODES[accuracy] if measure < most)
 
 
 @dataclass(frozen=True)
@@ -221,7 +226,7 @@ class Equilibria:
         K, Q, S = len(p), to.kappa.shape[1], s.shape[1]
         out, lever = np.full((K, S, 4), np.nan), np.full(K, np.nan)
         dx, dout = np.full((K, Q, 3), np.nan), np.full((K, Q, S, 2), np.nan)
-        state = np.stack([self.nu, self.s_hat_m, self.phi_hat_rad, p.angle_rad], axis=1)
+        state = np.stack([self.nu, self.s_hat_m, self.phi_hat_rad], axis=1)
         good = self.status == Status.SOLVED
         _engine(engine).describe_many(
             p.breaks_m, p.kappa, p.softness, rule(self.nodes), p.radius_m, p.angle_rad,
@@ -244,42 +249,43 @@ def solve(
     `start`: solutions of the same batch with other numbers, to begin from. `workers`: threads that
     share a large batch.
     """
-    nodes, K = nodes_for(batch, accuracy), len(batch)
-    state = np.zeros((K, 4))
+    nodes, K, by = nodes_for(batch, accuracy), len(batch.angle_rad), _engine(engine)
+    state = np.zeros((K, 3))
     psi = np.zeros((K, len(batch.breaks_m) - 1, nodes))
-    fits = start is not None and start.psi.shape == psi.shape
-    if start is not None and fits:
+    status, warm = np.zeros(K, np.int64), np.zeros(K, np.bool_)
+    if start is not None and start.psi.shape == psi.shape:
         state[:, 0], state[:, 1], psi[:] = start.nu, start.s_hat_m, start.psi
-    status = np.zeros(K, dtype=np.int64)
-    warm = np.isfinite(state[:, 0]) if fits else np.zeros(K, dtype=np.bool_)
-    for _ in range(_PASSES[accuracy]):
-        _share(_engine(engine).solve_many, workers, batch, nodes, warm, psi, state, status)
-        if np.any(status == Status.FAILED):
-            _share(_engine(engine).rescue_many, workers, batch, nodes, psi, state, status)
-        warm = status == Status.SOLVED
-    if status.any():
-        state[status != Status.SOLVED] = np.nan
+        warm = np.isfinite(state[:, 0])
+    for again in range(_PASSES[accuracy]):
+        if again:  # from what was found, nearer than the first pass was asked to come
+            warm = status == Status.SOLVED
+        if _share(by.solve_many, workers, batch, nodes, warm, psi, state, status):
+            _share(by.rescue_many, workers, batch, nodes, psi, state, status)
+            state[status != Status.SOLVED] = np.nan
     return Equilibria(batch, status, state[:, 0], state[:, 1], state[:, 2], psi, nodes)
 
 
 def _share(
-    solve_many: Callable[..., None], workers: int, batch: Problems, nodes: int, *arrays: Any
-) -> None:
-    """Run the engine on slices of the batch, one thread each."""
-
-    def part(rows: slice) -> None:
-        soft = batch.softness if len(batch.softness) == 1 else batch.softness[rows]
-        solve_many(
-            batch.breaks_m, batch.kappa[rows], soft, rule(nodes), batch.radius_m,
-            batch.reach_m * (1.0 + 1e-12), batch.angle_rad[rows], *(a[rows] for a in arrays),
+    engine: Callable[..., int], workers: int, batch: Problems, nodes: int, *arrays: Any
+) -> int:
+    """Run the engine on slices of the batch, one thread each; returns how many are left."""
+    r, reach = rule(nodes), batch.reach_m * (1.0 + 1e-12)
+    if workers <= 1 or len(batch) < 2 * LEAST_SHARE:
+        return engine(
+            batch.breaks_m, batch.kappa, batch.softness, r, batch.radius_m, reach,
+            batch.angle_rad, *arrays,
         )  # fmt: skip
 
-    if workers <= 1 or len(batch) < 2 * LEAST_SHARE:
-        part(slice(None))
-        return
+    def part(rows: slice) -> int:
+        soft = batch.softness if len(batch.softness) == 1 else batch.softness[rows]
+        return engine(
+            batch.breaks_m, batch.kappa[rows], soft, r, batch.radius_m, reach,
+            batch.angle_rad[rows], *(a[rows] for a in arrays),
+        )  # fmt: skip
+
     ends = np.linspace(0, len(batch), min(workers, len(batch) // LEAST_SHARE) + 1).astype(int)
     with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(part, [slice(a, b) for a, b in pairwise(ends)]))
+        return sum(pool.map(part, [slice(a, b) for a, b in pairwise(ends)]))
 
 
 def _nothing(p: Problems) -> Directions:
@@ -316,7 +322,7 @@ def _check(
         raise ModelError(f"the arc's radius must be positive, not {radius_m * 1e3:g} mm")
     if not (isfinite(elongation_m) and elongation_m >= 0.0):
         raise ModelError(f"the elongation must be zero or longer, not {elongation_m * 1e3:g} mm")
-    if not np.isfinite(angles.sum()):
+    if not isfinite(np.vdot(angles, angles)):
         raise ModelError("a position on the arc is not a finite number")
     if len(fields) not in (1, len(angles)):
         raise ModelError(f"{len(fields)} free curvatures were given for {len(angles)} positions")
