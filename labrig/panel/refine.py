@@ -87,12 +87,9 @@ def _gradients(
 def _smoothed(patch: FloatArray) -> FloatArray:
     """By the binomial of five, along both axes."""
     weights = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16
-    rows, columns = patch.shape
     padded = np.pad(patch, 2, mode="edge")
-    down = np.stack([padded[i : i + rows, :] for i in range(5)])
-    once = np.tensordot(weights, down, axes=1)
-    across = np.stack([once[:, i : i + columns] for i in range(5)])
-    return np.asarray(np.tensordot(weights, across, axes=1))
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (5, 5))
+    return np.asarray(np.einsum("vuij,i,j->vu", windows, weights, weights))
 
 
 def _check_contrast(patch: FloatArray, smooth: FloatArray, gradient: FloatArray) -> None:

@@ -45,6 +45,7 @@ class StopServer(ThreadingHTTPServer):
     """One thread for each request, and no more of them than are good for us."""
 
     daemon_threads = True
+    request_queue_size = 128  # a press must not wait behind those who only connect
 
     def __init__(self, settings: StopSettings, line: Line) -> None:
         self.settings = settings

@@ -77,13 +77,14 @@ class Page:
     def __init__(self, server: Server, path: str = "/ws", *, reads: bool = True) -> None:
         self.server = server
         headers = {"Cookie": f"labrig_token={server.token}"}
-        self.socket = connect(
+        self._context = connect(
             f"ws://{server.netloc}{path}",
             origin=server.origin,  # type: ignore[arg-type]
             additional_headers=headers,
             max_size=64 << 20,
             max_queue=4 if not reads else None,
         )
+        self.socket = self._context.__enter__()
         self.hello: Message = json.loads(self.socket.recv(timeout=20))
         self.client = self.hello.get("client", "")
         self.messages: list[Message] = []  # since the last story, its own included

@@ -1,0 +1,37 @@
+"""A simulated rig's folder and a panel on it."""
+
+from __future__ import annotations
+
+import pytest
+
+from labrig.config.templates import write_templates
+from tests.labrig.panel.page import panel
+
+SHORT = """
+moisten = true
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = {readings}
+[[places]]
+configuration = "long"
+positions_mm = [10]
+[extras]
+mode = "paper"
+"""
+
+
+@pytest.fixture(scope="module")
+def rig_folder(tmp_path_factory):
+    """rig.toml and its files; `short.toml` takes some seconds, `long.toml` half a minute."""
+    folder = tmp_path_factory.mktemp("panel") / "rig"
+    write_templates(folder, simulated=True)
+    (folder / "short.toml").write_text(SHORT.format(readings=3))
+    (folder / "long.toml").write_text(SHORT.format(readings=18))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def server(rig_folder):
+    """A panel for all tests of a file."""
+    with panel(rig_folder / "rig.toml") as found:
+        yield found
