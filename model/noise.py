@@ -15,8 +15,8 @@ import numpy as np
 
 from model.measurements import FloatArray
 
-Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
+LONGEST = 1.5  # change of any ln sigma in one step
 
 
 @dataclass(frozen=True)
@@ -97,51 +97,109 @@ def inverse_symmetric(A: FloatArray) -> FloatArray:
     return np.asarray(inner * scale[:, None] * scale[None, :], dtype=np.float64)
 
 
-def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
-    """-2 ln of the restricted likelihood times prior, and its gradient by ln sigma."""
-    W, logdet = _inverse(data, log_sigma)
+@dataclass(frozen=True)
+class _Stack:
+    """All scatters side by side, all noises side by side: one product does for all."""
+
+    Z: FloatArray  # (R, n, Q)
+    of: FloatArray  # (Q, groups) 1 where a column belongs to a scatter
+    D: FloatArray  # (R, n, masks)
+
+    @staticmethod
+    def of_data(data: Data) -> _Stack:
+        R, n = data.y.shape
+        Z = np.concatenate([np.zeros((R, n, 0)), *data.groups], axis=2)
+        of = np.zeros((Z.shape[2], len(data.groups)))
+        start = 0
+        for j, group in enumerate(data.groups):
+            of[start : start + group.shape[2], j] = 1.0
+            start += group.shape[2]
+        D = np.stack(data.masks, axis=2) if data.masks else np.zeros((R, n, 0))
+        return _Stack(Z, of, D)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """-2 ln of the restricted likelihood times prior, its gradient, and its expected curvature."""
+
+    value: float
+    gradient: FloatArray
+    curvature: FloatArray
+
+
+def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _Point:
+    variance, many = np.exp(2.0 * log_sigma), len(data.groups)
+    scaled = stack.Z * np.exp(stack.of @ log_sigma[:many])
+    V = scaled @ scaled.transpose(0, 2, 1)
+    n = np.arange(V.shape[1])
+    V[:, n, n] += data.fixed + stack.D @ variance[many:]
+    L = np.linalg.cholesky(V)
+    half = np.linalg.inv(L)
+    W = half.transpose(0, 2, 1) @ half
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
     beta = C @ _pull(data, WX)
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
-    _, more = np.linalg.slogdet(information)
-    quadratic = float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     away = (log_sigma - guess) / data.width
-    slopes = []
-    for Z in data.groups:
-        WZ = W @ Z
-        ZX = Z.transpose(0, 2, 1) @ WX
-        trace = np.sum(Z * WZ) - np.sum((ZX @ C) * ZX)
-        slopes.append(trace - np.sum((Z * We[:, :, None]).sum(1) ** 2))
-    n = np.arange(W.shape[1])
+    value = 2.0 * float(np.sum(np.log(L[:, n, n]))) + float(np.linalg.slogdet(information)[1])
+    value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
+    value += float(away @ away)
+    WZ = W @ stack.Z
+    ZX = stack.Z.transpose(0, 2, 1) @ WX
+    slopes = np.sum(stack.Z * WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
+    slopes -= np.sum((stack.Z.transpose(0, 2, 1) @ We[:, :, None]) ** 2, axis=(0, 2))
     rest = W[:, n, n] - np.sum((WX @ C) * WX, axis=2) - We**2
-    slopes += [float(np.sum(mask * rest)) for mask in data.masks]
-    gradient = 2.0 * np.exp(2.0 * log_sigma) * np.array(slopes) + 2.0 * away / data.width
-    return logdet + float(more) + quadratic + float(away @ away), gradient
+    both = np.concatenate([slopes @ stack.of, np.tensordot(rest, stack.D, axes=2)])
+    gradient = 2.0 * variance * both + 2.0 * away / data.width
+    ZWZ = np.sum((stack.Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
+    cross = np.sum(stack.D.transpose(0, 2, 1) @ WZ**2, axis=0) @ stack.of
+    DWD = np.sum(stack.D.transpose(0, 2, 1) @ W**2 @ stack.D, axis=0)
+    X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
+    curvature = 4.0 * variance[:, None] * variance * X
+    curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
+    return _Point(value, gradient, curvature)
+
+
+def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
+    """-2 ln of the restricted likelihood times prior, and its gradient by ln sigma."""
+    point = _point(data, _Stack.of_data(data), log_sigma, guess)
+    return point.value, point.gradient
 
 
 def estimate(
-    data: Data, guess: FloatArray, start: FloatArray | None = None, accuracy: float = 2e-9
+    data: Data, guess: FloatArray, start: FloatArray | None = None, accuracy: float = 1e-5
 ) -> Solution:
-    """REML: the scatter that explains the misfit, and beta weighed with it.
+    """REML: the scatter that explains the misfit, and beta weighed with it, by Fisher's scoring.
 
-    `accuracy` is that of the likelihood's logarithm, relative.
+    It ends when no more than `accuracy` of the deviance is to be had.
     """
-    from scipy.optimize import minimize  # slow to import
-
-    def cost(log_sigma: Vector) -> tuple[float, Vector]:
-        value, gradient = deviance(data, log_sigma, guess)
-        return value, gradient.reshape(log_sigma.shape)
-
-    begin: Vector = (guess if start is None else start).reshape(len(guess))
-    bounds = [(float(g) - 7.0, float(g) + 6.0) for g in guess]
-    found = minimize(
-        cost, begin, jac=True, method="L-BFGS-B", bounds=bounds,
-        options={"maxiter": 80, "ftol": accuracy},
-    )
-    return weigh(data, np.asarray(found.x))
+    stack = _Stack.of_data(data)
+    low, high = guess - 7.0, guess + 6.0
+    at = np.clip(guess if start is None else start, low, high)
+    point, damping = _point(data, stack, at, guess), 1e-3
+    for _ in range(60):
+        H = point.curvature.copy()
+        H[np.diag_indices_from(H)] *= 1.0 + damping
+        held = ((at <= low) & (point.gradient > 0.0)) | ((at >= high) & (point.gradient < 0.0))
+        gradient = np.where(held, 0.0, point.gradient)
+        step = -np.linalg.solve(H, gradient)
+        there = np.clip(at + step / max(1.0, float(np.max(np.abs(step))) / LONGEST), low, high)
+        expected = -0.5 * float(gradient @ (there - at))
+        if expected < accuracy:
+            break
+        other = _point(data, stack, there, guess)
+        if other.value < point.value:
+            done = point.value - other.value < accuracy
+            at, point, damping = there, other, max(damping / 5.0, 1e-4)
+            if done:
+                break
+        else:
+            damping *= 10.0
+            if damping > 1e6:
+                break
+    return weigh(data, at)
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ def null_gains(
         y[empty] = 0.0
         data = replace(linear.data, y=y, away=np.zeros_like(linear.data.away))
         flat = y[study.layout.run_of, study.layout.row_of]
-        solution = estimate(data, problem.guess, fitted.solution.log_sigma, 1e-6)
+        solution = estimate(data, problem.guess, fitted.solution.log_sigma, 0.05)
         drawn = replace(linear, residual=flat, data=data)
         weighed = Projected.of(study, drawn, solution)
         result[i] = max(score(study, weighed, c).log_bayes for c in pool)

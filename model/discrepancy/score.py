@@ -137,7 +137,7 @@ def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:
     scale = one.scale
     while scale <= 1.01 * max(one.candidate.sizes):
         linear = with_columns(study, fitted.linear, one.candidate.columns, scale**-2.0)
-        solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 1e-6)
+        solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 0.02)
         value = deviance(linear.data, solution.log_sigma, fitted.problem.guess)[0]
         value += 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
         gain = 0.5 * (fitted.deviance - value)

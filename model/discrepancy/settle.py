@@ -13,7 +13,7 @@ from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, weigh
 
 ROUNDS = 12
-ROUGH, FINE = 1e-5, 2e-7  # of the likelihood's logarithm, relative
+ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
 
 @dataclass(frozen=True)
