@@ -40,7 +40,7 @@ export function goingOf(job) {
   if (!job.job) return { word: "NO RUN", why: "nothing is going on" };
   if (job.job.state === "lost") return { word: "LOST", why: "the run's process does not answer" };
   if (job.prompt) return { word: "WAITING", why: runName(job) || "for the operator" };
-  if (job.job.state === "starting") return { word: "STARTING", why: KINDS[job.job.kind] };
+  if (job.job.state === "starting" || (job.going && job.job.kind === "run" && job.state.state === "idle")) return { word: "STARTING", why: KINDS[job.job.kind] };
   if (job.ended) return { word: job.ended.outcome.toUpperCase(), why: job.ended.reason };
   if (job.job.state === "ended") return { word: "ENDED", why: job.job.text ?? "" };
   if (job.job.kind !== "run") return { word: KINDS[job.job.kind]?.toUpperCase() ?? "BUSY", why: "under way" };

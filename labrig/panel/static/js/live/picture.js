@@ -13,7 +13,7 @@ export class Picture {
     this.extra = extra;
     this.shown = 0; // pictures that have reached the screen
     this.canvas = h("canvas", { class: "picture-canvas", role: "img", "aria-label": "live picture of the sheet" });
-    this.caption = h("span", { class: "picture-said" }, "no picture yet");
+    this.caption = h("span", { class: "picture-said" });
     this.element = h(
       "figure", { class: "picture card" }, this.canvas,
       h(
@@ -81,6 +81,10 @@ export class Picture {
     if (!bitmap) {
       context.fillStyle = "#20252b";
       context.fillRect(0, 0, width, height);
+      context.fillStyle = "#c8d0d8";
+      context.font = `${18 * ratio}px sans-serif`;
+      context.textAlign = "center";
+      context.fillText("no picture", width / 2, height / 2);
       return;
     }
     context.drawImage(bitmap, 0, 0, width, height);

@@ -54,7 +54,7 @@ export class Readings {
         "div", { class: "mean" },
         h("span", { class: `mean-volts sign-${Math.sign(voltage)}` }, `${shapeOf(voltage)} ${volts(voltage)}`),
         h("strong", {}, number(mean?.mean, 3)),
-        h("span", { class: "mean-rest" }, `\u00B1 ${number(mean?.scatter, 3)} mN \u00B7 ${mean?.count ?? 0} of ${wanted(voltage)}`),
+        h("span", { class: "mean-rest" }, `${mean?.scatter == null ? "" : `\u00B1 ${number(mean.scatter, 3)} mN \u00B7 `}${mean?.count ?? 0} of ${wanted(voltage)}`),
       );
     }));
   }

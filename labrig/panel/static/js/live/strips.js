@@ -29,6 +29,7 @@ export class Strips {
 
   destroy() {
     this.seen.disconnect();
+    clearTimeout(this.timer);
     removeEventListener("labrig-theme", this.themed);
     this.lines.forEach((line) => line.plot?.destroy());
   }
@@ -87,7 +88,7 @@ export class Strips {
     };
     const options = {
       width, height,
-      padding: [8, 10, line.last ? 0 : 4, 0],
+      padding: [8, 18, line.last ? 0 : 4, 0],
       legend: { show: false },
       cursor: { show: false },
       scales: { x: { time: false, range: () => this.window() }, y: { range: (_, low, high) => this.range(line, low, high) } },
@@ -117,7 +118,7 @@ export class Strips {
       const most = Math.max(1, ...steps.map(([, volts]) => Math.abs(volts)), Math.abs(low ?? 0), Math.abs(high ?? 0));
       return [-1.2 * most, 1.2 * most];
     }
-    if (low == null) return [-1, 1];
+    if (low == null) return [-1.2, 1.2];
     const middle = 0.5 * (low + high);
     const half = Math.max(0.58 * (high - low), 0.5 * line.row.least);
     return [middle - half, middle + half];
@@ -135,9 +136,18 @@ export class Strips {
       line.plot?.setData([signals.column("run_s"), signals.column(`${key}_least`), signals.column(`${key}_most`)]);
     }
     this.points = signals.count;
-    const now = performance.now();
-    if (now - (this.said ?? -Infinity) < NUMERAL_MS && signals.count) return;
-    this.said = now;
+    // The first change shows at once, those after it together, the last one always.
+    if (this.timer && signals.count) return;
+    clearTimeout(this.timer);
+    this.showNumerals();
+    this.timer = setTimeout(() => {
+      this.timer = null;
+      this.showNumerals();
+    }, NUMERAL_MS);
+  }
+
+  showNumerals() {
+    const { signals } = this.job;
     for (const { row, value } of this.lines) {
       const newest = signals.newest(row.key);
       say(value, row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals));

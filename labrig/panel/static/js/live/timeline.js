@@ -136,11 +136,20 @@ export class Timeline {
     const going = record?.started && !record.stopped;
     const run_s = going ? this.runTime(run) : record?.stopped ? run.duration_s : 0;
     const begun = job.started || job.job;
-    const at = this.x(run.starts_s + (record?.started ? run_s : 0));
+    const at = this.x(record?.started ? run.starts_s + run_s : this.waiting(run));
     this.now.setAttribute("d", begun ? `M${at} 28V58M${at - 5} 28H${at + 5}L${at} 34Z` : "");
     const wave = this.waveX(run_s);
     this.waveNow.setAttribute("d", going ? `M${wave} 0V${WAVE_HIGH}` : "");
     say(this.said, this.words(run, going ? run_s : null));
+  }
+
+  /** Before a run: as far into its wait as time has gone, at most to its beginning. */
+  waiting(run) {
+    const { plan, runs, latest_s } = this.job;
+    const before = plan.runs[plan.runs.indexOf(run) - 1];
+    const stopped = before ? runs.get(before.run)?.stopped?.time_s : 0;
+    const gone = Math.max(0, (latest_s ?? 0) - (stopped ?? 0));
+    return Math.min(run.starts_s, (before ? before.starts_s + before.duration_s : 0) + gone);
   }
 
   runTime(run) {

@@ -13,7 +13,7 @@ export function mount(place, app) {
     may: () => control.why(),
   });
   const bar = runBar(app);
-  place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, view.element);
+  place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, bar.notice, view.element);
   const again = () => view.update(new Set(["prompt"]));
   control.watchers.add(again);
   const stop = job.watch(() => bar.update());
@@ -32,6 +32,15 @@ export function mount(place, app) {
 function chosenModel(select, name) {
   if (![...select.options].some((option) => option.value === name)) select.append(h("option", { value: name }, name));
   select.value = name;
+}
+
+/** How the job ended, in full; empty while it goes on. */
+function endOf({ job, ended }) {
+  if (job?.state === "lost") return "The run\u2019s process does not answer. Press STOP, then look at the amplifier.";
+  if (job?.state !== "ended") return "";
+  const told = ended?.reason && ended.reason !== job.text ? `${ended.reason} ` : "";
+  const code = job.code ? ` (code ${job.code})` : "";
+  return `Ended: ${told}${job.text ?? ""}${code}`;
 }
 
 /** What is running, the gentle stop, whose model is drawn; or the way to a new run. */
@@ -55,15 +64,19 @@ function runBar({ job, control }) {
     "div", { class: "runbar" }, name, h("span", { class: "runbar-gap" }), fault,
     h("label", {}, "Model drawn ", model), gentle, begin, replay,
   );
+  const notice = h("p", { class: "notice card", role: "status", hidden: true });
   const update = () => {
+    const how = endOf(job);
+    notice.hidden = !how;
+    say(notice, how);
     const run = job.job?.kind === "run" || job.plan;
     const session = job.plan?.session ?? job.job?.session;
     say(name, !run ? "No run yet" : [session, job.plan?.protocol, job.plan?.simulated ? "SIMULATED RIG" : null].filter(Boolean).join(" \u00B7 "));
     gentle.hidden = !(job.going && job.job.kind === "run");
     begin.hidden = job.going;
-    replay.hidden = job.going || !session;
+    replay.hidden = job.going || !session || !job.started;
     if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
     if (document.activeElement !== model && job.plan && "model" in job.plan) chosenModel(model, job.plan.model ?? "");
   };
-  return { element, update };
+  return { element, notice, update };
 }

@@ -1,0 +1,117 @@
+"""A real Chromium, without a screen, and pages in it that must not speak with anybody else."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+from labrig.config.templates import template_text
+from tests.panel_browser import fake_panel
+
+playwright = pytest.importorskip("playwright.sync_api", reason="the playwright package is missing")
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "msedge")
+WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
+SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
+Visit = Callable[..., Any]
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """One browser for all tests."""
+    path = next(filter(None, map(shutil.which, NAMES)), None)
+    if path is None:
+        pytest.skip(f"no browser: none of {', '.join(NAMES)} is installed")
+    with playwright.sync_playwright() as run:
+        browser = run.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+class Watched:
+    """What the pages of a test did that they must not do."""
+
+    def __init__(self) -> None:
+        self.hosts: set[str] = set()
+        self.faults: list[str] = []
+
+    def watch(self, page: Any) -> None:
+        page.on("request", lambda request: self.hosts.add(urlsplit(request.url).hostname or ""))
+        page.on("websocket", lambda socket: self.hosts.add(urlsplit(socket.url).hostname or ""))
+        page.on("pageerror", lambda error: self.faults.append(str(error)))
+
+
+@pytest.fixture
+def visit(chromium) -> Iterator[Visit]:
+    """`visit(url, width=, height=, dark=, **context)`: a page in a context of its own."""
+    contexts = []
+    watched = Watched()
+
+    def go(url: str, width: int = 1440, height: int = 900, dark: bool = False, **more: Any) -> Any:
+        context = chromium.new_context(
+            viewport={"width": width, "height": height},
+            color_scheme="dark" if dark else "light",
+            reduced_motion="reduce",
+            **more,
+        )
+        contexts.append(context)
+        context.set_default_timeout(WAIT_MS)
+        page = context.new_page()
+        watched.watch(page)
+        page.goto(url)
+        return page
+
+    yield go
+    for context in contexts:
+        context.close()
+    assert watched.faults == []
+    assert watched.hosts <= {"127.0.0.1", ""}  # "": blob: and data:, which leave no computer
+
+
+@pytest.fixture
+def fake() -> Iterator[fake_panel.FakePanel]:
+    """A panel without a rig, in the middle of a made-up session."""
+    with fake_panel.FakePanel() as panel:
+        panel.greeting = fake_panel.greeting()
+        serve_files(panel)
+        yield panel
+
+
+def serve_files(panel: fake_panel.FakePanel) -> None:
+    """The shipped templates and schemas, as the real server serves them."""
+    names = ("rig", "sheet", "protocol", "load_cell")
+    panel.answers["GET", "/api/schemas"] = {
+        name: json.loads((SCHEMAS / f"{name}.schema.json").read_text()) for name in names
+    }
+    kinds = ("protocol", "sheet")
+    panel.answers["GET", "/api/files"] = {
+        "files": [{"name": f"{kind}.toml", "kind": kind} for kind in kinds]
+    }
+    for kind in kinds:
+        text = template_text(f"{kind}.toml")
+        panel.answers["GET", f"/api/files/{kind}.toml"] = {
+            "name": f"{kind}.toml", "kind": kind, "text": text,
+            "values": tomllib.loads(text), "errors": [],
+        }  # fmt: skip
+    panel.answers["POST", "/api/files/check"] = {"ok": True, "errors": [], "text": "checked"}
+    panel.answers["POST", "/api/plan"] = fake_panel.made_up.plan()
+    panel.answers["GET", "/api/log"] = {"actions": []}
+
+
+def text_of(page: Any, selector: str) -> str:
+    """What stands there, in one line."""
+    return " ".join(page.inner_text(selector).split())
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """A browser takes seconds."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.slow)
