@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sim_hardware.world.along import bump
 from sim_hardware.world.settings_base import Closed, Positive
@@ -26,6 +26,12 @@ class BumpSettings(Closed):
     amount: Annotated[float, Field(ge=-400, le=400)]
     configuration: str = ""
     """None: all of them."""
+
+    @model_validator(mode="after")
+    def _leaves_something(self) -> Self:
+        if self.of == "stiffness" and self.amount <= -1.0:
+            raise ValueError(f"amount = {self.amount} of a stiffness must be above -1")
+        return self
 
     def along(self, s_m: FloatArray) -> FloatArray:
         """What is added at s."""

@@ -52,6 +52,12 @@ def test_a_file_says_only_what_differs(tmp_path: Path) -> None:
         ("[camera]\npixels = 5", ["camera.pixels = 5", "not a key"]),
         ("[configurations.wide]\nwidth_mm = 30", ["configurations.wide.free_length_mm", "missing"]),
         ("[clamp]\ntilt_rad = 2.0", ["clamp.tilt_rad = 2.0", "at most 1.5"]),
+        ("[[bumps]]\nof = 'eibm'\nat_mm = 3.0\nwidth_mm = 1.0", ["bumps.0.amount", "missing"]),
+        (
+            "[[bumps]]\nof = 'stiffness'\nat_mm = 3.0\nwidth_mm = 1.0\namount = -1.0",
+            ["bumps.0", "amount = -1.0 of a stiffness must be above -1"],
+        ),
+        ("[creep]\nshare = 0.6", ["creep.share = 0.6", "at most 0.5"]),
         ("seed = = 1", ["not valid TOML", "line 1"]),
     ],
 )
