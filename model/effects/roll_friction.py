@@ -38,17 +38,34 @@ class RollFriction(Effect):
 def slid(beam: Beam, held: Held) -> FloatArray:
     """Which way along the sheet the rolls last slid, 1 towards its end: (K,).
 
-    Under voltage they come from where they were at the opposite voltage, at the same position; at
-    0 V from where the load cell came from when it was put there.
+    At 0 V by the side from which the load cell was put to its position. The pulses then move the
+    rolls to and fro between where the two polarities hold them; what is too little to turn friction
+    round leaves some of what the placing did.
     """
     s, volts = held.s_hat_m, beam.voltage_V
     same = np.abs(beam.stated_m[:, None] - beam.stated_m) < 1e-9
-    before = np.full(len(s), np.nan)
-    for other in (volts[:, None] == -volts, volts[:, None] * volts < 0.0, volts[None] == 0.0):
-        before = np.where(np.isnan(before), _mean(s, same & other), before)
-    driven = _turned((s - before) / TURNED_M)
+    same &= beam.up[:, None] == beam.up
+    at_zero = same & (volts == 0.0)
     placed = beam.up * _turned(np.sin(held.gamma_rad) / TURNED_RAD)
-    return finite(np.where(volts != 0.0, driven, placed))
+    first = _either(_mean(placed, at_zero), placed)
+    opposite, equal = volts[:, None] * volts < 0.0, volts[:, None] == -volts
+    other = _either(_mean(s, same & equal), _mean(s, same & opposite))
+    other = _either(other, _mean(s, at_zero))
+    begin = _either(_mean(s, at_zero), 0.5 * (s + other))
+    far, near = np.fmax(s, other), np.fmin(s, other)
+    outward = _bounded(first + (far - begin) / TURNED_M)
+    inward = _bounded(outward - (far - near) / TURNED_M)
+    outward = _bounded(inward + (far - near) / TURNED_M)
+    driven = np.where(s >= other, outward, inward)
+    return finite(np.where((volts == 0.0) | np.isnan(other), placed, driven))
+
+
+def _bounded(way: FloatArray) -> FloatArray:
+    return np.clip(way, -1.0, 1.0)
+
+
+def _either(values: FloatArray, otherwise: FloatArray) -> FloatArray:
+    return np.where(np.isnan(values), otherwise, values)
 
 
 def _mean(values: FloatArray, use: FloatArray) -> FloatArray:
@@ -69,7 +86,8 @@ EFFECT = RollFriction(
     meaning="The sheet does not slide freely between the rolls of the load cell: they rub on it.",
     form=(
         "a force mu |N| along the sheet, against the way it last slid: under voltage from where the"
-        " opposite voltage held it, at 0 V from the side from which the position was approached"
+        " opposite voltage held it, at 0 V from the side from which the position was approached;"
+        " 20 um of sliding turn it round"
     ),
     slot="position",
     signature=(

@@ -159,8 +159,8 @@ def test_the_asymmetry_acts_at_negative_voltages_only():
 def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():
     beam, held = example_beam()
     way = slid(beam, held)
-    assert way[1] == pytest.approx(1.0, abs=1e-4)  # at +2 V farther out than at -2 V
-    assert way[2] == pytest.approx(-1.0, abs=1e-4)
+    assert way[1] == 1.0  # at +2 V farther out than at -2 V
+    assert way[2] == -1.0
     lean = np.sin(held.gamma_rad)
     assert way[0] == pytest.approx(lean[0] / np.hypot(lean[0], 0.02))  # approached from below
     assert way[3] == pytest.approx(-lean[3] / np.hypot(lean[3], 0.02))  # from above
@@ -169,7 +169,18 @@ def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():
     only = np.array([0, 1])  # without the opposite voltage: from where 0 V held them
     few = replace(beam, **{n: getattr(beam, n)[only] for n in ("voltage_V", "stated_m", "up")})
     kept = replace(held, s_hat_m=held.s_hat_m[only], gamma_rad=held.gamma_rad[only])
-    assert slid(few, kept)[1] == pytest.approx(1.0, abs=1e-4)
+    assert slid(few, kept)[1] == 1.0
+
+
+def test_sliding_too_little_leaves_friction_as_the_placing_left_it():
+    beam, held = example_beam()
+    um = np.array([0.0, 3.0, -5.0, 0.0, 4.0, -5.0, np.nan]) * 1e-6
+    way = slid(beam, replace(held, s_hat_m=0.042 + um))
+    placed = way[0]
+    assert way[1] == 1.0 > placed  # pushed up, then a little further by +2 V, where it ends
+    assert way[2] == pytest.approx(way[1] - 0.8)  # 8 um of the 20 that turn it round
+    assert way[5] == -1.0 < way[3]  # pushed down, then further by -2 V
+    assert way[4] == pytest.approx(way[5] + 0.9)
 
 
 def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward():
