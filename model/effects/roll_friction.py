@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from model.effects._values import finite
 from model.effects.interface import Beam, Effect, Held, Knob, Values
@@ -68,7 +69,7 @@ def _either(values: FloatArray, otherwise: FloatArray) -> FloatArray:
     return np.where(np.isnan(values), otherwise, values)
 
 
-def _mean(values: FloatArray, use: FloatArray) -> FloatArray:
+def _mean(values: FloatArray, use: npt.NDArray[np.bool_]) -> FloatArray:
     """Mean over the columns in use, for each row; NaN: none."""
     use = use & np.isfinite(values)
     count = np.sum(use, axis=1)
