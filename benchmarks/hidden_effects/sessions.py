@@ -85,11 +85,7 @@ def _described(form: Form, size: float) -> HiddenEffect:
 def _mean_eibm(world: WorldSettings, name: str) -> dict[float, float]:
     sheet = world.configurations[name]
     s = (np.arange(2000) + 0.5) / 2000 * sheet.free_length_m
-    along = sheet.eibm_ratio * world.eibm.along_sheet(s, sheet.free_length_m)
-    for bump in world.bumps:
-        if bump.of == "eibm" and bump.configuration in ("", name):
-            along = along + bump.along(s)
-    mean = sheet.stiffness_Nm2 * float(np.mean(along))
+    mean = sheet.stiffness_Nm2 * float(np.mean(world.eibm_per_m(name, s)))
     return {volts: mean * world.eibm.settled(volts) for volts in (2.0, -2.0)}
 
 

@@ -66,8 +66,11 @@ class LoadCell:
     def zero_N(self, since_s: FloatArray) -> FloatArray:
         """Its zero without noise: offset, warming up, what comes again and again."""
         s = self._settings
-        past = np.maximum(since_s, 0.0) / s.warming_s
-        part = {"line": past, "root": np.sqrt(past), "exp": -np.expm1(-past)}[s.warming_form]
+        part = np.maximum(since_s, 0.0) / s.warming_s
+        if s.warming_form == "root":
+            part = np.sqrt(part)
+        elif s.warming_form == "exp":
+            part = self._approach(part, 1.0, 1.0)
         beat = s.beat_mN * self._waves(since_s, np.array([2 * math.pi / s.beat_s]), np.zeros(1))
         offset_N = s.offset_uV * 1e-6 / s.sensitivity_V_per_N
         return np.asarray(offset_N + (s.warming_mN * part + beat) * 1e-3)

@@ -41,7 +41,7 @@ class Stage:
 
     def drive(self, states: FloatArray) -> FloatArray:
         """The drive of the set-up's chain in states (n, columns); see state_kernels."""
-        from sim_hardware.world.signal_kernels import approach
+        from sim_hardware.world.signal_kernels import approach, waves
 
         _, moment, uneven, dry_s, relaxed, _, _, _, driven_s = states.T
         water, eibm = self.setup.settings.water, self.setup.settings.eibm
@@ -52,7 +52,8 @@ class Stage:
         if water.tiring_per_min:
             share *= 1 - approach(driven_s, _MOST_WEAKENING, water.tiring_per_min / 60)
         if eibm.breathing:
-            share *= 1 + eibm.breathing * np.sin(2 * math.pi / eibm.breathing_s * driven_s)
+            omega = np.array([2 * math.pi / eibm.breathing_s])
+            share *= 1 + eibm.breathing * waves(driven_s, omega, np.zeros(1))
         return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
 
     def stiffening(self, dry_s: FloatArray) -> FloatArray:
@@ -64,12 +65,14 @@ class Stage:
 
     def _drying_s(self, dry_s: FloatArray) -> FloatArray:
         """Time under voltage as what dries counts it: all forms agree after a minute."""
+        from sim_hardware.world.signal_kernels import approach
+
         water = self.setup.settings.water
         if water.drying_form == "root":
             return np.sqrt(60.0 * dry_s)
         if water.drying_form == "exp":
-            whole = -math.expm1(-60.0 / water.drying_s)
-            return np.asarray(-60.0 / whole * np.expm1(-dry_s / water.drying_s))
+            most_s = -60.0 / math.expm1(-60.0 / water.drying_s)
+            return approach(dry_s, most_s, most_s / water.drying_s)
         return dry_s
 
     def out(self, times: FloatArray, drive: FloatArray) -> npt.NDArray[np.bool_]:
@@ -98,10 +101,14 @@ class Stage:
         return result
 
     def _meniscus_N(self, dry_s: FloatArray) -> FloatArray:
+        from sim_hardware.world.signal_kernels import approach
+
         rolls = self.setup.settings.rolls
         share = self.setup.settings.configurations[self.setup.configuration].meniscus_share
-        left = np.exp(-dry_s / rolls.meniscus_dries_s) if rolls.meniscus_dries_s else 1.0
-        return np.asarray(rolls.meniscus_mN * 1e-3 * share * left)
+        left = np.full(dry_s.shape, rolls.meniscus_mN * 1e-3 * share)
+        if rolls.meniscus_dries_s:
+            left *= 1 - approach(dry_s, 1.0, 1 / rolls.meniscus_dries_s)
+        return left
 
     def watch(self, times: FloatArray, drive: FloatArray) -> None:
         """Remember when, along these times, the sheet slipped out."""

@@ -111,8 +111,7 @@ def _mean_drive_per_m(settings: WorldSettings, configuration: str, length_m: flo
     """Mean of Me/B over [0, length], at +2 V."""
     points = 2000
     s_m = (np.arange(points) + 0.5) / points * length_m
-    sheet = settings.configurations[configuration]
-    return sheet.eibm_ratio * float(np.mean(settings.eibm.along_sheet(s_m, sheet.free_length_m)))
+    return float(np.mean(settings.eibm_per_m(configuration, s_m)))
 
 
 class _Maker:

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from sim_hardware.optics import OpticsSettings
 from sim_hardware.world.along import EibmForm, StiffnessForm, broken, fall, stiffness_rise
 from sim_hardware.world.settings_base import Angle, Closed, NotNegative, Positive, Ratio
-from sim_hardware.world.settings_rare import BumpSettings, CreepSettings, ViewSettings
+from sim_hardware.world.settings_rare import BumpOf, BumpSettings, CreepSettings, ViewSettings
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -352,3 +352,17 @@ class WorldSettings(Closed):
     camera: OpticsSettings
     interlock: InterlockSettings
     faults: list[FaultSettings]
+
+    def eibm_per_m(self, configuration: str, s_m: FloatArray) -> FloatArray:
+        """Me/B along a sheet, settled at +2 V."""
+        sheet = self.configurations[configuration]
+        along = self.eibm.along_sheet(s_m, sheet.free_length_m)
+        return sheet.eibm_ratio * along + self.bumped("eibm", configuration, s_m)
+
+    def bumped(self, of: BumpOf, configuration: str, s_m: FloatArray) -> FloatArray:
+        """What bumps add to a property of a sheet."""
+        result = np.zeros_like(s_m)
+        for each in self.bumps:
+            if each.of == of and each.configuration in ("", configuration):
+                result += each.along(s_m)
+        return result

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +13,6 @@ from sim_hardware.world.chain import Chain, Sheet
 from sim_hardware.world.contact import Arc, Contact
 from sim_hardware.world.creep import crept_sheets
 from sim_hardware.world.settings import WorldSettings
-from sim_hardware.world.settings_rare import BumpOf
 from sim_hardware.world.table import DriveTable
 
 FloatArray = npt.NDArray[np.float64]
@@ -112,8 +110,8 @@ class Setup:
                 sheet.free_length_m,
                 sheet.elongation_m,
                 rest_curvature_per_m=self._rest_curvature,
-                drive_curvature_per_m=self._drive_curvature,
-                even_curvature_per_m=self._bumps("even_moment"),
+                drive_curvature_per_m=partial(s.eibm_per_m, self.configuration),
+                even_curvature_per_m=partial(s.bumped, "even_moment", self.configuration),
                 stiffness=self._stiffness,
                 stiffening=sheet.stiffening,
                 knee_per_m=sheet.stiffening_knee_per_m,
@@ -129,24 +127,14 @@ class Setup:
 
     def _rest_curvature(self, s_m: FloatArray) -> FloatArray:
         sheet = self.settings.configurations[self.configuration]
-        return sheet.rest_curvature(s_m) + self._bumps("rest_curvature")(s_m)
-
-    def _drive_curvature(self, s_m: FloatArray) -> FloatArray:
-        sheet = self.settings.configurations[self.configuration]
-        along = self.settings.eibm.along_sheet(s_m, sheet.free_length_m)
-        return sheet.eibm_ratio * along + self._bumps("eibm")(s_m)
+        more = self.settings.bumped("rest_curvature", self.configuration, s_m)
+        return sheet.rest_curvature(s_m) + more
 
     def _stiffness(self, s_m: FloatArray) -> FloatArray:
         sheet = self.settings.configurations[self.configuration]
-        return sheet.relative_stiffness(s_m) + self._bumps("stiffness")(s_m)
-
-    def _bumps(self, of: BumpOf) -> Callable[[FloatArray], FloatArray]:
-        mine = [
-            b
-            for b in self.settings.bumps
-            if b.of == of and b.configuration in ("", self.configuration)
-        ]
-        return lambda s_m: sum((b.along(s_m) for b in mine), np.zeros_like(s_m))
+        return sheet.relative_stiffness(s_m) + self.settings.bumped(
+            "stiffness", self.configuration, s_m
+        )
 
     @cached_property
     def free(self) -> DriveTable:
@@ -159,7 +147,7 @@ class Setup:
         return DriveTable(Contact(self.chain, self.arc), self.arc_rad)
 
     @cached_property
-    def at_rest_of(self) -> DriveTable:
+    def uncrept(self) -> DriveTable:
         """The sheet as it lies when nothing has crept, between the rolls or free."""
         return self.free if self.position_m is None else self.held
 
@@ -167,10 +155,10 @@ class Setup:
     def crept(self) -> tuple[DriveTable, ...]:
         """The sheet after each part of its strain has stayed for ever; see `creep`."""
         share = self.settings.creep.share
-        if share == 0.0 or not self.at_rest_of.reachable:
+        if share == 0.0 or not self.uncrept.reachable:
             return ()
         angle_rad = None if self.position_m is None else self.arc_rad
-        sheets = crept_sheets(self.chain, self.at_rest_of, share)
+        sheets = crept_sheets(self.chain, self.uncrept, share)
         chains = [Chain(sheet, self.settings.chain.link_mm * MILLI) for sheet in sheets]
         return tuple(DriveTable(Contact(chain, self.arc), angle_rad) for chain in chains)
 

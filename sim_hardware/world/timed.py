@@ -128,6 +128,8 @@ class _Runner:
     ) -> None:
         self._settings, self._train, self._errors = settings, train, errors
         self._block = round(FINE_HZ / series_hz)
+        if self._block < 1 or abs(self._block * series_hz - FINE_HZ) > 1e-6:
+            raise ValueError(f"series_hz = {series_hz:g} must divide {FINE_HZ:g}")
         self._amplifier = Amplifier(settings.amplifier, 0.0)
         self._cell = LoadCell(settings.load_cell, settings.seed)
         nowhere = Setup(settings, next(iter(settings.configurations)), None, Scatter())
@@ -141,7 +143,7 @@ class _Runner:
             train = free_train if visit.position_m is None else self._train
             scatter = visit.odd or Scatter.draw(self._settings, number)
             setup = Setup(self._settings, visit.configuration, visit.position_m, scatter)
-            if setup.at_rest_of.reachable:
+            if setup.uncrept.reachable:
                 yield self._run(number, visit, train, setup, start_s)
             start_s += train.run_s
 

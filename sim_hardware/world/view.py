@@ -23,7 +23,7 @@ def state_of(moment: Moment, k: int = -1) -> Equilibrium:
     out = bool(moment.stage.out(moment.times, moment.drive)[k])
     if setup.position_m is not None and out:
         return setup.free.state(drive)
-    state = setup.at_rest_of.state(drive)
+    state = setup.uncrept.state(drive)
     return _after_creep(setup, state, moment.crept[k]) if setup.crept else state
 
 
@@ -51,5 +51,6 @@ def contact_of(moment: Moment) -> tuple[float, float, float] | None:
     if setup.position_m is None:
         return None
     state = state_of(moment)
-    x, y = setup.registered(setup.arc_rad)
+    place = np.array([setup.registered(setup.arc_rad)])
+    x, y = (float(value) for value in setup.settings.view.seen(place)[0])
     return x, y, state.angle_rad if state.touched else setup.arc_rad

@@ -127,6 +127,11 @@ def test_a_load_cell_with_hysteresis_knows_from_which_side_it_came() -> None:
     assert at_mN[0] - at_mN[1] == pytest.approx(0.1, abs=1e-3)
 
 
+def test_a_series_has_whole_blocks_of_samples() -> None:
+    with pytest.raises(ValueError, match="series_hz = 150 must divide 200"):
+        timed_session(world(), [], series_hz=150.0)
+
+
 def test_a_position_that_cannot_be_held_is_left_out() -> None:
     runs = timed_session(world(), [Visit("long", 0.06), Visit("long", 0.0)], train=SHORT)
     assert [run.visit.position_m for run in runs] == [0.0]
