@@ -14,7 +14,7 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from labrig.errors import LabrigError
-from labrig.panel import routes_calibration, routes_files, routes_run
+from labrig.panel import routes_calibration, routes_files, routes_library, routes_run
 from labrig.panel.errors import status_of
 from labrig.panel.gate import Gate
 from labrig.panel.panel import Panel
@@ -24,7 +24,7 @@ from labrig.panel.tokens import same_token
 from model import ModelError
 
 STATIC = Path(__file__).parent / "static"
-ROUTERS = (routes_run.router, routes_files.router, routes_calibration.router)
+ROUTERS = (routes_run.router, routes_files.router, routes_calibration.router, routes_library.router)
 
 
 def create_app(settings: PanelSettings) -> FastAPI:

@@ -10,6 +10,7 @@ from fastapi import Request
 
 from labrig.config import ReplayConfig, load_rig
 from labrig.errors import BadInputError
+from labrig.library import Library
 from labrig.panel.actions import Actions
 from labrig.panel.calibrating import Calibrating
 from labrig.panel.control import Control, utc_now
@@ -34,6 +35,7 @@ class Panel:
         self.darkroom = Darkroom(self.feed)
         self.jobs = Jobs(settings.data, self.feed, self.darkroom)
         self.calibrating = Calibrating()
+        self.library = Library(settings.data)
         self.model: str | None = None
         self.simulated = _is_simulated(settings.rig)
         if settings.model is not None:

@@ -74,7 +74,7 @@ def _gradients(
         raise BadInputError("that is too close to the picture's edge.")
     patch = image[v - half : v + half + 1, u - half : u + half + 1].astype(float)
     smooth = _smoothed(patch)
-    down, right = np.gradient(smooth)
+    down, right = np.gradient(smooth, axis=0), np.gradient(smooth, axis=1)
     inner = slice(3, -3)
     across = np.arange(-half, half + 1)[inner]
     grid_u, grid_v = np.meshgrid(across + u, across + v)

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
@@ -42,7 +42,8 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
                 ssl_keyfile=settings.key,
             )
             on_ready(settings)
-            uvicorn.Server(config).run(sockets=[listening])
+            with suppress(KeyboardInterrupt):  # uvicorn hands it on when all is closed
+                uvicorn.Server(config).run(sockets=[listening])
 
 
 @contextmanager

@@ -22,11 +22,11 @@ from labrig.panel.job.host import Host
 from labrig.panel.job.order import Order
 from labrig.panel.job.people import PagePerson
 from labrig.panel.job.preview import Preview
-from labrig.panel.messages import Scribe, plan_message
+from labrig.panel.messages import Scribe
 from labrig.panel.place import hidden_folder
+from labrig.panel.plans import message_of_plan
 from labrig.panel.setup import setup_message
 from labrig.session import open_session
-from labrig.vision import Optics
 from protocols import ScheduleError
 from protocols.events import ActionTaken
 from protocols.hub import EventHub, SubscriberError
@@ -181,35 +181,3 @@ class _Run:
         if self._follower.going:
             with suppress(SubscriberError):  # the run hears of it at its own next event
                 self._hub.emit(ActionTaken(self._rig.clock.now(), who, what))
-
-
-def message_of_plan(
-    plan: Plan, clock: str, session: str | None, done: frozenset[int] = frozenset()
-) -> Message:
-    """The plan as pages see it."""
-    limits = plan.rig.limits
-    return plan_message(
-        plan.schedule,
-        clock=clock,
-        session=session,
-        simulated=plan.rig.is_simulated,
-        limits={
-            "sheet_voltage_V": limits.sheet_voltage_V,
-            "time_under_voltage_s": limits.time_under_voltage_s,
-            "capacity_mN": 1e3 * plan.calibration.capacity_N,
-        },
-        picture=_optics(plan.optics),
-        done=done,
-    )
-
-
-def _optics(optics: Optics | None) -> Message | None:
-    if optics is None:
-        return None
-    width, height = optics.image_size or (None, None)
-    return {
-        "width": width,
-        "height": height,
-        "clamp_px": list(optics.clamp_px),
-        "px_per_mm": optics.px_per_mm,
-    }

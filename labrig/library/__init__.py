@@ -1,0 +1,20 @@
+"""A folder of sessions: what each holds, not read whole, and not read twice.
+
+What was found is kept in `.labrig/library.json` of the folder, by each file's time and size.
+"""
+
+from labrig.library.conditions import ConditionMean, compare_means, condition_means
+from labrig.library.entry import Entry, read_entry
+from labrig.library.index import Library
+from labrig.library.select import COLUMNS, select
+
+__all__ = [
+    "COLUMNS",
+    "ConditionMean",
+    "Entry",
+    "Library",
+    "compare_means",
+    "condition_means",
+    "read_entry",
+    "select",
+]

@@ -1,0 +1,115 @@
+"""What a list of sessions shows of one of them."""
+
+from __future__ import annotations
+
+import datetime as dt
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from labrig.errors import LabrigError
+from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.session import Session, open_session
+
+Fits = dict[str, dict[str, Any]]  # by configuration
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One file. `name` is its path in the folder, with slashes. A damaged one has `error` only."""
+
+    name: str
+    bytes: int = 0
+    error: str | None = None
+    started: str = ""
+    sheet: tuple[str, ...] = ()
+    protocol: str = ""
+    outcome: str = ""
+    output: str = ""
+    reason: str = ""
+    simulated: bool = False
+    runs: int = 0
+    runs_complete: int = 0
+    readings: int = 0
+    invalid: int = 0
+    duration_s: float | None = None
+    analysed: bool = False
+    largest_force_mN: float | None = None
+    scatter_mN: float | None = None
+    checksum: str = ""
+    fit: Fits | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {**asdict(self), "sheet": list(self.sheet)}
+
+    @classmethod
+    def from_dict(cls, plain: dict[str, Any]) -> Entry:
+        """The reverse. Raises TypeError."""
+        return cls(**{**plain, "sheet": tuple(plain.get("sheet", ()))})
+
+    def fitted(self, what: str) -> float | None:
+        """B_Nm2, E_Pa or EIBM_Nm (the largest) of the first configuration that was fitted."""
+        for one in (self.fit or {}).values():
+            value = one.get(what)
+            if isinstance(value, dict):
+                sizes = [abs(moment) for moment in value.values() if moment is not None]
+                value = max(sizes, default=None)
+            if value is not None:
+                return float(value)
+        return None
+
+
+def read_entry(path: Path, name: str) -> Entry:
+    """Look into a session; samples and images are not read. Never raises for what is in a file."""
+    bare = Entry(name)
+    try:
+        bare = replace(bare, bytes=path.stat().st_size)
+        with open_session(path, live=True) as session:
+            return _entry(session, bare)
+    except LabrigError as error:
+        told = str(error).removeprefix(f"{path}: ")
+        return replace(bare, error=told.replace(str(path), name))
+    except OSError as error:
+        return replace(bare, error=f"cannot be read ({error.strerror or error}).")
+
+
+def _entry(session: Session, bare: Entry) -> Entry:
+    means = condition_means(session)
+    begun = [run for run in session.runs if run.started]
+    names = dict.fromkeys(run.planned.configuration for run in session.runs)
+    readings = [run.readings for run in begun]
+    whole = session.was_closed
+    return replace(
+        bare,
+        started=session.started,
+        sheet=tuple(names) or _sheets_of(session),
+        protocol=session.schedule.protocol,
+        outcome=session.outcome.value,
+        output=session.output_state.value,
+        reason=session.reason,
+        simulated=session.simulated,
+        runs=len(session.runs),
+        runs_complete=sum(run.completed for run in session.runs),
+        readings=sum(len(rows) for rows in readings),
+        invalid=sum(int((~rows["valid"]).sum()) for rows in readings),
+        duration_s=_duration_s(session.started, session.ended),
+        analysed=session.has_measurements,
+        largest_force_mN=largest_force_mN(means),
+        scatter_mN=median_scatter_mN(means),
+        checksum=session.checksum if whole else "",
+    )
+
+
+def _sheets_of(session: Session) -> tuple[str, ...]:
+    """Of a session that was imported and has no runs."""
+    found = session.resolved.get("sheet", {})
+    return tuple(found) if isinstance(found, dict) else ()
+
+
+def _duration_s(started: str, ended: str) -> float | None:
+    try:
+        span = dt.datetime.fromisoformat(ended) - dt.datetime.fromisoformat(started)
+    except (ValueError, TypeError):
+        return None
+    return span.total_seconds()

@@ -1,0 +1,171 @@
+"""The entries of a folder, looked up again only where a file has changed."""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from labrig.errors import BadInputError
+from labrig.library.entry import Entry, Fits, read_entry
+from labrig.library.fits import looks_like_model, read_fits
+
+VERSION = 1  # of what is kept
+KEPT = ".labrig/library.json"
+MOST_FILES = 100_000
+MOST_MODEL_BYTES = 1 << 20
+_SAVE_EVERY_S = 5.0
+_SUFFIXES = (".h5", ".toml")
+
+Stamp = tuple[int, int]  # time of the last change in ns, size
+Advance = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What a file of this stamp holds: a session's entry, or a model's fits, or neither."""
+
+    stamp: Stamp
+    entry: Entry | None = None
+    fits: tuple[str, Fits] | None = None
+
+
+class Library:
+    """One folder and all below it. May be asked from several threads."""
+
+    def __init__(self, folder: Path) -> None:
+        """Raises BadInputError when there is no such folder."""
+        if not folder.is_dir():
+            raise BadInputError(f"{folder}: there is no such folder.")
+        self.folder = folder
+        self._lock = threading.Lock()
+        self._known = _load(folder / KEPT)
+
+    def refresh(self, budget_s: float | None = None, advance: Advance | None = None) -> int:
+        """Look at what has changed; the number of files that are left when the time is over."""
+        with self._lock:
+            return self._refresh(budget_s, advance)
+
+    def entries(self) -> list[Entry]:
+        """All sessions as they were at the last `refresh`, with the fit of the newest model."""
+        with self._lock:
+            known = list(self._known.values())
+        fits: dict[str, tuple[int, Fits]] = {}
+        for one in known:
+            if one.fits is not None:
+                checksum, found = one.fits
+                if checksum not in fits or fits[checksum][0] < one.stamp[0]:
+                    fits[checksum] = (one.stamp[0], found)
+        return [
+            replace(one.entry, fit=fits[one.entry.checksum][1])
+            if one.entry.checksum in fits
+            else one.entry
+            for one in known
+            if one.entry is not None
+        ]
+
+    def _refresh(self, budget_s: float | None, advance: Advance | None) -> int:
+        end_s = None if budget_s is None else time.monotonic() + budget_s
+        there = dict(_files(self.folder))
+        changed = [
+            name
+            for name, stamp in there.items()
+            if name not in self._known or self._known[name].stamp != stamp
+        ]
+        gone = self._known.keys() - there.keys()
+        for name in gone:
+            del self._known[name]
+        saved_s = time.monotonic()
+        for count, name in enumerate(changed):
+            if end_s is not None and time.monotonic() > end_s:
+                self._save()
+                return len(changed) - count
+            self._known[name] = _look(self.folder / name, name, there[name])
+            if advance is not None:
+                advance((count + 1) / len(changed), name)
+            if time.monotonic() - saved_s > _SAVE_EVERY_S:
+                self._save()
+                saved_s = time.monotonic()
+        if changed or gone:
+            self._save()
+        return 0
+
+    def _save(self) -> None:
+        """What cannot be kept (a folder that is only to be read) is looked up again next time."""
+        path = self.folder / KEPT
+        beside = path.with_name(f"{path.name}.{os.getpid()}.new")
+        plain = {
+            "version": VERSION,
+            "files": {name: _as_plain(one) for name, one in self._known.items()},
+        }
+        with suppress(OSError):
+            path.parent.mkdir(exist_ok=True)
+            beside.write_text(json.dumps(plain), encoding="utf-8")
+            beside.replace(path)
+
+
+def _look(path: Path, name: str, stamp: Stamp) -> _Known:
+    if name.endswith(".h5"):
+        return _Known(stamp, entry=read_entry(path, name))
+    is_model = stamp[1] <= MOST_MODEL_BYTES and looks_like_model(path)
+    return _Known(stamp, fits=read_fits(path) if is_model else None)
+
+
+def _files(folder: Path) -> Iterator[tuple[str, Stamp]]:
+    """Sessions and models, by name; hidden folders and links to folders are left out."""
+    waiting, count = [""], 0
+    while waiting:
+        below = waiting.pop()
+        try:
+            with os.scandir(folder / below) as found:
+                items = sorted(found, key=lambda item: item.name)
+        except OSError:
+            continue
+        for item in items:
+            name = f"{below}{item.name}"
+            if item.name.startswith("."):
+                continue
+            if item.is_dir(follow_symlinks=False):
+                waiting.append(f"{name}/")
+            elif item.name.endswith(_SUFFIXES) and item.is_file(follow_symlinks=False):
+                with suppress(OSError):  # it has just gone
+                    state = item.stat()
+                    yield name, (state.st_mtime_ns, state.st_size)
+                    count += 1
+                    if count >= MOST_FILES:
+                        return
+
+
+def _as_plain(one: _Known) -> dict[str, Any]:
+    plain: dict[str, Any] = {"stamp": list(one.stamp)}
+    if one.entry is not None:
+        plain["entry"] = one.entry.as_dict()
+    if one.fits is not None:
+        plain["fits"] = list(one.fits)
+    return plain
+
+
+def _load(path: Path) -> dict[str, _Known]:
+    """What was kept; nothing when it is not there, damaged, or of another version."""
+    try:
+        plain = json.loads(path.read_text(encoding="utf-8"))
+        if plain["version"] != VERSION:
+            return {}
+        return {name: _from_plain(one) for name, one in plain["files"].items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError):
+        return {}
+
+
+def _from_plain(plain: dict[str, Any]) -> _Known:
+    stamp, entry, fits = plain["stamp"], plain.get("entry"), plain.get("fits")
+    return _Known(
+        (int(stamp[0]), int(stamp[1])),
+        None if entry is None else Entry.from_dict(entry),
+        None if fits is None else (str(fits[0]), dict(fits[1])),
+    )

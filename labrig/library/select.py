@@ -1,0 +1,68 @@
+"""Which sessions, in which order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from labrig.errors import BadInputError
+from labrig.library.entry import Entry
+
+_FITTED = ("B_Nm2", "E_Pa", "EIBM_Nm", "rmse_force_mN", "rmse_curve_mm")
+_PLAIN = (
+    "name",
+    "started",
+    "sheet",
+    "protocol",
+    "outcome",
+    "runs",
+    "runs_complete",
+    "readings",
+    "invalid",
+    "bytes",
+    "duration_s",
+    "largest_force_mN",
+    "scatter_mN",
+)
+COLUMNS = (*_PLAIN, *_FITTED)
+
+
+def select(
+    entries: Iterable[Entry],
+    *,
+    sort: str = "started",
+    down: bool = True,
+    text: str = "",
+    outcome: str = "",
+    sheet: str = "",
+) -> list[Entry]:
+    """Those that fit, sorted by a column; what a session does not have comes last either way.
+
+    `text` is looked for in name, protocol, sheet, reason and fault, without regard to capitals.
+    """
+    if sort not in COLUMNS:
+        raise BadInputError(f"{sort!r} is no column; there are {', '.join(COLUMNS)}.")
+    wanted = text.lower().split()
+    found = [
+        entry
+        for entry in entries
+        if (not outcome or entry.outcome == outcome)
+        and (not sheet or sheet in entry.sheet)
+        and all(word in _words(entry) for word in wanted)
+    ]
+    value = _value_of(sort)
+    known = [entry for entry in found if value(entry) not in (None, "", ())]
+    known.sort(key=lambda entry: (value(entry), entry.name), reverse=down)
+    rest = [entry for entry in found if value(entry) in (None, "", ())]
+    return [*known, *sorted(rest, key=lambda entry: entry.name)]
+
+
+def _value_of(column: str) -> Callable[[Entry], Any]:
+    if column in _FITTED:
+        return lambda entry: entry.fitted(column)
+    return lambda entry: getattr(entry, column)
+
+
+def _words(entry: Entry) -> str:
+    parts = (entry.name, entry.protocol, *entry.sheet, entry.reason, entry.error or "")
+    return " ".join(parts).lower()

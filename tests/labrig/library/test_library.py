@@ -1,0 +1,228 @@
+"""A folder of sessions, looked through once."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from labrig.config.templates import write_templates
+from labrig.errors import BadInputError
+from labrig.library import Entry, Library, index, read_entry, select
+from labrig.model_file import load_model, save_model
+from labrig.session import open_session
+
+PROTOCOL = """
+moisten = false
+[pulse_train]
+zero_readings = 2
+pulses_discarded = 2
+readings_per_voltage = 2
+[[places]]
+configuration = "long"
+positions_mm = [5]
+[extras]
+mode = "paper"
+"""
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    """A session recorded on the simulated rig, without a camera so that it is small."""
+    from labrig.cli.main import run
+
+    folder = tmp_path_factory.mktemp("recorded")
+    write_templates(folder, simulated=True)
+    (folder / "protocol.toml").write_text(PROTOCOL)
+    text = (folder / "rig.toml").read_text()
+    (folder / "rig.toml").write_text(text[: text.index("[camera]")] + text[text.index("[stage]") :])
+    files = [str(folder / name) for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    assert run(["run", *files, "-o", str(folder / "one.h5"), "--yes"]) == 0
+    return folder / "one.h5"
+
+
+@pytest.fixture
+def folder(session, tmp_path):
+    """Three sessions, one of them below, and a file that is none."""
+    (tmp_path / "below").mkdir()
+    for name in ("a.h5", "b.h5", "below/c.h5"):
+        shutil.copy(session, tmp_path / name)
+    (tmp_path / "broken.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + b"\x00" * 100)
+    return tmp_path
+
+
+@pytest.fixture
+def looked(monkeypatch):
+    """Names of the files that were opened."""
+    names = []
+
+    def look(path, name):
+        names.append(name)
+        return read_entry(path, name)
+
+    monkeypatch.setattr(index, "read_entry", look)
+    return names
+
+
+def test_an_entry_says_what_the_session_says(session):
+    entry = read_entry(session, "one.h5")
+    with open_session(session) as opened:
+        rows = opened.runs[0].readings
+        assert entry.started == opened.started
+        assert entry.checksum == opened.checksum
+        assert entry.readings == len(rows) == 8
+        forces = {v: 1e3 * rows["force_N"][(rows["voltage_V"] == v) & (rows["kind"] != "discarded")]
+                  for v in (0.0, 2.0, -2.0)}  # fmt: skip
+    change = max(abs(forces[v].mean() - forces[0.0].mean()) for v in (2.0, -2.0))
+    assert entry.largest_force_mN == pytest.approx(change)
+    assert (entry.outcome, entry.output, entry.sheet) == ("completed", "safe", ("long",))
+    assert (entry.runs, entry.runs_complete, entry.invalid) == (1, 1, 0)
+
+
+def test_a_file_is_opened_once_and_again_only_when_it_has_changed(folder, looked):
+    assert Library(folder).refresh() == 0
+    assert sorted(looked) == ["a.h5", "b.h5", "below/c.h5", "broken.h5"]
+    looked.clear()
+    again = Library(folder)
+    again.refresh()
+    assert looked == []
+    assert len(again.entries()) == 4
+    os.utime(folder / "b.h5", (1, 1))
+    (folder / "a.h5").unlink()
+    again.refresh()
+    assert looked == ["b.h5"]
+    assert sorted(entry.name for entry in again.entries()) == ["b.h5", "below/c.h5", "broken.h5"]
+
+
+def test_a_damaged_file_is_listed_with_its_fault(folder):
+    library = Library(folder)
+    library.refresh()
+    broken = next(entry for entry in library.entries() if entry.name == "broken.h5")
+    assert broken.error
+    assert str(folder) not in broken.error
+
+
+def test_what_was_kept_is_not_believed_when_it_is_damaged(folder, looked):
+    Library(folder).refresh()
+    for text in (
+        "",
+        "{",
+        "[]",
+        '{"version": 99, "files": {}}',
+        '{"version": 1, "files": {"a": 3}}',
+    ):
+        (folder / index.KEPT).write_text(text)
+        looked.clear()
+        library = Library(folder)
+        library.refresh()
+        assert len(looked) == 4
+        assert len(library.entries()) == 4
+
+
+def test_a_scan_that_has_no_time_says_how_many_files_are_left(folder):
+    library = Library(folder)
+    left = library.refresh(budget_s=0.0)
+    assert left > 0
+    while left:
+        fewer = library.refresh(budget_s=0.02)
+        assert fewer < left or fewer == 0
+        left = fewer
+    assert len(library.entries()) == 4
+
+
+def test_links_to_other_folders_are_not_followed(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    shutil.copy(folder / "a.h5", elsewhere / "d.h5")
+    (folder / "way").symlink_to(elsewhere)
+    (folder / "e.h5").symlink_to(elsewhere / "d.h5")
+    library = Library(folder)
+    library.refresh()
+    assert not {"way/d.h5", "e.h5"} & {entry.name for entry in library.entries()}
+
+
+def test_the_newest_model_of_a_session_is_shown_with_it(folder, model_file):
+    with open_session(folder / "a.h5") as opened:
+        checksum = opened.checksum
+    model = load_model(model_file)
+    for name, when, sha256 in (("m1", 10, checksum), ("m2", 20, checksum), ("m3", 30, "0" * 64)):
+        path = folder / f"{name}.toml"
+        scaled = {k: replace(s, B=s.B.scaled(when, "N m^2")) for k, s in model.sheets.items()}
+        save_model(replace(model, checksum=sha256, sheets=scaled), path)
+        os.utime(path, (when, when))
+    library = Library(folder)
+    library.refresh()
+    entry = next(entry for entry in library.entries() if entry.name == "a.h5")
+    first = next(iter(model.sheets.values()))
+    assert entry.fitted("B_Nm2") == pytest.approx(20 * first.B.value)
+    moments = [abs(first.mean_eibm(v)) for v in first.eibm]
+    assert entry.fitted("EIBM_Nm") == pytest.approx(max(moments))
+    again = Library(folder)
+    again.refresh()
+    assert json.dumps([e.as_dict() for e in again.entries()]) == json.dumps(
+        [e.as_dict() for e in library.entries()]
+    )
+
+
+@pytest.fixture
+def model_file(tmp_path):
+    """A model as `labrig fit` writes it."""
+    import numpy as np
+
+    from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
+
+    sheet = SheetGeometry("long", 0.05, 0.011, 2.1e-4, 0.0, 0.04, 0.0, None)
+    rest = Along(np.array([0.0]), np.array([10.0]), np.array([0.1]), "1/m")
+    eibm = {v: Along.constant(Parameter(m, 1e-7, "N m")) for v, m in ((2.0, 9e-6), (-2.0, -8e-6))}
+    one = ConfiguredSheet(sheet, Parameter(5e-7, 1e-9, "N m^2"), rest, eibm)
+    (tmp_path / "elsewhere").mkdir()
+    path = tmp_path / "elsewhere" / ".made.toml"
+    save_model(SheetModel({"long": one}), path)
+    return path
+
+
+ENTRIES = [
+    Entry("a.h5", started="2026-01-01", outcome="completed", sheet=("long",), scatter_mN=2.0),
+    Entry("b.h5", started="2026-01-03", outcome="aborted", sheet=("short",), reason="STOP"),
+    Entry("c.h5", started="2026-01-02", outcome="completed", sheet=("long",), scatter_mN=1.0),
+    Entry("d.h5", error="is truncated."),
+]
+
+
+@pytest.mark.parametrize(
+    ("asked", "wanted"),
+    [
+        ({}, "bcad"),
+        ({"down": False}, "acbd"),
+        ({"sort": "scatter_mN"}, "acbd"),
+        ({"sort": "scatter_mN", "down": False}, "cabd"),
+        ({"sort": "name", "down": False}, "abcd"),
+        ({"outcome": "completed"}, "ca"),
+        ({"sheet": "short"}, "b"),
+        ({"text": "stop"}, "b"),
+        ({"text": "TRUNCATED"}, "d"),
+        ({"text": "long pulse"}, ""),
+    ],
+)
+def test_entries_are_filtered_and_sorted(asked, wanted):
+    assert "".join(entry.name[0] for entry in select(ENTRIES, **asked)) == wanted
+
+
+def test_an_unknown_column_is_named_with_those_that_are_known():
+    with pytest.raises(BadInputError, match="scatter_mN"):
+        select(ENTRIES, sort="colour")
+
+
+def test_the_command_lists_and_says_what_cannot_be_read(folder, capsys):
+    from labrig.cli.main import run
+
+    assert run(["list", str(folder), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert len(told["sessions"]) == 4
+    assert run(["list", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "broken.h5" in said
+    assert "1 of 1" in said
+    assert run(["list", str(folder / "nowhere")]) == 2
