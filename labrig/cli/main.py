@@ -21,6 +21,7 @@ from labrig.cli import (
     panel,
     prepare,
     record,
+    sessions,
 )
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
@@ -33,7 +34,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
 )
-for room in (demo, prepare, record, panel, evaluate, design, curves, calibrate, exchange):
+for room in (demo, prepare, record, panel, sessions, evaluate, design, curves, calibrate, exchange):
     room.add_to(app)
 
 
