@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from protocols.definition import Builder, Definition, StepsAndReadings, require_measure
 from protocols.errors import ScheduleError, require_count, require_number
@@ -16,7 +17,10 @@ FREE_SHAPES_EACH = 2  # of every voltage and of 0 V: six for a train of two volt
 
 @dataclass(frozen=True)
 class Place:
-    """One configuration of the sheet, and the positions along the arc where it is measured."""
+    """One configuration of the sheet, and the positions along the arc where it is measured.
+
+    Without positions only its free shapes are taken.
+    """
 
     configuration: str
     positions_m: tuple[float, ...]
@@ -24,8 +28,6 @@ class Place:
     def __post_init__(self) -> None:
         if not self.configuration:
             raise ScheduleError("places: a configuration has no name")
-        if not self.positions_m:
-            raise ScheduleError(f"places: {self.configuration} has no positions")
         for position_m in self.positions_m:
             require_number(f"places: a position of {self.configuration}", position_m)
         if len(set(self.positions_m)) < len(self.positions_m):
@@ -43,12 +45,15 @@ class Extras:
     reversed_approach: bool = False  # the middle position again, from the other side
     dead_weights_N: tuple[float, ...] = ()  # hung on the load cell before everything else
     approach_from_m: float = 0.002  # how far beside a position its approach begins
+    approach: Literal["up", "down"] = "up"  # from which side all positions are approached
 
     def __post_init__(self) -> None:
         require_count("extras: remounts", self.remounts, least=0)
         for load_N in self.dead_weights_N:
             require_number("extras: a dead weight", load_N, above=0.0)
         require_number("extras: approach_from_m", self.approach_from_m, above=0.0)
+        if self.approach not in ("up", "down"):
+            raise ScheduleError(f"extras: approach = {self.approach!r}: should be up or down")
 
 
 def make_schedule(
@@ -68,6 +73,12 @@ def make_schedule(
     require_number("frame_rate_hz", frame_rate_hz, above=0.0)
     if not places:
         raise ScheduleError("places: there is none, so there is nothing to measure")
+    for place in places:
+        if not place.positions_m and not extras.free_shapes:
+            raise ScheduleError(
+                f"places: {place.configuration} has no positions; only its free shapes can be taken"
+                " without any"
+            )
     names = [place.configuration for place in places]
     if len(set(names)) < len(names):
         raise ScheduleError("places: a configuration is there twice; put its positions together")
@@ -108,9 +119,10 @@ class _Planner:
             if self._extras.no_touch_zero:
                 self._add(name, position_m, Purpose.NO_TOUCH_ZERO, self._quiet)
             self._measure(name, position_m)
-        if self._extras.reversed_approach:
+        if self._extras.reversed_approach and positions_m:
             middle_m = sorted(positions_m)[len(positions_m) // 2]
-            self._measure(name, middle_m, approach="down")
+            other = "up" if self._extras.approach == "down" else "down"
+            self._measure(name, middle_m, approach=other)
         for turn, position_m in enumerate(_spread(positions_m, self._extras.remounts)):
             self._measure(name, position_m, mounting=1 + turn // len(positions_m))
 
@@ -120,8 +132,9 @@ class _Planner:
         return sorted(positions_m, key=lambda _: self._random.random())
 
     def _measure(
-        self, configuration: str, position_m: float, *, mounting: int = 0, approach: str = "up"
+        self, configuration: str, position_m: float, *, mounting: int = 0, approach: str = ""
     ) -> None:
+        approach = approach or self._extras.approach
         side = -1.0 if approach == "up" else 1.0
         via_m = None
         if self._needs_approach(configuration, position_m, mounting, side):
@@ -194,6 +207,8 @@ class _Planner:
 def _spread(positions_m: Sequence[float], count: int) -> list[float]:
     """`count` positions, spread evenly from the first to the last; again from the start if more."""
     rising = sorted(positions_m)
+    if not rising:
+        return []
     if count >= len(rising):
         return [rising[i % len(rising)] for i in range(count)]
     if count == 1:

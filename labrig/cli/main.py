@@ -16,6 +16,7 @@ from labrig.cli import (
     curves,
     demo,
     design,
+    diagnose,
     evaluate,
     exchange,
     panel,
@@ -34,7 +35,19 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
 )
-for room in (demo, prepare, record, panel, sessions, evaluate, design, curves, calibrate, exchange):
+for room in (
+    demo,
+    prepare,
+    record,
+    panel,
+    sessions,
+    evaluate,
+    diagnose,
+    design,
+    curves,
+    calibrate,
+    exchange,
+):
     room.add_to(app)
 
 

@@ -89,7 +89,9 @@ class PlaceConfig(Closed):
     """One configuration of the sheet and the positions at which it is measured."""
 
     configuration: str
-    positions_mm: list[float] = Field(min_length=1, max_length=1000)
+    positions_mm: list[float] = Field(
+        max_length=1000, description="empty: only the free shapes of extras"
+    )
 
 
 class CameraUse(Closed):
@@ -111,6 +113,10 @@ class ExtrasConfig(Closed):
     no_touch_zero: bool | None = Field(None, description="the load cell's zero at each position")
     free_shapes: bool | None = Field(None, description="the sheet's shapes without the load cell")
     reversed_approach: bool | None = Field(None, description="one position from the other side")
+    approach: Literal["up", "down"] = Field(
+        "up",
+        description="the side from which all positions are approached: from lower ones, or not",
+    )
     remounts: int = Field(0, ge=0, le=100, description="positions set anew and measured again")
     dead_weights_mN: tuple[Annotated[float, Field(gt=0)], ...] = ()
 
@@ -122,6 +128,7 @@ class ExtrasConfig(Closed):
             if getattr(self, key)
         ]
         asked += [key for key in ("remounts", "dead_weights_mN") if getattr(self, key)]
+        asked += ["approach"] * (self.approach != "up")
         if self.mode == "paper" and asked:
             raise ValueError(f'mode "paper" has no extras; remove {asked[0]} or use mode "default"')
         return self
@@ -139,6 +146,7 @@ class ExtrasConfig(Closed):
             no_touch_zero=on(self.no_touch_zero),
             free_shapes=on(self.free_shapes),
             reversed_approach=on(self.reversed_approach),
+            approach=self.approach,
             dead_weights_N=tuple(load / 1000 for load in self.dead_weights_mN),
         )
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
 from labrig.report.chosen import configurations
+from labrig.report.diagnosis_store import kept_diagnosis
 from labrig.report.fitted import Fitted, fit_what_can_be
 from labrig.report.quality import Quality, quality
 from labrig.session import Session, load_measurements, open_session
@@ -18,6 +19,7 @@ from model import Fit, FitOptions, Measurements, ModelError
 
 if TYPE_CHECKING:
     from model.baselines import Row
+    from model.discrepancy.result import Diagnosis
 
 Progress = Callable[[float, str], None]
 
@@ -30,6 +32,7 @@ class Findings:
     measurements: Measurements | None
     fitted: Fitted
     why_not: str  # why there are no measurements
+    diagnosis: Diagnosis | None = None  # where the session holds one
 
     @property
     def fit(self) -> Fit | None:
@@ -93,4 +96,9 @@ def gather(
     fitted = Fitted(None)
     if measurements is not None:
         fitted = fit_what_can_be(measurements, options)
-    return Findings(open_session(path), measurements, fitted, why)
+    diagnosis = None
+    try:
+        diagnosis = kept_diagnosis(path)
+    except BadInputError as error:
+        tell(str(error))
+    return Findings(open_session(path), measurements, fitted, why, diagnosis)

@@ -3,47 +3,20 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.report.baseline_table import baseline_table
+from labrig.report.diagnosis_sections import findings_in_short
 from labrig.report.figures import Drawn
 from labrig.report.findings import Findings
 from labrig.report.fit_tables import one_by_one_table, residual_table, scatter_table, trust
 from labrig.report.observations import observations
 from labrig.report.overview import overview
 from labrig.report.paper_tables import compared_conditions, table_3, table_4, table_5, table_6
+from labrig.report.section import Folded, Section
 from labrig.report.table import Table
 from labrig.report.verdict import MOST_WARNINGS, cards, remarks
-
-
-@dataclass(frozen=True)
-class Folded:
-    """Something long that is shown when asked for."""
-
-    title: str
-    table: Table | None = None
-    text: str = ""
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of the page; its items are shown in order."""
-
-    title: str
-    items: tuple[Table | Drawn | Folded, ...] = ()
-    sentences: tuple[str, ...] = field(default=())
-
-    @property
-    def is_folded(self) -> bool:
-        """Whether nothing of it is seen before it is asked for."""
-        return not self.sentences and all(isinstance(item, Folded) for item in self.items)
-
-    @property
-    def anchor(self) -> str:
-        """For links within the page."""
-        return self.title.lower().replace(" ", "-")
 
 
 def sections(found: Findings, drawn: dict[str, Drawn]) -> list[Section]:
@@ -52,6 +25,7 @@ def sections(found: Findings, drawn: dict[str, Drawn]) -> list[Section]:
         _experiment(found, drawn),
         _parameters(found, drawn),
         _simulations(found, drawn),
+        *([findings_in_short(found.diagnosis, drawn)] if found.diagnosis is not None else []),
         _quality(found),
         _configuration(found),
         _record(found),
@@ -141,6 +115,19 @@ def _record(found: Findings) -> Section:
 
 def render(found: Findings, drawn: dict[str, Drawn]) -> str:
     """The page's text."""
+    return render_page(
+        "session.html.j2",
+        title=found.session.path.name,
+        session=found.session,
+        names=found.names,
+        cards=cards(found),
+        remarks=remarks(found),
+        sections=sections(found, drawn),
+    )
+
+
+def render_page(template: str, **values: object) -> str:
+    """A page of this look: title, cards, remarks, sections, and what its template asks for."""
     import importlib.metadata
 
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -155,16 +142,8 @@ def render(found: Findings, drawn: dict[str, Drawn]) -> str:
     environment.tests["table"] = lambda item: isinstance(item, Table)
     environment.tests["drawn"] = lambda item: isinstance(item, Drawn)
     environment.filters["minus"] = lambda text: _with_true_minus(str(text))
-    session = found.session
-    return environment.get_template("template.html.j2").render(
-        title=session.path.name,
-        session=session,
-        names=found.names,
-        cards=cards(found),
-        remarks=remarks(found),
-        sections=sections(found, drawn),
-        version=importlib.metadata.version("labrig"),
-    )
+    version = importlib.metadata.version("labrig")
+    return environment.get_template(template).render(version=version, **values)
 
 
 def _with_true_minus(text: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.report.diagnosis_figures import draw_diagnosis
 from labrig.report.figures import draw_all
 from labrig.report.findings import Progress, gather
 from labrig.report.page import render, write_page
@@ -36,6 +37,8 @@ def write_report(
     with found.session:
         try:
             drawn = draw_all(found, folder / "figures")
+            if found.diagnosis is not None:
+                drawn |= draw_diagnosis(found.diagnosis, folder / "figures")
         except OSError as error:
             raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
         write_page(render(found, drawn), folder / "index.html")

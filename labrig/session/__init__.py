@@ -1,7 +1,13 @@
 """The session file: write, read, verify, recover, import, export."""
 
 from labrig.session.compare import compare_sessions
-from labrig.session.derived import drop_measurements, load_measurements, store_measurements
+from labrig.session.derived import (
+    drop_measurements,
+    load_finding,
+    load_measurements,
+    store_finding,
+    store_measurements,
+)
 from labrig.session.exchange import export_session, import_session
 from labrig.session.recover import RecoverReport, recover
 from labrig.session.run_record import RunRecord
@@ -21,10 +27,12 @@ __all__ = [
     "drop_measurements",
     "export_session",
     "import_session",
+    "load_finding",
     "load_measurements",
     "open_session",
     "read_tables",
     "recover",
+    "store_finding",
     "store_measurements",
     "verify",
     "write_tables",

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 
 from labrig.errors import BadInputError
 from labrig.session import layout
@@ -23,6 +24,9 @@ from labrig.session.opening import open_file
 from labrig.session.reading import damage_told, read_array, read_dataset
 from labrig.session.recorder import digest
 from model.measurements import Measurements
+
+# What was made of the measurements: texts beside them, gone with them.
+FINDINGS = frozenset({"diagnosis"})
 
 
 def store_measurements(path: Path, measurements: Measurements) -> None:
@@ -43,6 +47,7 @@ def load_measurements(path: Path) -> Measurements:
         tables = {
             name: read_array(read_dataset(file, f"{layout.DERIVED}/{name}", path), path)
             for name in group
+            if name not in FINDINGS
         }
         try:
             return measurements_from_tables(tables)
@@ -61,6 +66,38 @@ def drop_measurements(path: Path) -> None:
             return
     with _remade(path):
         pass
+
+
+def store_finding(path: Path, name: str, text: str) -> None:
+    """Keep one of `FINDINGS` beside the measurements of a session that has some; replaces it."""
+    path, where = Path(path), f"{layout.DERIVED}/{name}"
+    with (
+        written_beside(path) as beside,
+        open_file(path) as old,
+        h5py.File(beside, "x", libver=layout.LIBVER) as new,
+    ):
+        with damage_told(path):
+            _copy_raw(old, new)
+            old.copy(layout.DERIVED, new[layout.ENTRY])
+        if where in new:
+            del new[where]
+        content = np.frombuffer(text.encode("utf-8"), dtype=np.uint8)
+        new.create_dataset(where, data=content, compression="gzip")
+        group = new[layout.DERIVED]
+        set_attributes(group, sha256=derived_digest(group))
+
+
+def load_finding(path: Path, name: str) -> str | None:
+    """One of `FINDINGS` of a session; None where it holds none."""
+    path, where = Path(path), f"{layout.DERIVED}/{name}"
+    with open_file(path) as file:
+        if where not in file:
+            return None
+        content = read_array(read_dataset(file, where, path), path).tobytes()
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise BadInputError(f"{path}: {where} is damaged; it is no text in UTF-8.") from None
 
 
 def write_derived(file: Any, measurements: Measurements) -> None:

@@ -1,0 +1,57 @@
+"""`--hold-out position=25` and the like: which positions are left out of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from labrig.errors import BadInputError
+from model.measurements import Measurements
+
+SAME_M = 1e-5
+_EXAMPLE = "such as position=25 or configuration=long,position=25"
+
+
+def held_out(texts: Sequence[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
+    """Pairs of configuration (empty: all of them) and position in m, each of which was measured."""
+    return tuple(_checked(text, *_parsed(text), measurements) for text in texts)
+
+
+def _parsed(text: str) -> tuple[str, float]:
+    given: dict[str, str] = {}
+    for part in text.split(","):
+        key, equals, value = (p.strip() for p in part.partition("="))
+        if not equals or key not in ("configuration", "position") or key in given:
+            raise BadInputError(f"--hold-out {text!r}: write {_EXAMPLE}.")
+        given[key] = value
+    try:
+        return given.get("configuration", ""), float(given["position"]) / 1000
+    except (KeyError, ValueError):
+        raise BadInputError(
+            f"--hold-out {text!r}: a position in mm is needed, {_EXAMPLE}."
+        ) from None
+
+
+def _checked(
+    text: str, configuration: str, position_m: float, measurements: Measurements
+) -> tuple[str, float]:
+    known = sorted({c.configuration for c in measurements.conditions})
+    if configuration and configuration not in known:
+        raise BadInputError(
+            f"--hold-out {text!r}: there is no configuration {configuration!r} in the data, which "
+            f"have {', '.join(known)}."
+        )
+    places = sorted(
+        {
+            c.position_m
+            for c in measurements.conditions
+            if c.position_m is not None and configuration in ("", c.configuration)
+        }
+    )
+    near = [place for place in places if abs(place - position_m) < SAME_M]
+    if not near:
+        have = ", ".join(f"{1e3 * place:g}" for place in places) or "none"
+        raise BadInputError(
+            f"--hold-out {text!r}: nothing was measured at {1e3 * position_m:g} mm; measured were "
+            f"{have} mm."
+        )
+    return configuration, near[0]
