@@ -20,6 +20,7 @@ from labrig.panel.gate import Gate
 from labrig.panel.panel import Panel
 from labrig.panel.settings import COOKIE, PanelSettings
 from labrig.panel.sockets import serve_live
+from labrig.panel.sockets_replay import serve_replay
 from labrig.panel.tokens import same_token
 from model import ModelError
 
@@ -65,6 +66,10 @@ def _pages(app: FastAPI, settings: PanelSettings) -> None:
     @app.websocket("/ws")
     async def live(socket: WebSocket) -> None:
         await serve_live(socket, socket.app.state.panel)
+
+    @app.websocket("/ws/replay")
+    async def replay(socket: WebSocket, session: str) -> None:
+        await serve_replay(socket, socket.app.state.panel, session)
 
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
 

@@ -146,7 +146,7 @@ class Scribe:
             "time_s": self.since_begin(event.time_s),
             "who": event.who,
             "what": event.what,
-            "log": f"{event.who} {event.what}",
+            "log": f"{event.who} {event.what}".strip(),
         }
 
     def _output(self, event: ev.OutputChanged) -> Message:

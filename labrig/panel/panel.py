@@ -36,7 +36,9 @@ class Panel:
         self.jobs = Jobs(settings.data, self.feed, self.darkroom)
         self.calibrating = Calibrating()
         self.library = Library(settings.data)
+        self.replays = 0  # that are open
         self.model: str | None = None
+        self.model_path: Path | None = None
         self.simulated = _is_simulated(settings.rig)
         if settings.model is not None:
             self.choose_model(settings.model)
@@ -79,6 +81,7 @@ class Panel:
     def choose_model(self, path: Path | None) -> None:
         """Whose predicted curve is drawn."""
         self.model = None if path is None else path.name
+        self.model_path = path
         self.darkroom.choose_model(path)
 
     def acting(self, request: Request) -> str:

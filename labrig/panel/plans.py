@@ -23,12 +23,13 @@ def message_of_plan(
             "time_under_voltage_s": limits.time_under_voltage_s,
             "capacity_mN": 1e3 * plan.calibration.capacity_N,
         },
-        picture=_optics(plan.optics),
+        picture=optics_message(plan.optics),
         done=done,
     )
 
 
-def _optics(optics: Optics | None) -> Message | None:
+def optics_message(optics: Optics | None) -> Message | None:
+    """Where the sheet's plane is in the picture."""
     if optics is None:
         return None
     width, height = optics.image_size or (None, None)
