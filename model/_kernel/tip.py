@@ -35,21 +35,22 @@ def components(
 @compiled
 def panel(
     rule: Any, kappa: Array, soft: Array, load: tuple[float, float, float, float], h: float,
-    psi: Array, state: Array, to: Array, columns: Array, places: Array,
+    psi: Array, state: Array, to: Array, columns: Array, places: Array, J: Array, rows: Array,
+    lever: Array,
 ) -> None:  # fmt: skip
     """Linearise one panel: state (psi, a, b) and how it answers, `to` (3, 2), from end to end.
 
-    `columns` (n, 2) receives how psi answers; `places` (n, 2) receives a and b at the nodes.
+    `columns` (n, 2) receives how psi answers, `places` (n, 2) a and b at the nodes; J (n, n),
+    rows (5, n) and lever (n + 1, 3) are scratch.
     """
     t, n_, dt, dn = load
     m = len(psi)
-    J, c, turn = np.eye(m), np.ones(m), np.zeros(m)
-    cos, sin, push = np.zeros(m), np.zeros(m), np.zeros(m)
+    c, turn, cos, sin, push = rows[0], rows[1], rows[2], rows[3], rows[4]
     _, top, _ = polynomial(kappa, 1.0, 0.5 * h)
     _, bottom, _ = polynomial(kappa, -1.0, 0.5 * h)
     for j in range(m):
         _, at, _ = polynomial(kappa, 1.0 - 2.0 * rule.c[j], 0.5 * h)
-        turn[j] = top - at
+        turn[j], c[j] = top - at, 1.0
         if len(soft) > 0:
             c[j], _, _ = polynomial(soft, 1.0 - 2.0 * rule.c[j], 0.5 * h)
         cos[j], sin[j] = np.cos(psi[j]), np.sin(psi[j])
@@ -60,8 +61,8 @@ def panel(
             b += h * rule.A[i, j] * sin[j]
         places[i, 0], places[i, 1] = a, b
         push[i] = c[i] * (a * n_ - b * t)
-    lever = np.zeros((m + 1, 3))  # A, and b, times c, c (a dn - b dt), c (a n - b t)
-    for i in range(m + 1):
+    for i in range(m + 1):  # A, and b, times c, c (a dn - b dt), c (a n - b t)
+        lever[i, 0] = lever[i, 1] = lever[i, 2] = 0.0
         for j in range(m):
             weight = rule.A[i, j] if i < m else rule.b[j]
             lever[i, 0] += weight * c[j]
@@ -76,7 +77,7 @@ def panel(
                 total = 0.0
                 for j in range(m):
                     total += rule.A[i, j] * c[j] * rule.A[j, k]
-            J[i, k] -= total * swing
+            J[i, k] = (1.0 if i == k else 0.0) - total * swing
     for i in range(m):
         for q in range(2):
             tilt = n_ * to[1, q] - t * to[2, q]
@@ -117,14 +118,17 @@ def newton(
     """
     P, n = psi.shape
     columns, state, to = np.zeros((P, n, 2)), np.zeros(3), np.zeros((3, 2))
-    done = False
+    J, rows, lever, done = np.zeros((n, n)), np.zeros((5, n)), np.zeros((n + 1, 3)), False
     for _ in range(MOST_STEPS):
         load = components(force, follows, tip)
         for i in range(3):
             state[i] = to[i, 0] = to[i, 1] = 0.0
         for p in range(P - 1, -1, -1):
             h = breaks[p + 1] - breaks[p]
-            panel(rule, kappa[p], soft[p], load, h, psi[p], state, to, columns[p], places[p])
+            panel(
+                rule, kappa[p], soft[p], load, h, psi[p], state, to, columns[p], places[p], J, rows,
+                lever,
+            )  # fmt: skip
         end[0], end[1] = state[1], state[2]
         if done:
             return True, tip

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.coverage import measurements, tally
+from benchmarks.interval_coverage import measurements, tally
 from sim_hardware.world import load_world
 from sim_hardware.world.reduced import reduced_session
 
 
 @pytest.mark.slow
 def test_stated_intervals_cover_the_world_s_truth_and_are_narrow():
-    """A small edition of `benchmarks/coverage.py`, which states the figures."""
+    """A small edition of `benchmarks.interval_coverage.py`, which states the figures."""
     found = tally(load_world(None), range(900, 912))
     assert len(found.inside) == 12
     share = float(np.mean(found.inside))

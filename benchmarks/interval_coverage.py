@@ -4,7 +4,7 @@ Sessions are simulated without pixels and volts by the world of `sim_hardware`, 
 links that shares no code with the model; its EIBM falls along the sheet. k0 is stated as a person
 would, in nodes every 10 mm rounded to 0.1 per m.
 
-    python -m benchmarks.coverage [SESSIONS] [WORLD.toml]
+    python -m benchmarks.interval_coverage [SESSIONS] [WORLD.toml] [FIRST_SEED]
 """
 
 from __future__ import annotations
@@ -98,10 +98,11 @@ def wilson(share: float, count: int) -> tuple[float, float]:
 
 def main(arguments: list[str]) -> None:
     count = int(arguments[0]) if arguments else 200
-    world = load_world(Path(arguments[1]) if len(arguments) > 1 else None)
+    world = load_world(Path(arguments[1]) if len(arguments) > 1 and arguments[1] else None)
+    first = int(arguments[2]) if len(arguments) > 2 else 1000
     start = time.perf_counter()
-    found = tally(world, range(1000, 1000 + count))
-    print(f"{count} sessions, {(time.perf_counter() - start) / count:.2f} s each")
+    found = tally(world, range(first, first + count))
+    print(f"{count} sessions from seed {first} on, {(time.perf_counter() - start) / count:.2f} s each")
     print(f"{'':18} {'bias %':>7} {'scatter %':>9} {'stated %':>8} {'covered':>8} {'width %':>8}")
     for i, name in enumerate(found.names):
         share = float(np.mean(found.inside[:, i]))
