@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import re
 import secrets
 import threading
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from labrig.panel.errors import ForbiddenError
 from labrig.panel.feed import Message
 
 _MOST_NAME = 40
+_NAME = re.compile(r"[A-Za-z0-9_-]{16}")
 
 
 @dataclass(frozen=True)
@@ -37,10 +39,14 @@ class Control:
         self._clients: dict[str, str] = {}  # name of a page -> its address
         self._holder: Holder | None = None
 
-    def arrive(self, address: str) -> str:
-        """A page has opened its socket; the name it is to give when it acts."""
-        client = secrets.token_urlsafe(12)
+    def arrive(self, address: str, known_as: str = "") -> str:
+        """A page has opened its socket; the name it is to give when it acts.
+
+        One that was here before, and was loaded again, keeps its name and with it control.
+        """
         with self._lock:
+            again = _NAME.fullmatch(known_as) is not None and known_as not in self._clients
+            client = known_as if again else secrets.token_urlsafe(12)
             self._clients[client] = address
         self._on_change(self.message())
         return client

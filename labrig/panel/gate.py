@@ -90,7 +90,8 @@ class Gate:
         more = [
             (b"content-security-policy", policy.encode("latin-1", "replace")),
             (b"x-content-type-options", b"nosniff"),
-            (b"referrer-policy", b"no-referrer"),
+            # not no-referrer: a form without a script would not say where it comes from
+            (b"referrer-policy", b"same-origin"),
             (b"cache-control", b"no-store"),
         ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Depends, Request
@@ -98,8 +99,20 @@ def log(panel: Here, limit: int = 200) -> Any:
     return {"actions": panel.actions.last(max(1, min(limit, 2000)))}
 
 
+async def whatever_was_said(request: Request) -> StopBody:
+    """A press counts, however it is written: as JSON, as a form without a script, or empty."""
+    try:
+        said = json.loads(await request.body())
+    except (ValueError, RecursionError):
+        said = {}
+    said = said if isinstance(said, dict) else {}
+    return StopBody(why=str(said.get("why") or "")[:200], name=str(said.get("name") or "")[:80])
+
+
 @router.post("/stop")
-def stop(request: Request, body: StopBody, panel: Here) -> Any:
+def stop(
+    request: Request, body: Annotated[StopBody, Depends(whatever_was_said)], panel: Here
+) -> Any:
     """The second way to STOP: straight to the job. No control is needed."""
     client = request.headers.get("x-labrig-client", "")
     who = panel.control.who(client, address_of(request))

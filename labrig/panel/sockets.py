@@ -19,7 +19,7 @@ MOST_PAGES = 32
 MOST_WORD_BYTES = 4096  # of what a page says
 SEND_S = 15.0  # a page that takes nothing for so long is let go; it comes again when it lives
 _TOO_OFTEN = (20.0, 40.0)
-_NEWEST_EVERY_S = 0.05  # pictures and strips of a second at most
+_NEWEST_EVERY_S = 0.015  # what comes meanwhile is sent together; well below a camera's period
 
 Heard = Callable[[Message], Awaitable[None]]
 
@@ -31,7 +31,7 @@ async def serve_live(socket: WebSocket, panel: Panel) -> None:
         await socket.close(1013, "too many pages are open.")
         return
     await socket.accept()
-    client = control.arrive(address_of(socket))
+    client = control.arrive(address_of(socket), socket.query_params.get("client", ""))
     status = panel.status(socket.headers.get("host", ""))
     hello = {"type": "hello", "client": client, "status": status}
     hello |= {key: status[key] for key in ("version", "mode", "stop_url")}

@@ -12,6 +12,13 @@ from tests.panel_browser import made_up
 from tests.panel_browser.conftest import text_of
 
 
+@pytest.fixture
+def fake(fake):
+    """Nothing is going on."""
+    fake.greeting = []
+    return fake
+
+
 def field(page, key):
     return page.locator(f"[data-key='{key}']").first
 

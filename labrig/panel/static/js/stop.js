@@ -33,7 +33,7 @@
       credentials: "include",
       keepalive: true,
       cache: "no-store",
-      body: JSON.stringify({ why: why }),
+      body: JSON.stringify({ why: why, name: localStorage.getItem("labrig-operator") || "" }),
       signal: AbortSignal.timeout(LONGEST_MS),
     }).then(function (answer) {
       if (!answer.ok) throw new Error(String(answer.status));

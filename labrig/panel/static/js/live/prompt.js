@@ -67,7 +67,7 @@ export function preflightTable(preflight) {
       h("td", {}, check.found, typeof check.warning === "string" ? ` \u2014 ${check.warning}` : ""), h("td", {}, check.wanted),
     );
   });
-  const head = h("tr", {}, ["", "check", "found", "wanted"].map((name) => h("th", { scope: "col" }, name)));
+  const head = h("tr", {}, ["result", "check", "found", "wanted"].map((name) => h("th", { scope: "col" }, name)));
   return h("table", { class: "checks" }, h("thead", {}, head), h("tbody", {}, rows));
 }
 

@@ -96,13 +96,14 @@ export class Readings {
     const { job } = this;
     const planned = job.planned(this.run);
     const record = job.runs.get(this.run);
+    this.singleName.hidden = !planned;
     say(this.singleName, planned ? `Run ${planned.run + 1}, each reading` : "");
     if (!planned || !record?.readings.size) {
       put(this.single);
       put(this.whole);
       return;
     }
-    const names = ["", "drive", "force, mN", "current, mA", "", ""];
+    const names = ["reading", "drive", "force, mN", "current, mA", "state", ...(this.mark ? ["mark"] : [])];
     const readings = [...record.readings.values()].sort((a, b) => b.index - a.index);
     put(this.whole, (this.mark || record.invalid) && this.marker(null, record.invalid, "Mark the whole run invalid"));
     put(
@@ -120,7 +121,7 @@ export class Readings {
       h("td", { class: "num" }, number(reading.force_mN, 3)),
       h("td", { class: "num" }, number(reading.current_mA, 1)),
       h("td", {}, word, reading.why && h("span", { class: "why" }, ` ${reading.why}`)),
-      h("td", {}, this.mark && reading.valid && this.marker(reading.index, null, `Mark reading ${reading.index + 1} invalid`)),
+      this.mark && h("td", {}, reading.valid && this.marker(reading.index, null, `Mark reading ${reading.index + 1} invalid`)),
     );
   }
 

@@ -20,7 +20,7 @@ export class Strips {
     this.job = job;
     this.points = 0; // moments that have reached the charts
     this.lines = ROWS.map((row, index) => this.line(row, index));
-    this.element = h("section", { class: "strips card", "aria-label": "strip charts" }, this.lines.map((line) => line.element));
+    this.element = h("div", { class: "strips card", role: "group", "aria-label": "strip charts" }, this.lines.map((line) => line.element));
     this.seen = new ResizeObserver(() => this.resize());
     this.seen.observe(this.element);
     this.themed = () => this.lines.forEach((line) => this.repaint(line));

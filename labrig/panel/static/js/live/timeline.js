@@ -38,6 +38,7 @@ export class Timeline {
   build() {
     const { plan } = this.job;
     const width = this.element.clientWidth - 2 * 16;
+    for (const drawn of [this.runs, this.wave]) drawn.toggleAttribute("hidden", !plan);
     if (!plan || width < 50) {
       put(this.runs);
       put(this.wave);

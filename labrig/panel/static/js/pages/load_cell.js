@@ -103,11 +103,11 @@ class LoadCell {
       put(this.points);
       return;
     }
-    const head = h("tr", {}, ["", "load, mN", "signal, mV", "residual, mN"].map((name) => h("th", { scope: "col", class: name ? "num" : "" }, name)));
+    const head = h("tr", {}, ["weight", "load, mN", "signal, mV", "residual, mN"].map((name, index) => h("th", { scope: "col", class: index ? "num" : "" }, name)));
     const rows = weighing.wanted.map((load, index) => {
       const point = weighing.points[index];
       const next = index === weighing.points.length && !weighing.finished;
-      return h("tr", { class: next ? "chosen" : "" }, h("th", { scope: "row" }, point ? "\u2713" : next ? "\u25B6" : "\u00B7"), h("td", { class: "num" }, number(load, 2)), h("td", { class: "num" }, number(point?.mV, 3)), h("td", { class: "num" }, number(point?.off_mN, 3)));
+      return h("tr", { class: next ? "chosen" : "" }, h("th", { scope: "row" }, `${index + 1} ${point ? "\u2713" : next ? "\u25B6" : ""}`), h("td", { class: "num" }, number(load, 2)), h("td", { class: "num" }, number(point?.mV, 3)), h("td", { class: "num" }, number(point?.off_mN, 3)));
     });
     put(this.points, h("table", {}, h("thead", {}, head), h("tbody", {}, rows)));
   }

@@ -1,0 +1,102 @@
+"""A panel on a simulated rig, and what that rig's world itself has recorded."""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from labrig.config.templates import write_templates
+from tests.labrig.panel.page import Server, panel
+
+PROTOCOL = """
+moisten = {moisten}
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = {readings}
+[[places]]
+configuration = "long"
+positions_mm = [{positions}]
+[extras]
+mode = "paper"
+"""
+
+
+class RigWorld:
+    """A panel and its folder."""
+
+    def __init__(self, server: Server, folder: Path) -> None:
+        self.server = server
+        self.folder = folder
+        self.netloc = server.netloc
+
+    def url(self, page: str = "run") -> str:
+        """Of one of its pages, for a browser that is let in already."""
+        return f"{self.server.origin}/#/{page}"
+
+    def record(self) -> list[tuple[float, float]]:
+        """(time_s, drive_V) as the world has it; a line that is being written is left out."""
+        text = (self.folder / ".labrig" / "world_record.csv").read_text()
+        rows = csv.DictReader(text[: text.rfind("\n") + 1].splitlines())
+        return [(float(row["time_s"]), float(row["drive_V"])) for row in rows]
+
+    def gone_s(self, since_s: float) -> float:
+        """How long after a moment (of `time.perf_counter`) the sheet was at 0 V, and stayed."""
+        rows = self.record()
+        before = [volts for when, volts in rows if when <= since_s]
+        assert before, "nothing was recorded before"
+        assert abs(before[-1]) > 1, "the sheet was not energised"
+        last = max((when for when, volts in rows if volts != 0), default=since_s)
+        zero = [when for when, volts in rows if volts == 0 and when > last]
+        assert zero, "it is still energised"
+        return max(zero[0] - since_s, 0.0)
+
+
+@contextmanager
+def rig_world(folder: Path, *options: str) -> Iterator[RigWorld]:
+    """A panel on a new rig: `short.toml` is done in seconds, `long.toml` takes half a minute."""
+    write_templates(folder, simulated=True)
+    kinds = {"short": ("true", 3, "5, 10"), "long": ("false", 20, "10")}
+    for name, (moisten, readings, positions) in kinds.items():
+        text = PROTOCOL.format(moisten=moisten, readings=readings, positions=positions)
+        (folder / f"{name}.toml").write_text(text)
+    with panel(folder / "rig.toml", *options) as server:
+        yield RigWorld(server, folder)
+
+
+def enter(visit: Any, world: RigWorld, page: str = "run", **more: Any) -> Any:
+    """A browser of its own, let in by the token."""
+    found = visit(world.server.address, bypass_csp=True, **more)  # Playwright waits by eval
+    found.wait_for_function("window.labrig?.welcomed")
+    found.goto(world.url(page))
+    return found
+
+
+def start(page: Any, world: RigWorld, protocol: str, session: str) -> None:
+    """Take control and start a run by HTTP, as the form does: the form has tests of its own."""
+    job = page.evaluate(
+        """async ([protocol, session]) => {
+          const net = await import("/static/js/net.js");
+          await labrig.control.take(true);
+          const body = { protocol, sheet: "sheet.toml", session, clock: "real" };
+          return (await net.post("/api/run", body)).id;
+        }""",
+        [protocol, session],
+    )
+    page.wait_for_function("(id) => labrig.job.job?.id === id", arg=job)
+
+
+def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:
+    """Press Go whenever something is asked, until `condition` (JavaScript) holds."""
+    end = time.monotonic() + timeout_s
+    while not page.evaluate(condition):
+        assert time.monotonic() < end, f"it did not come about: {condition}"
+        page.evaluate("document.querySelector('.prompt:not([hidden]) .go:not(:disabled)')?.click()")
+        page.wait_for_timeout(50)
+
+
+ENERGISED = "labrig.job.output?.state === 'energised'"
+ENDED = "['ended', 'lost'].includes(labrig.job.job?.state)"

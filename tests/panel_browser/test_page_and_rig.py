@@ -1,0 +1,200 @@
+"""The page, the server, a run in its process and the simulated boards, all of them real processes."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+
+from tests.panel_browser.conftest import text_of
+from tests.panel_browser.rig_world import (
+    ENDED,
+    ENERGISED,
+    answer_until,
+    enter,
+    rig_world,
+    start,
+)
+
+# when a key went down, on the clock that all processes of a computer share
+LISTEN = """() => addEventListener("keydown", (event) => {
+  if (event.key === "Escape") window.pressed = performance.timeOrigin + event.timeStamp;
+}, true)"""
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory):
+    with rig_world(tmp_path_factory.mktemp("browser") / "rig") as found:
+        yield found
+
+
+@pytest.fixture(autouse=True)
+def nothing_goes_on(world):
+    """Each test leaves the rig alone."""
+    yield
+    world.server.ask("POST", "/api/stop", {"why": "the test is over"})
+    end = time.monotonic() + 30
+    while world.server.ask("GET", "/api/status")[1]["job"]:
+        if world.server.ask("GET", "/api/status")[1]["job"]["state"] in ("ended", "lost"):
+            break
+        assert time.monotonic() < end
+        time.sleep(0.1)  # noqa: TID251 - another process is being watched
+
+
+def tab_to(page, name):
+    """With the keyboard alone: Tab until the focus is on what has this name."""
+    for _ in range(150):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.innerText?.trim() ?? ''").startswith(name):
+            return
+    raise AssertionError(f"the keyboard does not reach {name}")
+
+
+def test_a_whole_run_with_the_keyboard_alone(world, visit):
+    page = enter(visit, world, "run")
+    page.wait_for_selector("main.page-run")
+    tab_to(page, "New run")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("[data-key='pulse_s']")
+    for _ in range(60):  # to the choice of the file
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.id === labrig.page.protocol.select.id"):
+            break
+    page.keyboard.type("short")
+    page.wait_for_function("labrig.page.protocol.name === 'short.toml' && labrig.page.planned?.runs.length === 2")
+    tab_to(page, "Start the run")
+    page.keyboard.press("Enter")
+    page.wait_for_function("location.hash === '#/run' && labrig.job.going")
+    asked = 0
+    end = time.monotonic() + 120
+    while not page.evaluate(ENDED):
+        assert time.monotonic() < end
+        if page.evaluate("document.querySelector('.prompt:not([hidden]) .go:not(:disabled)') !== null"):
+            page.keyboard.press("Control+Enter")
+            asked += 1
+        page.wait_for_timeout(100)
+    assert page.evaluate("labrig.job.ended.outcome") == "completed"
+    assert asked >= 2  # moisten, twice
+    readings = page.evaluate("[...labrig.job.runs.values()].map((run) => run.readings.size)")
+    assert readings == [10, 10]
+    runs_s = page.evaluate("labrig.job.plan.runs.reduce((sum, run) => sum + run.duration_s, 0)")
+    # a page gets what it can show: on a machine with other work at least a few each second
+    assert page.evaluate("labrig.page.view.picture.shown") > 3 * runs_s
+    assert page.evaluate("labrig.job.counts.signals") == pytest.approx(100 * runs_s, rel=0.1)
+    assert page.evaluate("labrig.page.view.strips.points") > 0.9 * 50 * runs_s
+    assert page.evaluate("labrig.job.curve?.points_px.length") > 10
+    assert "SAFE" in text_of(page, "#output")
+    assert page.locator(".timeline-runs .cell-done").count() == 2
+    with_forces = page.evaluate("labrig.job.means(1).map((m) => [m.voltage, m.mean, m.count])")
+    forces = {volts: mean for volts, mean, _ in with_forces}
+    assert forces[2] > forces[0] > forces[-2]
+    assert all(count in (2, 3) for _, _, count in with_forces)
+
+
+@pytest.mark.parametrize("way", ["key", "button of a page that only watches"])
+def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way):
+    page = enter(visit, world)
+    start(page, world, "long.toml", f"stop-{way[:3]}.h5")
+    other = enter(visit, world) if way != "key" else page
+    other.evaluate(LISTEN)
+    answer_until(page, ENERGISED)
+    page.wait_for_timeout(700)  # well inside the train: it is energised without a pause
+    before_s = time.perf_counter()
+    if way == "key":
+        other.keyboard.press("Escape")
+    else:
+        other.hover("#stop")
+        before_s = time.perf_counter()
+        other.mouse.down()
+    other.wait_for_function("['good', 'bad'].includes(document.getElementById('stop-said').dataset.kind)")
+    took_s = world.gone_s(before_s)
+    said = text_of(other, "#stop-said")
+    print(f"{way}: 0 V after {1e3 * took_s:.0f} ms; the page says: {said}")
+    assert took_s < 0.2
+    assert "output SAFE" in said or "output ARMED" in said
+    answer_until(page, ENDED)
+    assert page.evaluate("labrig.job.ended.outcome") == "aborted"
+    assert page.evaluate("labrig.job.ended.output") == "safe"
+
+
+def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
+    first = enter(visit, world)
+    start(first, world, "long.toml", "two.h5")
+    answer_until(first, ENERGISED)
+    first.wait_for_function("labrig.job.runs.get(0)?.readings.size >= 4")
+    first.reload()
+    first.wait_for_function("labrig.job?.runs.get(0)?.readings.size >= 4")
+    second = enter(visit, world, width=1024, height=768)
+    second.wait_for_function("labrig.job?.runs.get(0)?.readings.size >= 6")
+    # a reload keeps control, a second browser watches
+    first.wait_for_function("labrig.control.mine")
+    assert not second.evaluate("labrig.control.mine")
+    second.wait_for_function("labrig.page.view.picture.shown > 3 && labrig.job.signals.count > 200")
+    force = "[...labrig.job.runs.get(0).readings.values()].slice(0, 6).map((r) => r.force_mN)"
+    assert first.evaluate(force) == second.evaluate(force)
+    assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
+
+
+def test_a_browser_that_stops_reading_holds_nobody_back(world, visit):
+    first, second = enter(visit, world), enter(visit, world)
+    start(first, world, "long.toml", "slow.h5")
+    answer_until(first, ENERGISED)
+    second.wait_for_function("labrig.job.runs.get(0)?.readings.size >= 1")
+    # its only thread is busy for 4 s: nothing is read, nothing is drawn
+    second.evaluate("setTimeout(() => { const end = Date.now() + 4000; while (Date.now() < end); })")
+    had = first.evaluate("[labrig.job.runs.get(0).readings.size, labrig.page.view.picture.shown]")
+    first.wait_for_timeout(3000)
+    now = first.evaluate("[labrig.job.runs.get(0).readings.size, labrig.page.view.picture.shown]")
+    assert now[0] - had[0] >= 4
+    assert now[1] - had[1] >= 9
+    second.wait_for_function(f"labrig.job.runs.get(0).readings.size > {now[0]}")
+    assert first.evaluate("labrig.job.job.state") == "going"
+    rows = [volts for _, volts in world.record()]
+    assert {round(volts) for volts in rows} == {0, 2, -2}
+
+
+def test_a_reading_marked_on_the_page_stands_in_the_session(world, visit):
+    page = enter(visit, world)
+    start(page, world, "long.toml", "marked.h5")
+    answer_until(page, "labrig.job.runs.get(0)?.readings.size >= 3")
+    page.click("[aria-label='Mark reading 2 invalid']")
+    page.keyboard.type("something touched the rig")
+    page.keyboard.press("Enter")
+    page.locator(".readings-single tr.invalid").filter(has_text="something touched the rig").wait_for()
+    page.locator(".log-lines").filter(has_text="reading 2 of run 1 is marked invalid").wait_for()
+    page.keyboard.press("Escape")
+    answer_until(page, ENDED)
+    from labrig.session import open_session
+
+    with open_session(world.folder / "marked.h5") as session:
+        readings = session.runs[0].readings
+        second = readings[readings["index"] == 1][0]
+    assert not second["valid"]
+    assert b"something touched the rig" in second["why"]
+
+
+def test_every_page_keeps_to_the_content_security_policy(world, visit):
+    page = visit(world.server.address)
+    broken = []
+    page.on("console", lambda said: broken.append(said.text) if said.type == "error" else None)
+    for name in ("run", "new", "load-cell", "camera", "library", "log"):
+        page.goto(world.url(name))
+        page.locator(f"main.page-{name}").wait_for()
+        page.locator("main h1").wait_for(state="attached")
+    page.wait_for_timeout(500)
+    assert broken == []
+    policy = page.request.get(f"{world.server.origin}/").headers["content-security-policy"]
+    assert "script-src 'self';" in policy
+
+
+def test_stop_reaches_a_run_from_a_page_whose_scripts_are_switched_off(world, visit):
+    page = enter(visit, world)
+    start(page, world, "long.toml", "plain.h5")
+    answer_until(page, ENERGISED)
+    bare = visit(world.server.address, java_script_enabled=False)
+    page.wait_for_timeout(500)
+    before_s = time.perf_counter()
+    bare.click("#stop")
+    page.wait_for_function("labrig.job.ended !== null")
+    assert world.gone_s(before_s) < 1.0  # a click is found, scrolled to and aimed at first
+    assert page.evaluate("labrig.job.ended.outcome") == "aborted"
