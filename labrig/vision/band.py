@@ -1,10 +1,10 @@
 """The pixels beside a curve, and what they say of it: the kernels of the intensity fit.
 
-Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d) + f Q(d), with P
-the band of the sheet's thickness blurred by the lens, Q the sheet's far face where one is seen
-beside it, and b, a, c, f slow along the sheet (solved in
-windows). A shift of the curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what
-they could imitate of a shift are projected out, so what is left is the full likelihood's answer.
+Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P the band
+of the sheet's thickness blurred by the lens, and beside it the sheet's far face where one is seen,
+grey by a share of the band; b, a, c are slow along the sheet (solved in windows). A shift of the
+curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what they could imitate of a
+shift are projected out, so what is left is the full likelihood's answer.
 """
 
 from __future__ import annotations
@@ -20,6 +20,32 @@ FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 MaskArray = npt.NDArray[np.uint8]
+
+
+# the normal distribution by Hermite's cubics between these points is good to 1e-9
+_STEPS, _REACH = 64, 7
+_AT = np.arange(-_REACH * _STEPS, _REACH * _STEPS + 1) / _STEPS
+_DENSITY = np.exp(-0.5 * _AT**2) / math.sqrt(2 * math.pi)
+_TOTAL = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in _AT])
+
+
+@jit
+def normal(x: float) -> tuple[float, float]:
+    """The standard normal distribution's integral up to x, and its density there."""
+    if x <= -_REACH:
+        return 0.0, 0.0
+    if x >= _REACH:
+        return 1.0, 0.0
+    place = (x + _REACH) * _STEPS
+    i = int(place)
+    t = place - i
+    y0, y1 = _TOTAL[i], _TOTAL[i + 1]
+    m0, m1 = _DENSITY[i] / _STEPS, _DENSITY[i + 1] / _STEPS
+    rise = y1 - y0
+    a, b = m0 - rise, rise - m1
+    value = y0 + t * rise + t * (1 - t) * ((1 - t) * a + t * b)
+    slope = rise + (1 - 2 * t) * ((1 - t) * a + t * b) + t * (1 - t) * (b - a)
+    return value, slope * _STEPS
 
 
 @jit
@@ -78,16 +104,6 @@ def collect(
 
 
 @jit
-def template(d: float, half_width: float, blur: float) -> tuple[float, float]:
-    """The blurred band P and its derivative P'."""
-    scale = 1.0 / (math.sqrt(2.0) * blur)
-    up, low = (d + half_width) * scale, (d - half_width) * scale
-    value = 0.5 * (math.erf(up) - math.erf(low))
-    slope = (math.exp(-up * up) - math.exp(-low * low)) * scale / math.sqrt(math.pi)
-    return value, slope
-
-
-@jit
 def window_sums(sums: FloatArray, half: int) -> FloatArray:
     """Moving sums over `2 half + 1` cells of (cells, columns)."""
     cells, columns = sums.shape
@@ -104,69 +120,73 @@ def window_sums(sums: FloatArray, half: int) -> FloatArray:
 
 
 @jit
-def _solve(n: FloatArray, size: int, low: FloatArray, out: FloatArray) -> None:
-    """Solve a window's equations for three right-hand sides, into `out` (3, 4).
+def _solve(n: FloatArray, low: FloatArray, out: FloatArray) -> None:
+    """Solve a window's equations for three right-hand sides, into `out` (3, 3).
 
-    n: the upper triangle of four by four by rows, then the right-hand sides; `size` 3 leaves the
-    face out; `low` (4, 4) is room to work in. A trace of a ridge keeps empty windows solvable.
+    n: the upper triangle of three by three by rows, then the right-hand sides; `low` (3, 3) is room
+    to work in. A trace of a ridge keeps empty windows solvable.
     """
-    tiny = 1e-9 * (n[0] + n[4] + n[7] + n[9]) + 1e-12
+    tiny = 1e-9 * (n[0] + n[3] + n[5]) + 1e-12
     at = 0
-    for i in range(size):
-        for j in range(i, size):
+    for i in range(3):
+        for j in range(i, 3):
             low[j, i] = n[at] + (tiny if i == j else 0.0)
             at += 1
-        at += 4 - size
-    for i in range(size):  # Cholesky
+    for i in range(3):  # Cholesky
         for j in range(i + 1):
             total = low[i, j]
             for q in range(j):
                 total -= low[i, q] * low[j, q]
             low[i, j] = math.sqrt(max(total, tiny)) if i == j else total / low[j, j]
     for k in range(3):
-        for i in range(size):
-            total = n[10 + 4 * k + i]
+        for i in range(3):
+            total = n[6 + 3 * k + i]
             for q in range(i):
                 total -= low[i, q] * out[k, q]
             out[k, i] = total / low[i, i]
-        for i in range(size - 1, -1, -1):
+        for i in range(2, -1, -1):
             total = out[k, i]
-            for q in range(i + 1, size):
+            for q in range(i + 1, 3):
                 total -= low[q, i] * out[k, q]
             out[k, i] = total / low[i, i]
 
 
 @jit
-def _faces(
-    distance: FloatArray, first: IntArray, half_width: FloatArray, blur: float, face: FloatArray
-) -> FloatArray:
-    """The far face's plateau beside the band: `face` (cells,) pixels wide, negative: below it."""
-    out = np.zeros_like(distance)
-    for i in range(len(first) - 1):
-        if face[i] == 0:
-            continue
-        width, side = abs(face[i]), 1.0 if face[i] > 0 else -1.0
-        for q in range(first[i], first[i + 1]):
-            d = side * distance[q] - half_width[i] - 0.5 * width
-            out[q], _ = template(d, 0.5 * width, blur)
-    return out
-
-
-@jit
 def _templates(
-    distance: FloatArray, first: IntArray, half_width: FloatArray, blur: float, widen: FloatArray
+    distance: FloatArray,
+    first: IntArray,
+    half_width: FloatArray,
+    blur: float,
+    widen: FloatArray,
+    face: FloatArray,
+    face_share: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """P, P' and the derivative for the look (blur or half width) of each pixel."""
+    """P, P' and the derivative for the look (blur or half width) of each pixel, face included.
+
+    `face` (cells,): the far face's width in pixels beside the band, negative: below it.
+    """
     p, slope, look_slope = np.empty_like(distance), np.empty_like(distance), np.empty_like(distance)
-    unit, root = math.sqrt(2 * math.pi) * blur, math.sqrt(0.5)
     for i in range(len(first) - 1):
+        half, width = half_width[i], abs(face[i])
+        side = 1.0 if face[i] > 0 else -1.0
         for q in range(first[i], first[i + 1]):
-            up, low = (distance[q] + half_width[i]) / blur, (distance[q] - half_width[i]) / blur
-            high = math.exp(-0.5 * up * up) / unit
-            deep = math.exp(-0.5 * low * low) / unit
-            p[q] = 0.5 * (math.erf(up * root) - math.erf(low * root))
-            slope[q] = high - deep
-            look_slope[q] = high + deep if widen[i] > 0 else low * deep - up * high
+            up, low = (distance[q] + half) / blur, (distance[q] - half) / blur
+            step_up, high = normal(up)
+            step_low, deep = normal(low)
+            p[q] = step_up - step_low
+            slope[q] = (high - deep) / blur
+            look_slope[q] = (high + deep if widen[i] > 0 else low * deep - up * high) / blur
+            if face_share > 0 and width > 0:
+                near = (side * distance[q] - half) / blur
+                far = near - width / blur
+                step_near, near_high = normal(near)
+                step_far, far_high = normal(far)
+                p[q] += face_share * (step_near - step_far)
+                slope[q] += face_share * side * (near_high - far_high) / blur
+                if widen[i] > 0:
+                    look_slope[q] += face_share * (far_high - near_high) / blur
+                else:
+                    look_slope[q] += face_share * (far * far_high - near * near_high) / blur
     return p, slope, look_slope
 
 
@@ -175,41 +195,30 @@ def _gather(
     sums: FloatArray,
     low: int,
     high: int,
-    size: int,
     basis: FloatArray,
     weight: FloatArray,
     right: FloatArray,
 ) -> None:
     """Sum the window equations of one cell: products of the basis, three right-hand sides."""
     for q in range(low, high):
-        w, d, t = weight[q], basis[q, 1], basis[q, 2]
+        w, d, t = weight[q], basis[q, 0], basis[q, 1]
         f, g, h = right[q, 0], right[q, 1], right[q, 2]
         wd, wt = w * d, w * t
         sums[0] += w
         sums[1] += wd
         sums[2] += wt
-        sums[4] += wd * d
-        sums[5] += wd * t
-        sums[7] += wt * t
-        sums[10] += w * f
-        sums[11] += wd * f
-        sums[12] += wt * f
-        sums[14] += w * g
-        sums[15] += wd * g
-        sums[16] += wt * g
-        sums[18] += w * h
-        sums[19] += wd * h
-        sums[20] += wt * h
-        if size == 4:
-            e = basis[q, 3]
-            we = w * e
-            sums[3] += we
-            sums[6] += wd * e
-            sums[8] += wt * e
-            sums[9] += we * e
-            sums[13] += we * f
-            sums[17] += we * g
-            sums[21] += we * h
+        sums[3] += wd * d
+        sums[4] += wd * t
+        sums[5] += wt * t
+        sums[6] += w * f
+        sums[7] += wd * f
+        sums[8] += wt * f
+        sums[9] += w * g
+        sums[10] += wd * g
+        sums[11] += wt * g
+        sums[12] += w * h
+        sums[13] += wd * h
+        sums[14] += wt * h
 
 
 @jit
@@ -225,49 +234,48 @@ def measure(
     used: FloatArray,
     widen: FloatArray,
     face: FloatArray,
+    face_share: float,
 ) -> FloatArray:
-    """Per cell (cells, 11) what the pixels say.
+    """Per cell (cells, 10) what the pixels say.
 
     Columns: contrast c, background b, slope a, sum g^2, sum g res, sum res^2, sum of weights,
-    sum h res, sum h^2, mean intensity, the far face's contrast. g is the derivative of a pixel
-    with respect to a shift, what b, a, c and the face could imitate projected out; h the same for
-    the blur, or, where `widen` is not 0, for the half width. `noise` is one pixel's, the scale of
-    the robust weights; `half_width`, `used`, `widen` and `face` are (cells,).
+    sum h res, sum h^2, mean intensity. g is the derivative of a pixel with respect to a shift,
+    what b, a and c could imitate projected out; h the same for the blur, or, where `widen` is not
+    0, for the half width. `noise` is one pixel's, the scale of the robust weights; `half_width`,
+    `used`, `widen` and `face` are (cells,).
     """
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))
-    basis = np.zeros((pixels, 4))
-    basis[:, 0] = 1.0
+    basis = np.empty((pixels, 2))
     right[:, 0] = value
-    basis[:, 1] = distance
-    basis[:, 2], right[:, 1], right[:, 2] = _templates(distance, first, half_width, blur, widen)
-    size = 4 if np.any(face != 0) else 3
-    if size == 4:
-        basis[:, 3] = _faces(distance, first, half_width, blur, face)
-    low, solved = np.zeros((4, 4)), np.zeros((3, 4))
+    basis[:, 0] = distance
+    basis[:, 1], right[:, 1], right[:, 2] = _templates(
+        distance, first, half_width, blur, widen, face, face_share
+    )
+    low, solved = np.zeros((3, 3)), np.zeros((3, 3))
     weight = np.ones(pixels)
-    out = np.zeros((cells, 11))
+    out = np.zeros((cells, 10))
     for turn in range(rounds):
-        sums = np.zeros((cells, 22))
+        sums = np.zeros((cells, 15))
         for i in range(cells):
             if used[i] > 0:
-                _gather(sums[i], first[i], first[i + 1], size, basis, weight, right)
+                _gather(sums[i], first[i], first[i + 1], basis, weight, right)
         total = window_sums(sums, window)
         for i in range(cells):
-            _solve(total[i], size, low, solved)
-            b0, b1, c, b3 = solved[0]
-            g0, g1, g2, g3 = solved[1]
-            h0, h1, h2, h3 = solved[2]
+            _solve(total[i], low, solved)
+            b0, b1, c = solved[0]
+            g0, g1, g2 = solved[1]
+            h0, h1, h2 = solved[2]
             for q in range(first[i], first[i + 1]):
-                d, t, e = basis[q, 1], basis[q, 2], basis[q, 3]
-                miss = right[q, 0] - (b0 + b1 * d + c * t + b3 * e)
+                d, t = basis[q, 0], basis[q, 1]
+                miss = right[q, 0] - (b0 + b1 * d + c * t)
                 if turn < rounds - 1:
                     # Tukey's weights: an outlier beyond 4.7 sigma counts for nothing
                     ratio = miss / (4.7 * noise)
                     weight[q] = (1.0 - ratio * ratio) ** 2 if abs(ratio) < 1.0 else 0.0
                     continue
-                g = right[q, 1] - (g0 + g1 * d + g2 * t + g3 * e)
-                h = right[q, 2] - (h0 + h1 * d + h2 * t + h3 * e)
+                g = right[q, 1] - (g0 + g1 * d + g2 * t)
+                h = right[q, 2] - (h0 + h1 * d + h2 * t)
                 w = weight[q]
                 out[i, 3] += w * c * c * g * g
                 out[i, 4] -= w * c * g * miss
@@ -276,7 +284,7 @@ def measure(
                 out[i, 7] += w * c * h * miss
                 out[i, 8] += w * c * c * h * h
                 out[i, 9] += value[q] / (first[i + 1] - first[i])
-            out[i, 0], out[i, 1], out[i, 2], out[i, 10] = c, b0, b1, b3
+            out[i, 0], out[i, 1], out[i, 2] = c, b0, b1
     return out
 
 

@@ -12,6 +12,8 @@ FloatArray = npt.NDArray[np.float64]
 
 PIECES = 6
 STRONGER = 1.3
+STEP = 0.8  # of the contrast, from one side to the other
+FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside it does not reach
 
 
 def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
@@ -57,3 +59,24 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
         opposite = float((-setting.sign * (profile - ground)).max())
         votes += opposite > STRONGER * own
     return votes >= PIECES // 2
+
+
+def is_an_edge(fit: Fit, setting: Setting) -> bool:
+    """Whether one side of the curve is as bright as the curve itself: the edge of something wide.
+
+    The far face of a silhouette is that too, but not as wide.
+    """
+    if not fit.used.any():
+        return False
+    face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
+    near = float(fit.band.half_width.max()) + 2.5 * fit.band.blur + face
+    across = near + np.linspace(*FAR_PX, 4)
+    strip = straightened(fit, setting, np.concatenate([-across, across]))
+    own = float(np.median(np.abs(fit.contrast[fit.used])))
+    votes = 0
+    for piece in np.array_split(np.arange(len(strip)), PIECES):
+        rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
+        if len(rows) >= 4:
+            below, above = (float(np.median(side)) for side in np.array_split(rows, 2, axis=1))
+            votes += int(abs(above - below) > STEP * own)
+    return votes > PIECES // 2

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labrig.vision.beside import runs_beside_opposite
+from labrig.vision.beside import is_an_edge, runs_beside_opposite
+from labrig.vision.beyond import seen_beyond_px
 from labrig.vision.ends import Tip, missing_end_px
 from labrig.vision.fit import Fit
 from labrig.vision.setting import Setting
@@ -15,7 +16,6 @@ from labrig.vision.trace import MOST_CURVATURE_PER_M
 LEAST_COVERED = 0.6
 LEAST_START_COVERED = 0.4
 LEAST_SNR = 2.0
-STRONGEST_FACE = 0.8
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
 
@@ -70,8 +70,9 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
     offset, angle = shape.parameters[0], shape.parameters[1]
-    tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
     allowed = max(6.0, 0.03 * shape.basis.total_px)
+    tip = _further(tip, fit, setting, allowed)
+    tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
@@ -101,7 +102,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
-        if _is_an_edge(fit, setting)
+        if is_an_edge(fit, setting)
         else "",
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."
@@ -115,16 +116,12 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     ]
 
 
-def _is_an_edge(fit: Fit, setting: Setting) -> bool:
-    """Whether the face beside the band is nearly as strong as the band, or the band a mere blur."""
-    faced = fit.used & (fit.band.face != 0)
-    if faced.sum() < 20:
-        return False
-    face = setting.sign * fit.cells[faced, 10]
-    ratio = float(np.median(face)) / max(float(np.median(setting.sign * fit.contrast[faced])), 1e-9)
-    return ratio > STRONGEST_FACE or fit.band.blur > max(
-        2.3, 1.2 * 2 * float(fit.band.half_width[0])
-    )
+def _further(tip: Tip, fit: Fit, setting: Setting, allowed: float) -> Tip:
+    """The end as it is seen, or that the sheet goes on far beyond where it should end."""
+    if tip.at_least or (tip.beyond_px is not None and abs(tip.beyond_px) > allowed):
+        return tip
+    beyond = seen_beyond_px(fit, setting)
+    return Tip(beyond, at_least=True) if beyond > allowed else tip
 
 
 def _shows(fit: Fit, setting: Setting, start: int) -> bool:

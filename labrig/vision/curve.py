@@ -85,6 +85,7 @@ class NeutralCurve:
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
+    face_share: float = 0.0  # its grey over the edge's
     smoothness_per_m3: float = 0.0  # q of the prior int (dk/ds)^2 ds / q, as the picture chose it
 
     def as_curve(self) -> Curve:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from labrig.vision.check import Verdict, judge
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.ends import Tip, find_tip
-from labrig.vision.face import with_face
+from labrig.vision.face import find_face
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
@@ -20,7 +20,7 @@ from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
-from labrig.vision.width import excess_width_px, something_lies_along
+from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,6 +28,8 @@ WELL_COVERED = 0.95
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
 LONGEST_STEP_M = 0.45e-3  # between the points of a curve
+MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
+FACE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
 
@@ -84,13 +86,11 @@ def neutral_curve(
             why="two sheets leave the clamp side by side, and nothing tells which is meant; take "
             "one away, or mask it in the picture.",
         )
-    excess = None if best.verdict.why else excess_width_px(best.fit, best.setting)
-    if excess is not None and something_lies_along(excess, best.fit):
-        return NeutralCurve(
-            ok=False,
-            why="something lies along the sheet and cannot be told from it, such as a wire; "
-            "take it away, or mask it in the picture.",
-        )
+    if best.verdict.why:
+        return report(best.fit, best.setting, best.verdict)
+    excess = excess_width_px(best.fit, best.setting)
+    if something_lies_along(excess, best.fit):
+        return job.bridged(best, excess)
     return report(best.fit, best.setting, best.verdict, excess)
 
 
@@ -135,7 +135,7 @@ class _Job:
         shape = self._shape_of(start)
         beyond = self._beyond()
         half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
-        band = Band(half, start.blur_px, beyond, start.face_px[1:].copy())
+        band = Band(half, start.blur_px, beyond, start.face_px[1:].copy(), start.face_share)
         found = None
         for reaches in ((), (6, 4)):  # a fast move must be caught by ridge points first
             near = fit_points(shape, setting, half_width=half[-1], reaches=reaches)
@@ -215,6 +215,28 @@ class _Job:
         apart = _distance(second, nodes).max()
         return second.confirmed and second.verdict.covered > 0.8 and bool(apart > 4)
 
+    def bridged(self, found: Candidate, excess: FloatArray) -> NeutralCurve:
+        """The curve without the cells where something lies along the sheet.
+
+        A refusal where the rest does not say to about a pixel where the sheet is.
+        """
+        band = replace(found.fit.band, spoilt=spoilt_cells(excess))
+        setting = replace(found.setting, spectral=found.fit.spectral)
+        fit = fit_intensities(found.fit.shape, setting, band)
+        again = self._judged(fit, found.setting)
+        if not again.verdict.why:
+            excess = excess_width_px(fit, found.setting)
+            curve = report(fit, found.setting, again.verdict, excess)
+            loose = curve.sigma_m.max() * self.optics.px_per_m > MOST_BRIDGED_SIGMA_PX
+            if not loose and not something_lies_along(excess, fit):
+                said = "something lies along the sheet, such as a wire; it was left out there"
+                return replace(curve, warnings=(*curve.warnings, said))
+        return NeutralCurve(
+            ok=False,
+            why="something lies along the sheet and cannot be told from it, such as a wire; "
+            "take it away, or mask it in the picture.",
+        )
+
     def _rivals(
         self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float
     ) -> list[Candidate]:
@@ -256,12 +278,22 @@ class _Job:
             again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
             other = self._judged(fit_intensities(again, setting, best.fit.band), setting)
             best = max(best, other, key=lambda c: c.verdict.worth)
-        for _ in range(2):  # the curve moves when the face is taken off, and the face with it
-            faced = with_face(best.fit, setting, hint_only=not best.fit.band.face.any())
-            if faced is None or best.verdict.covered < 0.5:
+        return self._anchored(self._faced(best))
+
+    def _faced(self, found: Candidate) -> Candidate:
+        """The curve with the far face taken off, where one is seen."""
+        face = None
+        for _ in range(FACE_ROUNDS):  # the curve moves when the face is taken off, the face with it
+            if found.verdict.covered < 0.5:
                 break
-            best = self._judged(fit_intensities(best.fit.shape, setting, faced), setting)
-        return self._anchored(best)
+            face = find_face(found.fit, found.setting, face)
+            if face is None:
+                break
+            band = face.on(found.fit.band, found.fit.shape)
+            found = self._judged(
+                fit_intensities(found.fit.shape, found.setting, band), found.setting
+            )
+        return found
 
     def _judged(self, fit: Fit, setting: Setting) -> Candidate:
         tip = find_tip(fit, setting)

@@ -1,62 +1,161 @@
-"""The far face: an 11 mm wide sheet seen a little from the side shows a grey stripe at its edge.
+"""The far face: a sheet is wide across the picture's plane, and its far edge looks smaller.
 
-Taken for a part of the edge it would pull the curve to its side; so where the pixels want a
-plateau on one side of the band, the band gets one.
+So beside its near edge a stripe of its face shows, towards the point where lines square to the
+sheet's plane meet: its width is known along the whole sheet from two numbers. Taken for a part of
+the edge the stripe would pull the curve to its side by up to half its width. Lit from the front it
+is grey; in a silhouette it is as dark as the edge, and only its geometry tells the two apart.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit import Fit
 from labrig.vision.setting import Band, Setting, look
+from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
 
-WIDTHS_PX = (1.5, 3.0, 5.0, 8.0)
-LEAST_GAIN = 25.0  # twice a log-likelihood, over a window: what a plateau must explain
-LEAST_SHARE = 0.08
-SMOOTH_CELLS = 16
+DEPTHS = (0.012, 0.025)  # to begin with: the sheet's width over the far edge's distance
+SHARE = 0.5  # and the face's grey over the edge's
+MOST_DEPTH, MOST_SHARE = 0.12, 1.0
+LEAST_FACE_SHARE = 0.02
+MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
+MOST_FACE_PX = 24.0
+CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
+LIKELY_GAIN = 12.0  # twice a log-likelihood: what a rough guess must explain to be refined
+LEAST_GAIN = 30.0  # and the likeliest face
+LEAST_COMMON_GAIN = 5.0
+COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
+COMMON_SHARE = 0.08
+PIECE_CELLS = 24
+EVALUATIONS = 110
+LEAST_BLUR_PX = 0.5
 
 
-def with_face(fit: Fit, setting: Setting, *, hint_only: bool = True) -> Band | None:
-    """The fit's band with the far face where one is seen; None when there is none.
+@dataclass(frozen=True)
+class Face:
+    """How the far face shows; lengths in pixels of the sheet's plane."""
 
-    `hint_only`: try one width first, and the others only when it explains something.
+    depth: float
+    share: float
+    centre: tuple[float, float]
+    blur: float  # of the edges, which is less when the face is not taken for blur
+
+    def widths(self, shape: Shape) -> FloatArray:
+        """(cells,) visible width, to the side of its sign."""
+        x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
+        phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
+        towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
+        return np.asarray(np.clip(self.depth * towards, -MOST_FACE_PX, MOST_FACE_PX))
+
+    def on(self, band: Band, shape: Shape) -> Band:
+        """A band with this face."""
+        return replace(band, face=self.widths(shape), face_share=self.share, blur=self.blur)
+
+
+def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | None:
+    """The far face beside a fitted curve; None where a band alone explains as much.
+
+    `known`: a face from which to start, of the curve before it was fitted again.
     """
-    plain = _cost(fit, setting, 0.0) if fit.band.face.any() else _total(fit, fit.cells)
-    hints = [_cost(fit, setting, width) for width in (4.0, -4.0)]
-    if hint_only and np.mean(plain - np.minimum(*hints) > LEAST_GAIN) < LEAST_SHARE:
-        return None
-    widths = np.array([0.0, *WIDTHS_PX, *(-w for w in WIDTHS_PX)])
-    costs = np.array([plain] + [_cost(fit, setting, w) for w in widths[1:]])
-    costs[0] -= LEAST_GAIN  # without a face unless it explains enough
-    best = widths[np.argmin(costs, axis=0)]
-    if np.mean(best != 0) < LEAST_SHARE:
-        return None
-    return replace(fit.band, face=_steady(best))
+    search = _Search(fit, setting)
+    if known is None:
+        known = search.first()
+    return None if known is None else search.refined(known)
 
 
-def _cost(fit: Fit, setting: Setting, width: float) -> FloatArray:
-    """(cells,) the squared residuals around each cell with a face of one width everywhere."""
-    face = np.full(len(fit.used), width)
-    cells, _ = look(fit.shape, setting, replace(fit.band, face=face), fit.noise, fit.used)
-    return _total(fit, cells)
+class _Search:
+    """What a face would explain of the picture, the curve's own displacement taken off."""
 
+    def __init__(self, fit: Fit, setting: Setting) -> None:
+        self.fit, self.setting = fit, setting
+        rows, columns = setting.picture.grey.shape
+        optics = setting.optics
+        away = optics.vanishing_px((columns, rows))
+        self.centre = optics.undistorted_to_world([away])[0] * optics.px_per_m
+        self.spread = CENTRE_SIGMA * columns
+        self.silhouette = optics.look == "silhouette"
+        self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
+        self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
+        self.reach = self.plain.reach + 6.0
+        self.nothing = self.costs(None)
 
-def _total(fit: Fit, cells: FloatArray) -> FloatArray:
-    # what the robust weights leave out must cost, or a band that fits nothing would win
-    lost = np.maximum(0.0, fit.cells[:, 6] + 2 - cells[:, 6]) * 3
-    single = np.where(fit.used, cells[:, 5] / fit.noise**2 + lost, 0.0)
-    return np.convolve(single, np.ones(2 * SMOOTH_CELLS + 1), mode="same")
+    def first(self) -> Face | None:
+        """The best of a few guesses, if it explains enough."""
+        share = 1.0 if self.silhouette else SHARE
+        centre = (float(self.centre[0]), float(self.centre[1]))
+        guesses = [self._sharper(Face(depth, share, centre, 1.0)) for depth in DEPTHS]
+        best = min(guesses, key=self._total)
+        return best if float((self.nothing - self.costs(best)).sum()) > LIKELY_GAIN else None
 
+    def _sharper(self, face: Face) -> Face:
+        """The same with the blur that is left when the face explains a part of it."""
+        band = self.plain
+        thick, wide = 2 * band.half_width, np.abs(face.widths(self.fit.shape))
+        grey = face.share * wide
+        # second moment of band and face together, less the band's own
+        spread = grey * wide**2 / 12 + thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
+        more = float(np.mean(spread / (thick + grey)))
+        return replace(face, blur=float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2))))
 
-def _steady(widths: FloatArray) -> FloatArray:
-    """A face comes and goes slowly along the sheet."""
-    half = SMOOTH_CELLS
-    padded = np.pad(widths, half, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1)
-    return np.asarray(np.median(windows, axis=1))
+    def refined(self, face: Face) -> Face | None:
+        """The likeliest face, from a guess."""
+        from scipy.optimize import minimize
+
+        start = np.array([np.log(face.depth), face.share, 0.0, 0.0, np.log(face.blur)])
+        start[2:4] = (np.array(face.centre) - self.centre) / self.spread
+        simplex = start + np.vstack([np.zeros(5), np.diag([0.3, -0.15, 0.4, 0.4, 0.15])])
+        best = minimize(
+            lambda p: self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + self._outside(p),
+            start,
+            method="Nelder-Mead",
+            options={
+                "initial_simplex": simplex,
+                "maxfev": EVALUATIONS,
+                "xatol": 1e-3,
+                "fatol": 0.1,
+            },
+        )
+        found = self._face(best.x)
+        return found if self._enough(found) else None
+
+    def _face(self, p: FloatArray) -> Face:
+        x, y = self.centre + self.spread * p[2:4]
+        blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
+        share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_FACE_SHARE, self.most_share))
+        return Face(
+            float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH)), share, (float(x), float(y)), blur
+        )
+
+    def _outside(self, p: FloatArray) -> float:
+        """What lies outside of the bounds is no better than the bound."""
+        return 100.0 * float(max(0.0, p[1] - self.most_share) + max(0.0, 0.02 - p[1]))
+
+    def _enough(self, face: Face) -> bool:
+        """Whether it explains enough, and nearly everywhere: a wire lies beside a part only."""
+        gains = np.sort(self.nothing - self.costs(face))
+        common = float(gains[: round(COMMON * len(gains))].sum())
+        total = float(gains.sum())
+        return total > LEAST_GAIN and common > max(LEAST_COMMON_GAIN, COMMON_SHARE * total)
+
+    def _total(self, face: Face) -> float:
+        return float(self.costs(face).sum())
+
+    def costs(self, face: Face | None) -> FloatArray:
+        """(pieces,) squared residuals over the noise's, each piece displaced as it likes."""
+        fit = self.fit
+        band = self.plain if face is None else face.on(self.plain, fit.shape)
+        # weights that forgive little would count a missing face as an outlier
+        cells, _ = look(fit.shape, self.setting, band, 3 * fit.noise, fit.used, reach=self.reach)
+        cells = np.where(fit.used[:, None], cells, 0.0)
+        pieces = np.arange(0, len(cells), PIECE_CELLS)
+        information, pull, misfit = (
+            np.add.reduceat(cells[:, column], pieces) for column in (3, 4, 5)
+        )
+        left = misfit - pull**2 / np.maximum(information, 1e-9)
+        return np.asarray(np.maximum(left, 0.0) / fit.noise**2)

@@ -242,6 +242,8 @@ def usable_cells(
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
     there = present > 0.6
+    if band.spoilt is not None:
+        there &= ~band.spoilt
     edge = round(2.5 * band.blur) + 1
     there[:edge] = False  # the clamp's blurred edge
     there[-edge:] = False  # and the sheet's own end

@@ -56,6 +56,11 @@ class Optics(Closed):
     polarity: Literal["auto", "bright", "dark"] = Field(
         "auto", description="bright: the sheet is brighter than the background"
     )
+    look: Literal["auto", "lit_edge", "silhouette"] = Field(
+        "auto",
+        description="what shows of the sheet beside its near edge: lit_edge, its face is darker; "
+        "silhouette, its face is as dark (or bright) as the edge",
+    )
     bits: int = Field(8, ge=8, le=16)
     rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")
     method: str | None = Field(None, description="how it was calibrated")
@@ -129,16 +134,36 @@ class Optics(Closed):
 
     def pixel_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
         """Raw pixels (n, 2) -> world points (n, 2) in m."""
-        if self.homography is not None:
-            back = np.linalg.inv(np.array(self.homography))
-            return _project(back, self.undistorted(pixels)) / 1000
-        ideal = self.undistorted(pixels) - self.origin_undistorted_px
-        return (ideal @ self._rotation()) / (self.px_per_m, -self.px_per_m)
+        return self.undistorted_to_world(self.undistorted(pixels))
 
     def clamp_m(self) -> FloatArray:
         """Where the sheet leaves the clamp, world, shape (2,)."""
         where: FloatArray = self.pixel_to_world([self.clamp_px])[0]
         return where
+
+    def vanishing_px(self, size: tuple[int, int]) -> FloatArray:
+        """Where lines square to the sheet's plane meet, an undistorted pixel, shape (2,).
+
+        `size`: columns and rows of the picture, whose middle it is where nothing else is known.
+        """
+        if self.camera_matrix is None:
+            return np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
+        camera = np.array(self.camera_matrix)
+        if self.homography is None:
+            return np.asarray(camera[:2, 2], dtype=np.float64)
+        axes = np.linalg.solve(camera, np.array(self.homography))
+        square = np.cross(axes[:, 0], axes[:, 1])
+        there = camera @ square
+        return np.asarray(there[:2] / there[2], dtype=np.float64)
+
+    def undistorted_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
+        """Pixels of an ideal lens (n, 2) -> world points (n, 2) in m."""
+        ideal = np.asarray(pixels, dtype=float).reshape(-1, 2)
+        if self.homography is not None:
+            back = np.linalg.inv(np.array(self.homography))
+            return _project(back, ideal) / 1000
+        turned = (ideal - self.origin_undistorted_px) @ self._rotation()
+        return np.asarray(turned / (self.px_per_m, -self.px_per_m))
 
     def _rotation(self) -> FloatArray:
         c, s = math.cos(self.roll_rad), math.sin(self.roll_rad)

@@ -13,6 +13,7 @@ from labrig.vision.setting import Setting
 FloatArray = npt.NDArray[np.float64]
 
 LOOK_SIGMA_PX = 0.004
+FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
 
 
@@ -47,6 +48,13 @@ def report(
             "seen with its edge, and the curve may be off by half of that"
         )
         warnings = (*warnings, said)
+    face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
+    if face * fit.band.face_share > LEAST_EXCESS_PX:
+        said = (
+            f"the sheet's far face shows beside its edge, up to {face:.1f} pixels wide and "
+            f"{fit.band.face_share:.0%} as strong; it was told from the edge and left out"
+        )
+        warnings = (*warnings, said)
     contrast = float(np.median(np.abs(fit.contrast[fit.used])))
     noise_m = _spread(modes, covariance) / ppm
     return NeutralCurve(
@@ -77,6 +85,7 @@ def report(
         if fit.band.elongation.any()
         else 0.0,
         face_px=np.append(fit.band.face, fit.band.face[-1]),
+        face_share=fit.band.face_share,
         smoothness_per_m3=fit.spectral * ppm**3,
     )
 
@@ -96,7 +105,8 @@ def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
     stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
     turn = (x * cosine + y * sine) * optics.roll_sigma_rad
     shift = optics.origin_sigma_px / optics.px_per_m
-    look = LOOK_SIGMA_PX / optics.px_per_m
+    face = np.append(fit.band.face, fit.band.face[-1]) * fit.band.face_share * FACE_SIGMA
+    look = np.hypot(LOOK_SIGMA_PX, face) / optics.px_per_m
     return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 

@@ -44,11 +44,14 @@ class Band:
     blur: float
     elongation: BoolArray  # (cells,): beyond the free length, where the width is not known
     face: FloatArray  # (cells,): visible width of the far face, to the side of its sign; 0: none
+    face_share: float = 0.0  # its grey over the band's
+    spoilt: BoolArray | None = None  # (cells,): where something lies along the sheet
 
     @property
     def reach(self) -> float:
         """How far beside the curve pixels are of use."""
-        return float(self.half_width.max()) + 3 * self.blur + 2.5
+        face = float(np.abs(self.face).max()) if self.face_share > 0 else 0.0
+        return float(self.half_width.max()) + face + 3 * self.blur + 2.5
 
     def retuned(self, blur: float, elongation_half_width: float) -> Band:
         """With another look."""
@@ -68,11 +71,21 @@ def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
 
 
 def look(
-    shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray
+    shape: Shape,
+    setting: Setting,
+    band: Band,
+    noise: float,
+    used: BoolArray,
+    *,
+    reach: float | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Measure the band along a curve: band.measure's table, and the share of pixels there."""
+    """Measure the band along a curve: band.measure's table, and the share of pixels there.
+
+    `reach`: how far beside the curve; the band's own by default.
+    """
     from labrig.vision.band import collect, measure
 
+    reach = band.reach if reach is None else reach
     nodes = setting.nodes_px(shape)
     value, distance, first = collect(
         setting.picture.grey,
@@ -83,7 +96,7 @@ def look(
         shape.y,
         shape.phi,
         shape.k,
-        band.reach,
+        reach,
         0.9,
         setting.mask,
     )
@@ -99,5 +112,6 @@ def look(
         used.astype(float),
         band.elongation.astype(float),
         band.face,
+        band.face_share,
     )
-    return cells, np.diff(first) / (2 * band.reach * shape.basis.step_px)
+    return cells, np.diff(first) / (2 * reach * shape.basis.step_px)

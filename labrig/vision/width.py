@@ -16,6 +16,7 @@ from labrig.vision.picture import SMOOTHING_PX
 from labrig.vision.setting import Band, Setting, look
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 SMOOTH_NODES = 12
 TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about this
@@ -23,6 +24,7 @@ SUSPICIOUS_BLUR_PX = 1.5
 EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
 MOST_LOCAL_EXCESS_PX = 3.5
+SPOILT_PX = 1.0
 
 
 def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
@@ -32,8 +34,8 @@ def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
     reach = np.full(len(half), round(2 * float(half.max()) + 10))
     offset, _, width = ridge_points(fit.shape, setting, reach)
     blur = float(np.hypot(blur, SMOOTHING_PX))
-    expected = np.array([_visible_width(h, blur) for h in np.unique(half)])
-    usual = expected[np.searchsorted(np.unique(half), half)]
+    usual = _visible_widths(fit.band, blur)
+    usual = np.append(usual, usual[-1])
     good = np.isfinite(width) & (np.abs(offset) < width) & np.append(fit.used, fit.used[-1])
     excess = np.where(good, width - usual, 0.0)
     padded = np.pad(excess, SMOOTH_NODES, mode="edge")
@@ -46,6 +48,12 @@ def something_lies_along(excess_px: FloatArray, fit: Fit) -> bool:
     thickness = 2 * float(fit.band.half_width[0])
     much = max(MOST_LOCAL_EXCESS_PX, 1.2 * thickness)
     return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
+
+
+def spoilt_cells(excess_px: FloatArray) -> BoolArray:
+    """(cells,) where something lies along the sheet, with what it may have pulled beside."""
+    wide = (excess_px[1:] > SPOILT_PX) | (excess_px[:-1] > SPOILT_PX)
+    return np.convolve(wide, np.ones(2 * SMOOTH_NODES + 1), mode="same") > 0.5
 
 
 def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:
@@ -73,10 +81,18 @@ def _misfit(fit: Fit, setting: Setting, band: Band) -> float:
     return float(cells[fit.used & ~band.elongation, 5].sum()) / fit.noise**2
 
 
-def _visible_width(half_width: float, blur: float) -> float:
-    """Full width at half height of a blurred band."""
-    from labrig.vision.band import template
+def _visible_widths(band: Band, blur: float) -> FloatArray:
+    """(cells,) full width at half height of a blurred band with its face."""
+    look = np.round(np.stack([band.half_width, np.abs(band.face) * (band.face_share > 0)]), 1)
+    kinds, which = np.unique(look, axis=1, return_inverse=True)
+    widths = [_visible_width(half, face, band.face_share, blur) for half, face in kinds.T]
+    return np.asarray(widths)[which.ravel()]
 
-    d = np.linspace(0, half_width + 4 * blur, 400)
-    profile = np.array([template(x, half_width, blur)[0] for x in d])
-    return 2 * float(d[np.argmax(profile < 0.5 * profile[0])])
+
+def _visible_width(half: float, face: float, share: float, blur: float) -> float:
+    from scipy.special import ndtr
+
+    d = np.arange(-half - 4 * blur, half + face + 4 * blur, 0.05)
+    profile = ndtr((d + half) / blur) - ndtr((d - half) / blur)
+    profile += share * (ndtr((d - half) / blur) - ndtr((d - half - face) / blur))
+    return 0.05 * float(np.count_nonzero(profile > 0.5 * profile.max()))

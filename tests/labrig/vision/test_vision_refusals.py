@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,10 +110,26 @@ def test_geometry_that_cannot_be():
             StripGeometry(*arguments)
 
 
+@pytest.mark.parametrize("factor", [0.85, 0.92, 0.95, 1.05, 1.08, 1.15])
+@pytest.mark.parametrize("seed", [810_000, 810_018, 810_023])
+def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
+    """Scenes whose true end lies far beyond the stated one, under a roll, or in much noise."""
+    scene = scenes.make_scene(scenes.mixed(seed))
+    optics, strip = known(scene)
+    assert neutral_curve(scene.image, optics, strip).ok
+    other = optics.model_copy(update={"px_per_mm": optics.px_per_mm * factor})
+    assert not neutral_curve(scene.image, other, strip).ok
+
+
+@pytest.mark.parametrize("seed", [700_047, 700_052])
+def test_a_line_that_happens_to_leave_the_clamp_goes_on_too_long(scenes, known, seed):
+    recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=3 + seed % 17)
+    scene = scenes.make_scene(recipe)
+    refused(scene.image, *known(scene), "ends at least")
+
+
 @pytest.mark.slow
 def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
-    from dataclasses import replace
-
     for seed in range(2000, 2030):
         recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=(seed % 3) * 8)
         scene = scenes.make_scene(recipe)
