@@ -104,6 +104,7 @@ class Control:
                 "holder": None if holder is None else holder.client,
                 "name": None if holder is None else holder.name,
                 "since": None if holder is None else holder.since,
+                "here": holder is not None and holder.client in self._clients,
                 "clients": len(self._clients),
             }
 

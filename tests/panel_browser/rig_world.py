@@ -72,6 +72,7 @@ def enter(visit: Any, world: RigWorld, page: str = "run", **more: Any) -> Any:
     found = visit(world.server.address, bypass_csp=True, **more)  # Playwright waits by eval
     found.wait_for_function("window.labrig?.welcomed")
     found.goto(world.url(page))
+    found.wait_for_selector(f"main.page-{page.partition('?')[0]}")
     return found
 
 
@@ -80,7 +81,7 @@ def start(page: Any, world: RigWorld, protocol: str, session: str) -> None:
     job = page.evaluate(
         """async ([protocol, session]) => {
           const net = await import("/static/js/net.js");
-          await labrig.control.take(true);
+          await labrig.control.take(!labrig.control.free);
           const body = { protocol, sheet: "sheet.toml", session, clock: "real" };
           return (await net.post("/api/run", body)).id;
         }""",

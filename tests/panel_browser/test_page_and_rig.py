@@ -129,7 +129,7 @@ def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     # a reload keeps control, a second browser watches
     first.wait_for_function("labrig.control.mine")
     assert not second.evaluate("labrig.control.mine")
-    second.wait_for_function("labrig.page.view.picture.shown > 3 && labrig.job.signals.count > 200")
+    second.wait_for_function("labrig.page?.view.picture.shown > 3 && labrig.job.signals.count > 200")
     force = "[...labrig.job.runs.get(0).readings.values()].slice(0, 6).map((r) => r.force_mN)"
     assert first.evaluate(force) == second.evaluate(force)
     assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
@@ -170,7 +170,7 @@ def test_a_reading_marked_on_the_page_stands_in_the_session(world, visit):
         readings = session.runs[0].readings
         second = readings[readings["index"] == 1][0]
     assert not second["valid"]
-    assert b"something touched the rig" in second["why"]
+    assert "something touched the rig" in second["why"]
 
 
 def test_every_page_keeps_to_the_content_security_policy(world, visit):
@@ -198,3 +198,34 @@ def test_stop_reaches_a_run_from_a_page_whose_scripts_are_switched_off(world, vi
     page.wait_for_function("labrig.job.ended !== null")
     assert world.gone_s(before_s) < 1.0  # a click is found, scrolled to and aimed at first
     assert page.evaluate("labrig.job.ended.outcome") == "aborted"
+
+
+def test_the_load_cell_is_calibrated_from_the_page(world, visit):
+    page = enter(visit, world, "load-cell")
+    page.get_by_label("loads").fill("0, 9.81, 49, 9.81, 0")
+    page.click("text=Begin")
+    answer_until(page, "labrig.job.weighing?.finished === true")
+    page.locator(".step[data-step='now']").filter(has_text="Look at the residuals").wait_for()
+    assert page.locator(".plot-point").count() == 5
+    weighing = page.evaluate("labrig.job.weighing")
+    assert [round(point["load_mN"], 2) for point in weighing["points"]] == [0, 9.81, 49, 9.81, 0]
+    assert max(abs(point["off_mN"]) for point in weighing["points"]) < 0.2
+    old = (world.folder / "load_cell.toml").read_text()
+    page.click("text=Accept and write load_cell.toml")
+    page.locator(".good").filter(has_text="load_cell.toml is written; the old one is kept as").wait_for()
+    assert (world.folder / "load_cell.toml").read_text() != old
+    assert "V/N" in text_of(page, ".facts-big")
+
+
+def test_the_camera_is_calibrated_by_pointing(world, visit):
+    page = enter(visit, world, "camera")
+    page.click("text=Start the camera")
+    page.wait_for_function("labrig.page.pointing.picture.shown > 2")
+    shot(page, "/tmp/p2/cam.png")
+
+
+def shot(page, name):
+    page.screenshot(path=name)
+    import base64
+    data = page.evaluate("(() => { const c = document.createElement('canvas'); const b = labrig.page.pointing.picture.bitmap; c.width = b.width; c.height = b.height; c.getContext('2d').drawImage(b, 0, 0); return c.toDataURL('image/png'); })()")
+    open(name.replace(".png", "-raw.png"), "wb").write(base64.b64decode(data.split(",")[1]))

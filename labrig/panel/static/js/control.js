@@ -23,15 +23,20 @@ export class Control {
     return this.client !== null && this.state.holder === this.client;
   }
 
-  /** Why this page may not act; empty when it may (nobody's control is taken by acting). */
+  /** Whether control is to be had: nobody holds it, or whoever does has gone. */
+  get free() {
+    return !this.state.holder || this.state.here === false;
+  }
+
+  /** Why this page may not act; empty when it may (control that is free is taken by acting). */
   why() {
-    if (this.mine || !this.state.holder) return "";
+    if (this.mine || this.free) return "";
     return `${this.state.name || "Somebody else"} holds control; this page watches. Take control to act.`;
   }
 
   /** Act as the holder: takes control first where nobody has it. */
   async act(work) {
-    if (!this.state.holder) await this.take();
+    if (!this.mine && this.free) await this.take();
     return work();
   }
 
@@ -60,17 +65,17 @@ export function controlView(control, place, fault) {
     try {
       control.rename(field.value);
       if (control.mine) await control.release();
-      else await control.take(Boolean(control.state.holder));
+      else await control.take(!control.free);
     } catch (error) {
       fault(error.message);
     }
   };
   const show = () => {
-    const { holder, name, clients } = control.state;
+    const { name, clients } = control.state;
     const pages = clients > 1 ? ` \u00B7 ${clients} pages` : "";
-    held.textContent = `Control: ${control.mine ? `you (${name || "operator"})` : holder ? name || "somebody else" : "nobody"}${pages}`;
+    held.textContent = `Control: ${control.mine ? `you (${name || "operator"})` : control.free ? "nobody" : name || "somebody else"}${pages}`;
     held.dataset.mine = control.mine;
-    button.textContent = control.mine ? "Release" : holder ? "Take over" : "Take control";
+    button.textContent = control.mine ? "Release" : !control.free ? "Take over" : "Take control";
     field.hidden = control.mine;
   };
   put(place, held, h("label", { for: id, class: "visually-hidden" }, "your name"), field, button);
