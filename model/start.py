@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from model.beam import Status
@@ -9,7 +11,7 @@ from model.field import Field
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.observations import Observed
 from model.options import FitOptions
-from model.paper import loaded
+from model.paper import Sample, loaded
 from model.smooth import smooth
 from model.system import Layout, System
 
@@ -95,11 +97,7 @@ def first_guess(system: System) -> FloatArray:
     """Rough parameters. With curves: (2) of every condition is linear in 1/B and Me/B."""
     observed, layout = system.observed, system.layout
     theta = np.zeros(layout.size)
-    samples = [
-        loaded(observed, o, system.rest, 1.0)
-        for o in observed.touching()
-        if o.curve is not None and np.isfinite(o.force_N)
-    ]
+    samples = _samples(system)
     if len(samples) < 2 + len(layout.groups):
         return _from_forces(system, theta)
     A = np.zeros((len(samples), layout.size))
@@ -116,6 +114,16 @@ def first_guess(system: System) -> FloatArray:
         raise _wrong_sign(observed)
     theta[0] = -np.log(theta[0]) - 6.0 * np.log(10.0)
     return theta
+
+
+def _samples(system: System) -> list[Sample]:
+    """Conditions whose curve is a smooth one; the others need not stop a rough guess."""
+    result = []
+    for o in system.observed.touching():
+        if o.curve is not None and np.isfinite(o.force_N):
+            with suppress(ModelError):
+                result.append(loaded(system.observed, o, system.rest, 1.0))
+    return result
 
 
 def _from_forces(system: System, theta: FloatArray) -> FloatArray:

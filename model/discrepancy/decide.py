@@ -15,7 +15,7 @@ from model.effects.interface import Effect
 
 TEMPER = 1.6  # evidence is not worth quite what it says: forms differ in ways nobody thought of
 SURE = 0.02  # posterior below which an alternative is not mentioned
-LEFT = 0.10  # share of the excess that may be left to a catalogue that is right
+LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
 SLOT_MARGIN = 6.0  # ln of the Bayes factor by which a free form must be better than a name
 CLASS_PRIOR = -3.0  # ln of the prior of a free form against a name's
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy import gaps
-from model.discrepancy.decide import LEFT, SLOT_MARGIN, Choice, choices, leftover
+from model.discrepancy.decide import LEFT, SLOT_MARGIN, Choice, Leftover, choices, leftover
 from model.discrepancy.linear import ASSUMED
 from model.discrepancy.menu import next_measurement as from_menu
 from model.discrepancy.nulls import DEFAULT, null_gains, threshold
 from model.discrepancy.outliers import condition_name
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, prepare, setups
-from model.discrepancy.profile import form_of, unknown_effect, unknown_of
+from model.discrepancy.profile import form_of, unknown_effect, unknown_of, with_free_form
 from model.discrepancy.result import (
     BeforeAfter,
     Diagnosis,
@@ -121,64 +121,60 @@ class _Finding:
         unknown = self._unknown(rest, final)
         if unknown is not None and rest is not None and self._alone(rest, final):
             named, final = [], base
+        final_known = final
+        if unknown is not None and rest is not None:
+            free = rest.first if final is base else rest.last
+            final = with_free_form(final, free or rest.first)
         pool = candidates(base, self.effects)
-        shapes = forms(pool, {})
-        sizes = self._amplitudes(base)
-        seen = signatures(base, shapes, sizes)
+        sizes = self._amplitudes()
+        # what could be seen is asked with the noise as it is once the finding is in
+        judge = replace(final, linear=replace(final.linear, states=base.linear.states))
+        seen = signatures(judge, forms(pool, {}), sizes)
         unseen = invisible(base, seen, {e.name: e for e in self.effects})
-        results = tuple(self._named(i, c, final, seen) for i, c in enumerate(named))
-        results = self._known(final, results)
+        results = tuple(self._named(i, c, final_known, seen) for i, c in enumerate(named))
+        results = self._known(results)
         verdict = self._verdict(results, unknown)
         where = gaps.cells(base)
-        noise = gaps.variance(final if final.found else base)
+        noise = gaps.variance(final)
         best = [c for t in self.outcome.turns[:1] for c in t.ranking if c.known]
         names = {c.name for c in best[:6]} | {f.effect.name for f in final.found}
         few = [c for c in pool if c.name in names]
-        before, after, chosen = gaps.left_out(
-            base, final, few, gaps.position_groups(base), self.limit
-        )
+        before, after, chosen = gaps.left_out(base, final, few, gaps.position_groups(base))
         fitted = BeforeAfter(
             gaps.gap(gaps.refitted(base), noise, where),
             gaps.gap(gaps.refitted(final), noise, where),
         )
         held = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
-        closed = gaps.closed_share(held, gaps.floor(noise, where)) if final.found else np.nan
-        after_that = self._next(verdict, results, base, sizes)
-        model = self._model(final, unknown, measurements, fitted, options)
+        closed = np.nan if final is base else gaps.closed_share(held, gaps.floor(noise, where))
+        after_that = self._next(results, base)
+        model = self._model(final_known, unknown, measurements, fitted, options)
         return Diagnosis(
             verdict, self._sentence(verdict, results, unknown, held), results, unseen, unknown,
-            gaps.places(base), fitted, held, closed, after_that, self._ranking(seen), self.limit,
+            gaps.places(base, noise), fitted, held, closed, after_that, self._ranking(seen), self.limit,
             self.limit_from, seen, classes(seen, unseen),
             gaps.table(base, final, before, after),
             dict(zip(ASSUMED, np.exp(base.solution.log_sigma).tolist(), strict=False)),
             tuple(condition_name(base.problem, n) for n in self.outcome.outliers),
-            self._notes(results, chosen, final), model, base=_base_parameters(final),
+            self._notes(results, chosen, final_known), model, base=_base_parameters(final_known),
         )  # fmt: skip
 
     # -- parts
 
-    def _unknown(self, rest: object, final: Fitted) -> Unknown | None:
-        from model.discrepancy.decide import Leftover
-
+    def _unknown(self, rest: Leftover | None, final: Fitted) -> Unknown | None:
         if rest is None or not self.enough:
             return None
-        assert isinstance(rest, Leftover)
         if rest.gain < self.limit + SLOT_MARGIN or rest.share < LEFT:
             return None
         if self._alone(rest, final) or rest.last is None:
             return unknown_of(self.outcome.base, rest.first)
         return unknown_of(final, rest.last)
 
-    def _alone(self, rest: object, final: Fitted) -> bool:
+    def _alone(self, rest: Leftover, final: Fitted) -> bool:
         """Whether one free form explains more than all the names together."""
-        from model.discrepancy.decide import Leftover
-
-        assert isinstance(rest, Leftover)
         explained = 0.5 * (self.outcome.base.deviance - final.deviance) if final.found else 0.0
-        return rest.first.gain > explained + SLOT_MARGIN
+        return rest.first.gain * (1.0 - LEFT) > explained + SLOT_MARGIN
 
-    def _amplitudes(self, base: Fitted) -> dict[str, float]:
-        del base
+    def _amplitudes(self) -> dict[str, float]:
         result = {}
         for turn in self.outcome.turns:
             if turn.chosen is not None:
@@ -199,7 +195,7 @@ class _Finding:
             own if one.effect.by_configuration else {}, one.confidence, confusable, share, form,
         )  # fmt: skip
 
-    def _known(self, final: Fitted, named: tuple[Named, ...]) -> tuple[Named, ...]:
+    def _known(self, named: tuple[Named, ...]) -> tuple[Named, ...]:
         """Effects that the given model had already are not findings."""
         given = {f.effect.name for f in self.ready.found}
         return tuple(n for n in named if n.name not in given)
@@ -248,9 +244,7 @@ class _Finding:
         plural = "are" if len(named) > 1 else "is"
         return f"{names} {plural} missing: with it {gap}."
 
-    def _next(
-        self, verdict: Verdict, named: tuple[Named, ...], base: Fitted, sizes: dict[str, float]
-    ) -> Next | None:
+    def _next(self, named: tuple[Named, ...], base: Fitted) -> Next | None:
         pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
         if pair is None:
             return None
@@ -261,7 +255,6 @@ class _Finding:
         both = [contenders[p].score for p in pair if p in contenders]
         if len(both) < 2:
             return None
-        del sizes, verdict
         return from_menu(
             base, [by_name[p] for p in pair], [dict(s.candidate.values) for s in both],
             [abs(s.amplitude) for s in both],

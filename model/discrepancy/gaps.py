@@ -108,40 +108,31 @@ def refitted(fitted: Fitted) -> FloatArray:
 
 
 def left_out(
-    base: Fitted, final: Fitted, pool: Sequence[Candidate], groups: list[Index], threshold: float
+    base: Fitted, final: Fitted, pool: Sequence[Candidate], groups: list[Index]
 ) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Residuals of rows when they are left out, of the base model and of the model that is chosen
-    without them; and what that choice was each time.
+    """Residuals of rows when they are left out: of the base model, and of the model that is chosen
+    without them; and what was chosen each time.
 
     The choice is repeated among `pool` each time; where it is the final model's first effect, that
     model's columns predict what was left out.
     """
     before, after = refitted(base).copy(), refitted(final).copy()
-    if not final.found:
-        after = before.copy()
     study, chosen = base.problem.study, []
-    names = [f.effect.name for f in final.found]
+    own = final.found[0].effect.name if final.found else ""
     for runs in groups:
         rows = np.flatnonzero(np.isin(study.layout.run_of, runs))
         before[rows] = _predicted(base, base.linear.columns, runs)[rows]
-        name = names[0] if names else ""
-        if names and pool:
-            best = _best_without(base, pool, runs)
-            name = best.candidate.name if best.log_bayes > 0.0 else ""
-            if name == names[0]:
-                after[rows] = _predicted(final, final.linear.columns, runs)[rows]
-            elif name:
-                columns = np.concatenate([base.linear.columns, best.candidate.columns], axis=1)
-                extra = np.full(best.candidate.columns.shape[1], best.scale**-2.0)
-                after[rows] = _predicted(base, columns, runs, extra)[rows]
-            else:
-                after[rows] = before[rows]
-        elif final.found:
+        best = _best_without(base, pool, runs) if own and pool else None
+        name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
+        if final is base or (own and not name):
+            after[rows] = before[rows]
+        elif best is None or name == own:
             after[rows] = _predicted(final, final.linear.columns, runs)[rows]
         else:
-            after[rows] = before[rows]
+            columns = np.concatenate([base.linear.columns, best.candidate.columns], axis=1)
+            extra = np.full(best.candidate.columns.shape[1], best.scale**-2.0)
+            after[rows] = _predicted(base, columns, runs, extra)[rows]
         chosen.append(name)
-    del threshold
     return before, after, chosen
 
 
@@ -170,6 +161,23 @@ def _predicted(
     A, b = _information(fitted, columns, runs, extra)
     result: FloatArray = fitted.linear.residual - columns @ (inverse_symmetric(A) @ b)
     return result
+
+
+def predictive_gains(before: Fitted, after: Fitted) -> FloatArray:
+    """Ln of how much more likely each position's data are in the second model than in the first.
+
+    The position is left out of both fits.
+    """
+    layout, result = before.problem.study.layout, []
+    for runs in position_groups(before):
+        values = []
+        for fitted in (before, after):
+            residual = layout.pad(_predicted(fitted, fitted.linear.columns, runs))[runs]
+            W = fitted.solution.weights[runs]
+            square = float(np.einsum("ri,rij,rj->", residual, W, residual))
+            values.append(0.5 * float(np.sum(np.linalg.slogdet(W)[1])) - 0.5 * square)
+        result.append(values[1] - values[0])
+    return np.array(result)
 
 
 def _best_without(base: Fitted, pool: Sequence[Candidate], runs: Index) -> Score:
@@ -226,10 +234,10 @@ def staged(base: Fitted) -> FloatArray:
     return y
 
 
-def places(base: Fitted) -> tuple[Where, ...]:
-    """The cells that stand out of noise and scatter, the strongest first."""
+def places(base: Fitted, noise: FloatArray) -> tuple[Where, ...]:
+    """The cells that stand out of noise and scatter (variances (N,)), the strongest first."""
     residual, study = staged(base), base.problem.study
-    z = residual / np.sqrt(variance(base))
+    z = residual / np.sqrt(noise)
     found: list[Where] = []
     for name, part, scene in zip(study.names, study.layout.parts, study.scenes, strict=True):
         for row, k, mean in zip(part.trend_rows, part.trend_of, part.is_mean, strict=True):

@@ -11,6 +11,7 @@ from model.discrepancy.features import Look
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
 from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
+from model.effects.roll_friction import slid
 from model.field import Field
 from model.measurements import FloatArray, ModelError, SheetGeometry
 
@@ -93,7 +94,7 @@ class Study:
         G = scene.count
         by_eibm = np.einsum("kg,kg->k", answers.force[:, :G], beam.eibm * beam.soft)
         modes_by = np.einsum("kmg,kg->km", answers.modes[:, :, :G], beam.eibm * beam.soft)
-        weighed = self._weighed(c, solved)
+        weighed = self._weighed(c, beam, solved)
         response = self._response(c, beam, inner)
         state = State(beam, solved, answers, by_eibm, modes_by, response, weighed, np.zeros(0))
         return replace(state, residual=self._residual(c, state, inner))
@@ -136,13 +137,14 @@ class Study:
         result = [scene.forces(replace(beam, eibm=beam.eibm * level)) for level in LEVELS]
         return np.stack(result, axis=1)
 
-    def _weighed(self, c: int, solved: Solved) -> Weighed:
+    def _weighed(self, c: int, beam: Beam, solved: Solved) -> Weighed:
         part, of = self.part(c), self.part(c).reading_of
         held, scene = solved.held, self.scenes[c]
         touching = np.isfinite(held.force_N[of]).astype(float)
         return Weighed(
             np.nan_to_num(held.force_N[of]), np.nan_to_num(held.normal_N[of]),
             np.nan_to_num(held.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
+            slid(beam, held)[of],
         )  # fmt: skip
 
     def _residual(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from model.discrepancy.linear import with_columns
@@ -31,6 +33,8 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     solution = weigh(linear.data, log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
+    if slot == "camera":
+        return _seen_wrong(fitted, found, beta, C)
     best, strength = ("", ""), -1.0
     for key in dict.fromkeys((s.configuration, s.along) for s in found):
         use = np.array([(s.configuration, s.along) == key and s.wave is not None for s in found])
@@ -47,6 +51,33 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     at = t * _span(fitted, name, along)
     return Unknown(slot, name, at, values, band, unit, along, _depends(slot, along))
+
+
+def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatArray) -> Unknown:
+    """How far the camera puts a curve beside itself, on the condition where it does so most."""
+    name = found[0].configuration
+    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
+    each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
+    moved = each @ beta
+    k = int(np.argmax(np.max(np.abs(moved), axis=1)))
+    s, keep = np.unique(scene.curve_s[k], return_index=True)
+    band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
+    return Unknown(
+        "camera", name, s * 1e3, moved[k][keep] * 1e3, band * 1e3, "mm", "s",
+        _depends("camera", "place"),
+    )  # fmt: skip
+
+
+def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
+    """The model with a free form in it, as far as a straight line goes."""
+    columns = contender.score.candidate.columns
+    linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
+    known = fitted.solution if contender.solution is None else contender.solution
+    span = slice(fitted.linear.columns.shape[1], linear.columns.shape[1])
+    return replace(
+        fitted, linear=linear, solution=weigh(linear.data, known.log_sigma),
+        spans=(*fitted.spans, span),
+    )  # fmt: skip
 
 
 def _value(shape: Shape, t: FloatArray) -> FloatArray:

@@ -51,7 +51,9 @@ def members(effect: Effect) -> list[dict[str, float]]:
     """Values to try: each shape, at the plausible size."""
     result: list[dict[str, float]] = [{}]
     for i, knob in enumerate(effect.knobs):
-        tried = knob.tried or ((knob.neutral + knob.plausible,) if i == 0 else (knob.plausible,))
+        # a knob that is refined in its logarithm has its plausible value, others a plausible step
+        usual = knob.plausible if knob.log or i else knob.neutral + knob.plausible
+        tried = knob.tried or (usual,)
         result = [{**r, knob.name: v} for r in result for v in tried]
     return result
 
@@ -156,6 +158,8 @@ def prior_terms(fitted: Fitted) -> float:
 def unit_values(effect: Effect, values: Values, amplitude: float) -> dict[str, float]:
     """Values of an effect whose columns were found with this amplitude."""
     size, result = effect.size, dict(values)
-    if not size.tried:
+    if not size.tried and size.log:
+        result[size.name] = size.neutral * float((values[size.name] / size.neutral) ** amplitude)
+    elif not size.tried:
         result[size.name] = size.neutral + amplitude * (values[size.name] - size.neutral)
     return result

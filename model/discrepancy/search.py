@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from model.discrepancy.gaps import predictive_gains
 from model.discrepancy.outliers import numbers_of, outlier_candidates, without
 from model.discrepancy.score import (
     Candidate,
@@ -130,6 +131,15 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     return sorted([*done, *rest], key=lambda c: -c.gain)
 
 
+def supported(before: Fitted, after: Fitted) -> bool:
+    """Whether positions that are left out speak for the effect, not just a single one of them."""
+    gains = predictive_gains(before, after)
+    if len(gains) < 3:
+        return True
+    total = float(np.sum(gains))
+    return total > 0.0 and total - float(np.max(gains)) > -0.1 * total
+
+
 def search(
     problem: Problem,
     theta: FloatArray,
@@ -160,6 +170,8 @@ def search(
         turn.ranking = refine_best(fitted, ranking)
         best = next((c for c in turn.ranking if c.known), None)
         if best is None or best.gain < threshold or best.fitted is None:
+            break
+        if not supported(fitted, best.fitted):
             break
         if len(fitted.found) >= most:
             break

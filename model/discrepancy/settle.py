@@ -12,7 +12,7 @@ from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, weigh
 
-ROUNDS = 12
+ROUNDS = 9
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
 

@@ -35,6 +35,7 @@ class Shape:
     configuration: str
     along: str  # s | position | force | time | place
     wave: Callable[[FloatArray], FloatArray] | None = None  # of a coordinate 0 .. 1
+    points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
 
 
 def shapes(fitted: Fitted, slot: Slot) -> list[Shape]:
@@ -44,7 +45,8 @@ def shapes(fitted: Fitted, slot: Slot) -> list[Shape]:
         for along, wave, step in _MAKERS[slot](study, c, state):
             rows = study.rows_of(c, state, step)
             if np.any(rows):
-                result.append(Shape(rows, study.names[c], along, wave))
+                points = step.points_m if slot == "camera" else None
+                result.append(Shape(rows, study.names[c], along, wave, points))
     return _shared(result) if slot == "camera" else result
 
 

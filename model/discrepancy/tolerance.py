@@ -14,13 +14,14 @@ import numpy as np
 
 from model.discrepancy.linear import Bases, Linear
 from model.discrepancy.point import Active, State, Step, Study
-from model.effects.interface import Beam, Effect, Knob
+from model.effects.interface import Beam, Effect, Held, Knob
 from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
 SIGN = 0.25  # and from one voltage or configuration to the other
 OWN = 1.0  # where each configuration may have its own size
 MOST_LOG_STEP = 0.4
+PULSE_S, PULSES = 0.6, 22.0
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,9 @@ def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> B
     return base
 
 
-def deviations(effect: Effect, study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
+def deviations(
+    effect: Effect, study: Study, c: int, step: Step, held: Held
+) -> Iterator[tuple[Step, float]]:
     """The ways in which the form may differ, each with its standard deviation."""
     scene, part = study.scenes[c], study.part(c)
     G = scene.count
@@ -76,6 +79,15 @@ def deviations(effect: Effect, study: Study, c: int, step: Step) -> Iterator[tup
             t = scene.s_m / scene.length
             for j, share in ((1, 0.75), (2, 0.5), (3, 0.43)):
                 wave = np.sqrt(2.0) * np.cos(j * np.pi * t)
+                beam = np.zeros_like(step.beam)
+                beam[:, :G] = step.beam[:, :G] * wave
+                beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * wave
+                yield replace(study.no_step(c), beam=beam), FORM * share
+        elif along == "curvature":
+            bent = np.abs(held.curvature - scene.rest(scene.s_m))
+            u = bent / max(float(np.max(bent)), 1e-9)
+            for j, share in ((1, 0.8), (2, 0.6)):
+                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
                 beam = np.zeros_like(step.beam)
                 beam[:, :G] = step.beam[:, :G] * wave
                 beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * wave
@@ -98,26 +110,36 @@ def deviations(effect: Effect, study: Study, c: int, step: Step) -> Iterator[tup
 
 
 def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
+    """Within a pulse as a factor; over pulses and session as something added: drifts cross zero."""
     part = study.part(c)
-    for name, scale, waves in (
-        ("session", 1.0, (1,)),
-        ("pulse", 30.0, (1,)),
-        ("pulse_s", 0.6, (1, 2, 3)),
-    ):
-        at, in_bin = getattr(part.clock, name), getattr(part.bin_clock, name)
-        if name != "pulse_s" and np.ptp(at) == 0.0:
+    at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
+    for j in (1, 2, 3):
+        wave, bins = (_wave(j, a / PULSE_S) for a in (at, in_bin))
+        bins = part.bin_mean(bins)
+        yield replace(
+            study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
+            force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
+            bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
+        ), 0.6 * FORM / j  # fmt: skip
+    driven = part.clock.voltage_V != 0.0
+    half = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
+    for name, scale in (("session", 1.0), ("pulse", PULSES)):
+        t = getattr(part.clock, name) / scale
+        if np.ptp(t) == 0.0 or not any(half):
             continue
-        for j in waves:
-            wave, bins = (
-                np.sqrt(2.0) * np.cos(j * np.pi * np.clip(a / scale, 0.0, 1.0))
-                for a in (at, in_bin)
-            )
-            bins = part.bin_mean(bins)
+        for j in (1, 2, 3):
+            wave = _wave(j, t)
+            if name == "pulse":
+                wave = wave * driven
             yield replace(
-                study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
-                force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
-                bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
-            ), FORM * 0.6 / j  # fmt: skip
+                study.no_step(c), eibm=half[0] * wave * driven, stiffness=half[1] * wave,
+                force_N=half[2] * wave,
+            ), 0.6 * FORM / j  # fmt: skip
+
+
+def _wave(j: int, t: FloatArray) -> FloatArray:
+    result: FloatArray = np.sqrt(2.0) * np.cos(j * np.pi * np.clip(t, 0.0, 1.0))
+    return result
 
 
 def _weighed(step: Step, wave: FloatArray, of: FloatArray, bin_of: FloatArray) -> Step:
@@ -145,7 +167,7 @@ def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[S
     for c, step in enumerate(steps):
         found = [
             share * study.rows_of(c, states[c], s)
-            for s, share in deviations(effect, study, c, step)
+            for s, share in deviations(effect, study, c, step, states[c].solved.held)
         ]
         for j, row in enumerate(found):
             if j < len(ways):
@@ -174,13 +196,9 @@ def effect_columns(
             column += _by_knob(study, places[name], linear, bent[places[name]], one, active, knob)
         value = one.values[names[0]][knob.name]
         columns.append(column)
-        if knob.log:
-            precision.append(1.0)
-            centre = float(np.log(knob.plausible))
-            away.append(float(np.log(value)) - centre if knob is one.effect.size else 0.0)
-        else:
-            precision.append((one.width * knob.plausible) ** -2.0)
-            away.append(value - knob.neutral)
+        width, away_from_usual = _prior(knob, value, one)
+        precision.append(width**-2.0)
+        away.append(away_from_usual)
     if one.tolerant:
         others = tuple(a for a in active if a.effect is not one.effect)
         steps = [
@@ -195,6 +213,18 @@ def effect_columns(
             precision.append(1.0)
             away.append(0.0)
     return np.stack(columns, axis=1), np.array(precision), np.array(away)
+
+
+def _prior(knob: Knob, value: float, one: Found) -> tuple[float, float]:
+    """Width of what is believed of a knob beforehand, and how far its value is from the middle."""
+    if not knob.log:
+        return one.width * knob.plausible, value - knob.neutral
+    if knob is not one.effect.size:
+        return 1.0, 0.0
+    if np.isfinite(knob.neutral) and knob.neutral > 0.0:
+        usual = abs(float(np.log(knob.plausible / knob.neutral)))
+        return one.width * usual, float(np.log(value / knob.neutral))
+    return 1.0, float(np.log(value / knob.plausible))
 
 
 def _by_knob(

@@ -44,8 +44,8 @@ EFFECT = FirstPulseTransient(
     knobs=(
         Knob("relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0),
         Knob(
-            "ratio", "of each pulse's deficit to that before", "", 0.7,
-            low=0.05, high=0.98, log=True, tried=(0.5, 0.7, 0.85, 0.93),
+            "ratio", "of each pulse's deficit to that before", "", 0.5,
+            low=0.05, high=0.75, log=True, tried=(0.3, 0.5, 0.7),
         ),
     ),
     tolerance=("time",),

@@ -111,6 +111,7 @@ class Weighed:
     position_m: FloatArray
     session: FloatArray  # 0 .. 1 over the data
     touching: FloatArray  # 1, or 0 without contact
+    slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
 
 
 @dataclass
@@ -135,7 +136,9 @@ class Effect:
     source: str
     knobs: tuple[Knob, ...]
     # along what its form may differ from the one written here
-    tolerance: tuple[Literal["s", "position", "voltage", "time", "place"], ...] = ("voltage",)
+    tolerance: tuple[Literal["s", "curvature", "position", "voltage", "time", "place"], ...] = (
+        "voltage",
+    )
     # whether each configuration may have its own size
     by_configuration: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities

@@ -91,5 +91,5 @@ EFFECT = NonlinearStiffness(
             low=-0.22, high=1.0,
         ),
     ),
-    tolerance=("s", "voltage"),
+    tolerance=("curvature", "voltage"),
 )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import Beam, Effect, Held, Knob, Values, Weighed
 from model.measurements import FloatArray
 
 TURNED_M, TURNED_RAD = 10e-6, 0.02  # sliding, or leaning, that turns friction round
@@ -27,6 +27,8 @@ class RollFriction(Effect):
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
+        if p["force_alone"] > 0.5:
+            return beam
         lean, outward = np.tan(held.gamma_rad), p["coefficient"] * slid(beam, held)
         # N without friction's share of it
         pressed = np.abs(held.normal_N)
@@ -34,6 +36,13 @@ class RollFriction(Effect):
         rub = finite(outward * pressed / beam.stiffness)[:, None]
         moment = rub * (finite(lean)[:, None] * finite(held.lever) + finite(held.offset))
         return replace(beam, bend=beam.bend - moment)
+
+    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+        """See `Effect.force`."""
+        if p["force_alone"] < 0.5:
+            return np.zeros_like(weighed.force_N)
+        rub = p["coefficient"] * np.abs(weighed.normal_N) * weighed.slid
+        return np.asarray(-rub * np.sin(weighed.gamma_rad))
 
 
 def slid(beam: Beam, held: Held) -> FloatArray:
@@ -100,6 +109,17 @@ EFFECT = RollFriction(
         "Johnson 1985, Contact Mechanics; Dahl 1968, A Solid Friction Model, Aerospace Corp."
         " TOR-0158(3107-18); the paper takes the contact as frictionless"
     ),
-    knobs=(Knob("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),),
+    knobs=(
+        Knob("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),
+        Knob(
+            "force_alone",
+            "1: it is felt by the load cell and does not bend the sheet",
+            "",
+            0.0,
+            0.0,
+            1.0,
+            tried=(0.0, 1.0),
+        ),
+    ),
     tolerance=("position", "voltage"),
 )

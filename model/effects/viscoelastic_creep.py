@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects._values import finite
+from model.effects.interface import Beam, Clock, Effect, Held, Knob, Values
 from model.measurements import FloatArray
 
 NEUTRAL_S, FIRST_S = 5.0, 0.1
@@ -14,11 +15,30 @@ NEUTRAL_S, FIRST_S = 5.0, 0.1
 
 @dataclass(frozen=True)
 class ViscoelasticCreep(Effect):
-    """The stiffness changes with the logarithm of the time since the run began."""
+    """The stiffness changes with the logarithm of the time since the run began.
+
+    What relaxes is the stress of a strain that stays. Taken strictly (`memory` 1) that is the
+    strain at 0 V, in which the sheet is held all the time; the pulses come and go too quickly. Taken
+    loosely (`memory` 0) the stiffness as a whole goes down.
+    """
+
+    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+        """See `Effect.beam`."""
+        if p["memory"] < 0.5:
+            return beam
+        bent = -finite(held.normal_N)[:, None] * finite(held.lever) / beam.stiffness[:, None]
+        stays = np.zeros_like(bent)
+        for k, at in enumerate(beam.stated_m):
+            same = (beam.voltage_V == 0.0) & (np.abs(beam.stated_m - at) < 1e-9)
+            if same.any():
+                stays[k] = bent[same].mean(axis=0)
+        return replace(beam, rest=beam.rest - p["relative_change_per_decade"] * stays)
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         decades = np.log10(np.maximum(clock.run_s, FIRST_S) / NEUTRAL_S)
+        if p["memory"] > 0.5:
+            decades = np.where(clock.voltage_V == 0.0, decades, 0.0)
         return np.zeros_like(decades), p["relative_change_per_decade"] * decades
 
 
@@ -44,6 +64,10 @@ EFFECT = ViscoelasticCreep(
             "relative_change_per_decade", "of the stiffness in each tenfold of time", "", 0.03,
             low=-0.4, high=0.4,
         ),
+        Knob(
+            "memory", "1: only the strain that stays relaxes; 0: the stiffness as a whole", "",
+            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+        ),
     ),
-    tolerance=("time",),
+    tolerance=("time", "voltage"),
 )  # fmt: skip
