@@ -95,14 +95,15 @@ class Line:
             if last is not None and last.code == _UNKNOWN_CODE:
                 return self._looked_after(began_s, "the last run left its output unknown")
             return Pressed("safe", 0.0, "no run is going on")
-        asked = threading.Event()
-        threading.Thread(target=_ask, args=(link, who, why, asked), daemon=True).start()
+        asked, refused = threading.Event(), list[str]()
+        ask = (link, who, why, asked, refused)
+        threading.Thread(target=_ask, args=ask, daemon=True).start()
 
         def obeyed() -> bool:
             return (asked.is_set() or not link.alive) and self._output != ENERGISED
 
         if self._wait_for(obeyed, OBEY_S):
-            return self._told(began_s, "the run was stopped")
+            return self._told(began_s, refused[0] if refused else "the run was stopped")
         if self._output != ENERGISED:
             return self._told(began_s, "the run does not answer; its output was not energised")
         if link.alive:
@@ -163,7 +164,8 @@ class Line:
             self._changed.notify_all()
 
 
-def _ask(link: Link, who: str, why: str, asked: threading.Event) -> None:
+def _ask(link: Link, who: str, why: str, asked: threading.Event, refused: list[str]) -> None:
     with suppress(BrokenLinkError):
-        link.ask({"do": "stop", "who": who, "why": why})
+        answer = link.ask({"do": "stop", "who": who, "why": why})
+        refused += [str(answer["error"])] if answer.get("error") else []
         asked.set()

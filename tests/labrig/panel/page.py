@@ -89,6 +89,7 @@ class Page:
         self.client = self.hello.get("client", "")
         self.messages: list[Message] = []  # since the last story, its own included
         self.stories = 0
+        self.first_replay: Message = {}  # with its marks; a story does not take it away
         self.pictures: list[Message] = []
         self.strips: list[tuple[Message, bytes]] = []
         self.closed: ConnectionClosed | None = None
@@ -165,17 +166,19 @@ class Page:
             self.strips = []
         else:
             self.messages.append(message)
+            if "marks" in message:
+                self.first_replay = message
 
 
 @contextmanager
-def panel(what: Path, *options: str) -> Iterator[Server]:
-    """A panel until the block ends."""
+def panel(what: Path, *options: str, leave_job: bool = False) -> Iterator[Server]:
+    """A panel until the block ends; its job ends with it unless it is to be left."""
     server = Server(what, *options)
     try:
         yield server
     finally:
         server.end()
-        for pid in jobs_of(what.parent):
+        for pid in [] if leave_job else jobs_of(what.parent):
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGTERM)
 
