@@ -46,6 +46,7 @@ class Seen:
     clock: Clock  # of these readings, arrays (n,)
     curve: Curve | None  # of the mean image, or the mean of the readings' curves
     own_curves: tuple[Curve, ...]  # of each reading; empty: not recorded one by one
+    identical: bool = False  # the readings were, which no load cell's are
 
     @property
     def free(self) -> bool:
@@ -118,6 +119,9 @@ def _seen(
     readings = sorted(condition.used(), key=lambda r: r.index)
     if (not free and not readings) or (free and condition.curve is None):
         return None
+    identical = not free and len(readings) > 1 and len({r.force_N for r in readings}) == 1
+    if identical:
+        readings = readings[len(readings) // 2 :][:1]
     forces = np.array([] if free else [r.force_N for r in readings])
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
@@ -145,7 +149,7 @@ def _seen(
     return Seen(
         name, condition.configuration, key, np.nan if free else float(condition.position_m or 0.0),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces, clock, curve,
-        own if same and not free else (),
+        own if same and not free else (), identical,
     )  # fmt: skip
 
 

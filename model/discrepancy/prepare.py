@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.base import bases_of, rest_of, start
-from model.discrepancy.features import look
+from model.discrepancy.features import Look, look
 from model.discrepancy.linear import noise_of
 from model.discrepancy.point import Study, check_geometry
 from model.discrepancy.settle import Problem
@@ -53,20 +53,20 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
         raise ModelError(
             "there are no measurements: no condition of any configuration of the sheet"
         )
-    notes, looks, rests, kept = [], [], [], []
+    notes, why, looks, rests, kept = [], [], [], [], []
     for name in names:
         try:
             one = look(used, name)
             rests.append(rest_of(used, name))
         except ModelError as error:
-            if len(names) == 1:
-                raise
-            notes.append(f"configuration '{name}' was left out: {error}")
+            why.append(str(error))
             continue
         looks.append(one)
         kept.append(name)
     if not looks:
-        raise ModelError(notes[0])
+        raise ModelError("; ".join(dict.fromkeys(why)))
+    notes += [f"left out: {sentence}" for sentence in why]
+    notes += _lacks(looks)
     known = [stated for _, stated in rests]
     study = Study(looks, [rest for rest, _ in rests])
     bases = bases_of(study, known, options.symmetric)
@@ -77,6 +77,40 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
             check_geometry(one.sheet, sheet)
     problem = Problem.of(study, bases, noise_of(study))
     return Prepared(used, out, problem, theta, _active(options.model, kept), tuple(notes))
+
+
+def _lacks(looks: list[Look]) -> list[str]:
+    """What these data cannot say, whatever is missing."""
+    notes = []
+    for one in looks:
+        name, seen = one.sheet.configuration, one.seen
+        if not one.voltages_V:
+            raise ModelError(
+                f"configuration '{name}' was measured at 0 V alone: that fixes B, but says nothing"
+                " of the EIBM; measure it under voltage, too, or leave it out"
+            )
+        if not any(s.curve is not None for s in seen):
+            notes.append(
+                f"'{name}' has no curves: where along the sheet something is missing cannot be seen"
+            )
+        if 0.0 not in {s.voltage_V for s in seen}:
+            notes.append(f"'{name}' was not measured at 0 V: B rests on the driven readings alone")
+        if len(one.voltages_V) < 2:
+            notes.append(
+                f"'{name}' was driven at one voltage: what changes sign with it cannot be told from"
+                " what does not"
+            )
+        if any(s.identical for s in seen):
+            notes.append(
+                f"repeated readings of '{name}' are identical: they are taken as one reading each,"
+                " and its noise from the misfit"
+            )
+        if not any(len(s.force_N) > 1 for s in seen) and not one.pulses:
+            notes.append(
+                f"'{name}' has means alone: what happens in time needs the readings in order and"
+                " the series"
+            )
+    return notes
 
 
 def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
