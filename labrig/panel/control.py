@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+import hashlib
 import re
 import secrets
 import threading
@@ -28,6 +29,18 @@ class Holder:
 def utc_now() -> str:
     """The time of day, ISO 8601, UTC."""
     return dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
+
+
+def public_name(client: str) -> str:
+    """What others may know of a page: with its name itself they could act in its place."""
+    return hashlib.sha256(client.encode("utf-8", "replace")).hexdigest()[:16]
+
+
+def as_seen_by(client: str, message: Message) -> Message:
+    """A `control` message for one page: it recognises itself, and nobody else."""
+    if message.get("type") == "control" and client and message["holder"] == public_name(client):
+        return {**message, "holder": client}
+    return message
 
 
 class Control:
@@ -101,12 +114,16 @@ class Control:
             holder = self._holder
             return {
                 "type": "control",
-                "holder": None if holder is None else holder.client,
+                "holder": None if holder is None else public_name(holder.client),
                 "name": None if holder is None else holder.name,
                 "since": None if holder is None else holder.since,
                 "here": holder is not None and holder.client in self._clients,
                 "clients": len(self._clients),
             }
+
+    def message_for(self, client: str) -> Message:
+        """As one page is told: its own name it knows already, all others stay secret."""
+        return as_seen_by(client, self.message())
 
     def _address(self, client: str) -> str:
         if client not in self._clients:

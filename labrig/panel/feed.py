@@ -20,7 +20,7 @@ Picture = tuple[Message, bytes]  # header, and whatever the picture is packed as
 
 MOST_WAITING = 2000  # messages; more than a minute of any run
 MOST_STORY = 200_000  # beyond this the oldest voltages and readings are left out
-STORY = "story"
+CURVE = "curve"
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,8 @@ class Feed:
         """Everything anew: another job, or the same one found again."""
         with self._lock:
             self._story = deque(messages)
-            self._strips, self._picture, self._newest = [], None, {}
+            self._strips, self._picture = [], None
+            self._newest.pop(CURVE, None)  # what else is newest is not the job's
             for box in self._boxes:
                 self._retell(box)
 

@@ -15,7 +15,7 @@ from labrig.panel.feed import Feed, Message
 from labrig.panel.job import Order
 from labrig.panel.link import Link
 from labrig.panel.packing import BrokenLinkError, Header
-from labrig.panel.place import GOING, LOST, Place, hidden_folder, read_place
+from labrig.panel.place import ENDED, GOING, LOST, Place, hidden_folder, read_place
 from labrig.panel.processes import detached, module_environment
 from labrig.panel.strip import strip_from
 
@@ -143,7 +143,15 @@ class Jobs:
             with suppress(ValueError, KeyError):
                 self._feed.tell_strip(strip_from(header, payload))
         else:
+            if kind == "job":
+                self._note_end(header)
             self._feed.tell(header)
+
+    def _note_end(self, job: Header) -> None:
+        """It has ended, though its process may still be saying so to others."""
+        place = self._place
+        if place is not None and job.get("id") == place.id and job.get("state") == ENDED:
+            self._place = place.ended(job.get("code"), str(job.get("text", "")))
 
     def _on_end(self) -> None:
         place, self._link = self._place, None

@@ -55,8 +55,8 @@ class Panel:
             raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
         return self.settings.rig
 
-    def status(self, host: str) -> Message:
-        """What `GET /api/status` tells; `host`: the name by which the asker reached us."""
+    def status(self, host: str, client: str) -> Message:
+        """What `GET /api/status` tells; `host`: the name by which this page reached us."""
         settings = self.settings
         session = settings.session
         return {
@@ -68,7 +68,7 @@ class Panel:
             "simulated": self.simulated,
             "model": self.model,
             "job": self.jobs.message(),
-            "control": self.control.message(),
+            "control": self.control.message_for(client),
             "stop_url": self.stop_url(host),
         }
 
@@ -83,6 +83,7 @@ class Panel:
         self.model = None if path is None else path.name
         self.model_path = path
         self.darkroom.choose_model(path)
+        self.feed.tell_newest({"type": "model", "name": self.model})
 
     def acting(self, request: Request) -> str:
         """Who acts. Raises ForbiddenError when they do not hold control."""

@@ -90,7 +90,8 @@ class ModelBody(Body):
 @router.get("/status")
 def status(request: Request, panel: Here) -> Any:
     """What is going on."""
-    return panel.status(request.headers.get("host", ""))
+    client = request.headers.get("x-labrig-client", "")
+    return panel.status(request.headers.get("host", ""), client)
 
 
 @router.get("/log")
@@ -135,7 +136,7 @@ def control(request: Request, body: ControlBody, panel: Here) -> Any:
         who = panel.control.require(client)
         panel.control.release(client)
         panel.log(who, "gave control back")
-    return panel.control.message()
+    return panel.control.message_for(client)
 
 
 @router.post("/run")

@@ -10,6 +10,7 @@ from typing import Any
 
 from fastapi import WebSocket, WebSocketDisconnect
 
+from labrig.panel.control import as_seen_by
 from labrig.panel.feed import Feed, Mail, Mailbox, Message
 from labrig.panel.packing import dumps, pack
 from labrig.panel.panel import Panel
@@ -32,10 +33,10 @@ async def serve_live(socket: WebSocket, panel: Panel) -> None:
         return
     await socket.accept()
     client = control.arrive(address_of(socket), socket.query_params.get("client", ""))
-    status = panel.status(socket.headers.get("host", ""))
+    status = panel.status(socket.headers.get("host", ""), client)
     hello = {"type": "hello", "client": client, "status": status}
     hello |= {key: status[key] for key in ("version", "mode", "stop_url")}
-    post = Post(socket, panel.feed)
+    post = Post(socket, panel.feed, client)
     try:
         await post.send(hello)
         await together(post.deliver(), hear(socket, _no_more))
@@ -96,9 +97,10 @@ async def hear(socket: WebSocket, heard: Heard) -> None:
 class Post:
     """Delivers a feed to one page."""
 
-    def __init__(self, socket: WebSocket, feed: Feed) -> None:
+    def __init__(self, socket: WebSocket, feed: Feed, client: str = "") -> None:
         self._socket = socket
         self._feed = feed
+        self._client = client
         self._loop = asyncio.get_running_loop()
         self._news = asyncio.Event()
         self._box = Mailbox(self._wake)
@@ -114,7 +116,7 @@ class Post:
             await self._news.wait()
             self._news.clear()
             while (mail := self._box.take()) is not None:
-                for packed in _packed(mail):
+                for packed in _packed(mail, self._client):
                     await asyncio.wait_for(self._out(packed), SEND_S)
             await asyncio.sleep(_NEWEST_EVERY_S)
 
@@ -133,11 +135,12 @@ class Post:
             self._loop.call_soon_threadsafe(self._news.set)
 
 
-def _packed(mail: Mail) -> list[str | bytes]:
+def _packed(mail: Mail, client: str) -> list[str | bytes]:
     found: list[str | bytes] = []
     if mail.story is not None:
         found.append(dumps({"type": "story", "messages": mail.story}))
-    found += [dumps(message) for message in [*mail.messages, *mail.newest]]
+    found += [dumps(message) for message in mail.messages]
+    found += [dumps(as_seen_by(client, message)) for message in mail.newest]
     if mail.strip is not None:
         found.append(mail.strip.packed())
     if mail.picture is not None:

@@ -41,7 +41,7 @@ async def _play(socket: WebSocket, panel: Panel, name: str) -> None:
         player.do(word)
 
     post = Post(socket, player.feed)
-    status = panel.status(socket.headers.get("host", ""))
+    status = panel.status(socket.headers.get("host", ""), "")
     hello = {"type": "hello", "client": None, "status": status}
     try:
         await post.send({**hello, "version": status["version"], "mode": "replay", "stop_url": None})

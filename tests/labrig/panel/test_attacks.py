@@ -134,6 +134,24 @@ def test_no_file_outside_the_folder_can_be_written_or_run(server, rig_folder):
     page.close()
 
 
+def test_a_watcher_learns_no_name_with_which_it_could_act_in_anothers_place(server):
+    ann, eve = Page(server), Page(server)
+    ann.take_control("Ann", force=True)
+    ann.until(lambda m: m["type"] == "control" and m["holder"] == ann.client)
+    seen = eve.until(lambda m: m["type"] == "control" and (m["name"] or "").startswith("Ann"))
+    told = json.dumps([eve.hello, eve.messages, eve.ask("GET", "/api/status")[1]])
+    assert ann.client not in told
+    for name in (seen["holder"], "", "x" * 16):
+        headers = {"X-Labrig-Client": name}
+        assert server.ask("POST", "/api/stop_after_pulse", None, headers)[0] == 403
+    ann.close()
+    eve.until(lambda m: m["type"] == "control" and not m["here"])
+    again = Page(server, f"/ws?client={seen['holder']}")
+    assert again.ask("POST", "/api/stop_after_pulse")[0] == 403
+    for page in (eve, again):
+        page.close()
+
+
 def test_what_is_too_large_is_not_taken_in(server):
     assert server.ask("POST", "/api/stop", b"x" * 300_000)[0] == 413
     with socket.create_connection(server.netloc.split(":"), 10) as raw:
@@ -151,8 +169,16 @@ def test_what_is_too_large_is_not_taken_in(server):
 
 
 def test_bodies_that_make_no_sense_are_told_so_in_a_sentence(server):
-    for body in (b"", b"{", b"[]", b'{"why": 3}', b'{"x": 1}', b"[" * 10_000, b"\xff\xfe"):
-        status, answer = server.ask("POST", "/api/stop", body)
+    for body in (
+        b"",
+        b"{",
+        b"[]",
+        b'{"do": 3}',
+        b'{"do": "take", "x": 1}',
+        b"[" * 10_000,
+        b"\xff\xfe",
+    ):
+        status, answer = server.ask("POST", "/api/control", body)
         assert status == 400, body[:10]
         assert isinstance(answer["error"], str)
 
