@@ -60,17 +60,22 @@ def _walk(
     sign: float,
     u: float,
     v: float,
-    angle: float,
+    cos: float,
+    sin: float,
     turn: float,
     length: float,
     layers: int,
     half: float,
 ) -> tuple[float, float, float]:
-    """One step: where it ends, and how ridge-like it was."""
+    """One step from a direction (cos, sin): where it ends, and how ridge-like it was."""
     gain = 0.0
     for q in range(PER_STEP):
-        part = angle + turn * (q + 0.5) / PER_STEP
-        c, s = math.cos(part), math.sin(part)
+        part = turn * (q + 0.5) / PER_STEP
+        # a step turns by less than half a radian: these are good to 1e-7
+        p2 = part * part
+        dc = 1 - p2 * (1 / 2 - p2 * (1 / 24 - p2 / 720))
+        ds = part * (1 - p2 * (1 / 6 - p2 * (1 / 120 - p2 / 5040)))
+        c, s = cos * dc - sin * ds, sin * dc + cos * ds
         u += c * length / PER_STEP
         v += s * length / PER_STEP
         gain += ridge_score(maps, sign, u, v, c, s, layers, half)
@@ -123,6 +128,7 @@ def _expand(
     many = 0
     cost = 0.002 if straight else 0.01
     for a in range(alive):
+        cos, sin = math.cos(state[a, ANGLE]), math.sin(state[a, ANGLE])
         for change in range(-changes, changes + 1):
             # a straight rest has no bend, but room to correct the quantum of the angles before
             b = 0 if straight else bend[a] + change
@@ -131,7 +137,7 @@ def _expand(
             if abs(b) > most_bend or abs(angle - state[a, FIRST]) > most_turn:
                 continue
             u, v, gain = _walk(
-                maps, sign, state[a, U], state[a, V], state[a, ANGLE], turn, length, layers, half
+                maps, sign, state[a, U], state[a, V], cos, sin, turn, length, layers, half
             )
             gain -= cost * change * change
             child[many, U], child[many, V], child[many, ANGLE] = u, v, angle
@@ -148,12 +154,27 @@ def _select(
     child: FloatArray, child_bend: IntArray, many: int, width: int, fine: float
 ) -> IntArray:
     """The best children, few of one place, direction and bend, so that the beam stays broad."""
-    order = np.argsort(-child[:many, SCORE])
+    score = child[:many, SCORE].copy()
+    # hardly more than the beam's width is ever taken: sort those, and all only if they are too few
+    enough = 2 * width
+    if many > 2 * enough:
+        least = np.partition(score, many - enough)[many - enough]
+        better = np.flatnonzero(score >= least)
+        chosen = _spread(child, child_bend, better[np.argsort(-score[better])], width, fine)
+        if len(chosen) == width:
+            return chosen
+    return _spread(child, child_bend, np.argsort(-score), width, fine)
+
+
+@jit
+def _spread(
+    child: FloatArray, child_bend: IntArray, order: IntArray, width: int, fine: float
+) -> IntArray:
+    """The first of `order`, at most two of one kind."""
     taken = np.zeros(8192, dtype=np.int64)
     chosen = np.empty(width, dtype=np.int64)
     kept = 0
-    for o in range(many):
-        t = order[o]
+    for t in order:
         key = (
             int(child[t, U] // 2.0) * 73856093
             ^ int(child[t, V] // 2.0) * 19349663

@@ -17,12 +17,15 @@ FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside 
 
 
 def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
-    """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside."""
+    """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside.
+
+    Of every third node, which is enough for medians.
+    """
     import cv2
 
-    shape = fit.shape
-    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
-    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
+    shape, some = fit.shape, slice(None, None, 3)
+    x = shape.x[some, None] - np.sin(shape.phi[some])[:, None] * across
+    y = shape.y[some, None] + np.cos(shape.phi[some])[:, None] * across
     plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
     uv = setting.optics.world_to_pixel(plane).astype(np.float32).reshape(*x.shape, 2)
     return np.asarray(
@@ -51,7 +54,7 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
     votes = 0
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
-        if len(rows) < 4:
+        if len(rows) < 2:
             continue
         profile = np.median(rows, axis=0)
         # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
@@ -76,7 +79,7 @@ def is_an_edge(fit: Fit, setting: Setting) -> bool:
     votes = 0
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
-        if len(rows) >= 4:
+        if len(rows) >= 2:
             below, above = (float(np.median(side)) for side in np.array_split(rows, 2, axis=1))
             votes += int(abs(above - below) > STEP * own)
     return votes > PIECES // 2

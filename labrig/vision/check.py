@@ -30,13 +30,16 @@ class Verdict:
     worth: float  # to choose between candidates: how much of the picture the curve explains
 
 
-def judge(fit: Fit, setting: Setting, tip: Tip) -> Verdict:
-    """All tests of a fitted curve."""
+def judge(fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False) -> Verdict:
+    """All tests of a fitted curve.
+
+    `followed`: from the picture before, whose end and surroundings were looked at.
+    """
     covered = float(fit.used[2:-2].mean())
     residual = smooth_residual_px(fit)
     strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
-    faults = [fault for fault in _faults(fit, setting, tip, covered, residual) if fault]
+    faults = [fault for fault in _faults(fit, setting, tip, covered, residual, followed) if fault]
     return Verdict(
         why=faults[0] if faults else "",
         warnings=tuple(_warnings(setting, tip, covered)),
@@ -59,7 +62,9 @@ def smooth_residual_px(fit: Fit) -> float:
     return float(np.sqrt(np.mean((mean[seen] / total[seen]) ** 2)))
 
 
-def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: float) -> list[str]:
+def _faults(
+    fit: Fit, setting: Setting, tip: Tip, covered: float, residual: float, followed: bool
+) -> list[str]:
     shape, optics = fit.shape, setting.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
     end_u, end_v = setting.nodes_px(shape)[-1]
@@ -71,7 +76,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
     offset, angle = shape.parameters[0], shape.parameters[1]
     allowed = max(6.0, 0.03 * shape.basis.total_px)
-    tip = _further(tip, fit, setting, allowed)
+    tip = tip if followed else _further(tip, fit, setting, allowed)
     tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
@@ -102,7 +107,7 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, covered: float, residual: floa
         if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
-        if is_an_edge(fit, setting)
+        if not followed and is_an_edge(fit, setting)
         else "",
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."

@@ -148,7 +148,9 @@ class _Job:
                 contrast=start.contrast,
                 settled_px=0.02,
             )
-            found = Candidate(fit, setting, Tip(None), judge(fit, setting, Tip(None)))
+            found = Candidate(
+                fit, setting, Tip(None), judge(fit, setting, Tip(None), followed=True)
+            )
             good = found.verdict.covered > start.covered - 0.04
             if good and not found.verdict.why and fit.step_px < 0.1:
                 return found

@@ -15,15 +15,14 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit import Fit
-from labrig.vision.setting import Band, Setting, look
+from labrig.vision.setting import Band, Setting, measured, pixels_beside
 from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
 
 DEPTHS = (0.012, 0.025)  # to begin with: the sheet's width over the far edge's distance
 SHARE = 0.5  # and the face's grey over the edge's
-MOST_DEPTH, MOST_SHARE = 0.12, 1.0
-LEAST_FACE_SHARE = 0.02
+MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
 CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
@@ -82,7 +81,7 @@ class _Search:
         self.silhouette = optics.look == "silhouette"
         self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
         self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
-        self.reach = self.plain.reach + 6.0
+        self.pixels = pixels_beside(fit.shape, setting, self.plain.reach + 6.0)
         self.nothing = self.costs(None)
 
     def first(self) -> Face | None:
@@ -105,36 +104,28 @@ class _Search:
 
     def refined(self, face: Face) -> Face | None:
         """The likeliest face, from a guess."""
-        from scipy.optimize import minimize
+        from scipy import optimize
 
+        minimize: Any = optimize.minimize
         start = np.array([np.log(face.depth), face.share, 0.0, 0.0, np.log(face.blur)])
         start[2:4] = (np.array(face.centre) - self.centre) / self.spread
         simplex = start + np.vstack([np.zeros(5), np.diag([0.3, -0.15, 0.4, 0.4, 0.15])])
-        best = minimize(
-            lambda p: self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + self._outside(p),
-            start,
-            method="Nelder-Mead",
-            options={
-                "initial_simplex": simplex,
-                "maxfev": EVALUATIONS,
-                "xatol": 1e-3,
-                "fatol": 0.1,
-            },
-        )
+        options: Any = {"initial_simplex": simplex, "maxfev": EVALUATIONS}
+        best = minimize(self._unlikely, start, method="Nelder-Mead", options=options)
         found = self._face(best.x)
         return found if self._enough(found) else None
 
     def _face(self, p: FloatArray) -> Face:
         x, y = self.centre + self.spread * p[2:4]
         blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
-        share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_FACE_SHARE, self.most_share))
-        return Face(
-            float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH)), share, (float(x), float(y)), blur
-        )
+        share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
+        depth = float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH))
+        return Face(depth, share, (float(x), float(y)), blur)
 
-    def _outside(self, p: FloatArray) -> float:
-        """What lies outside of the bounds is no better than the bound."""
-        return 100.0 * float(max(0.0, p[1] - self.most_share) + max(0.0, 0.02 - p[1]))
+    def _unlikely(self, p: FloatArray) -> float:
+        """What a face leaves unexplained, and how odd it is; outside of the bounds ever more."""
+        outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
+        return self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + 100.0 * float(outside)
 
     def _enough(self, face: Face) -> bool:
         """Whether it explains enough, and nearly everywhere: a wire lies beside a part only."""
@@ -151,7 +142,7 @@ class _Search:
         fit = self.fit
         band = self.plain if face is None else face.on(self.plain, fit.shape)
         # weights that forgive little would count a missing face as an outlier
-        cells, _ = look(fit.shape, self.setting, band, 3 * fit.noise, fit.used, reach=self.reach)
+        cells = measured(self.pixels, band, 3 * fit.noise, fit.used)
         cells = np.where(fit.used[:, None], cells, 0.0)
         pieces = np.arange(0, len(cells), PIECE_CELLS)
         information, pull, misfit = (

@@ -14,6 +14,7 @@ from labrig.vision.shape import Shape
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 MaskArray = npt.NDArray[np.uint8]
+Pixels = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # values, distances, first of a cell
 
 WINDOW_CELLS = 8  # contrast and background are taken from this many cells to each side
 ROLL_MARGIN_PX = 2.5  # a roll's blurred rim
@@ -71,23 +72,20 @@ def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
 
 
 def look(
-    shape: Shape,
-    setting: Setting,
-    band: Band,
-    noise: float,
-    used: BoolArray,
-    *,
-    reach: float | None = None,
+    shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Measure the band along a curve: band.measure's table, and the share of pixels there.
+    """Measure the band along a curve: band.measure's table, and the share of pixels there."""
+    pixels = pixels_beside(shape, setting, band.reach)
+    share = np.diff(pixels[2]) / (2 * band.reach * shape.basis.step_px)
+    return measured(pixels, band, noise, used), share
 
-    `reach`: how far beside the curve; the band's own by default.
-    """
-    from labrig.vision.band import collect, measure
 
-    reach = band.reach if reach is None else reach
+def pixels_beside(shape: Shape, setting: Setting, reach: float) -> Pixels:
+    """The pixels within `reach` beside a curve: see band.collect."""
+    from labrig.vision.band import collect
+
     nodes = setting.nodes_px(shape)
-    value, distance, first = collect(
+    return collect(
         setting.picture.grey,
         plane_map(setting.optics, setting.picture.grey.shape),
         nodes[:, 0],
@@ -100,10 +98,14 @@ def look(
         0.9,
         setting.mask,
     )
-    cells = measure(
-        value,
-        distance,
-        first,
+
+
+def measured(pixels: Pixels, band: Band, noise: float, used: BoolArray) -> FloatArray:
+    """band.measure's table of these pixels."""
+    from labrig.vision.band import measure
+
+    return measure(
+        *pixels,
         band.half_width,
         band.blur,
         WINDOW_CELLS,
@@ -114,4 +116,3 @@ def look(
         band.face,
         band.face_share,
     )
-    return cells, np.diff(first) / (2 * reach * shape.basis.step_px)

@@ -16,6 +16,8 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision._jit import jit
+
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -68,23 +70,29 @@ class Shape:
 
     def normal_modes(self) -> FloatArray:
         """(nodes, parameters): displacement along the normal for each parameter."""
-        basis, c, s = self.basis, np.cos(self.phi), np.sin(self.phi)
-        # dr/dp = int n dphi/dp ds, so along the normal: n(s) . int n A ds
-        angle = np.concatenate([np.ones((len(c), 1)), basis.angle], axis=1)
-        half = 0.5 * basis.step_px
-        east = _cumulative(-s[:, None] * angle, half)
-        north = _cumulative(c[:, None] * angle, half)
-        modes = np.empty((len(c), basis.size))
+        return _normal_modes(self.basis.angle, self.phi, self.heading, self.basis.step_px)
+
+
+@jit
+def _normal_modes(angle: FloatArray, phi: FloatArray, heading: float, step: float) -> FloatArray:
+    """dr/dp = int n dphi/dp ds, so along the normal: n(s) . int n A ds, by trapezia."""
+    nodes, coefficients = angle.shape
+    modes = np.empty((nodes, 2 + coefficients))
+    east, north = np.zeros(1 + coefficients), np.zeros(1 + coefficients)
+    before_c, before_s = math.cos(phi[0]), math.sin(phi[0])
+    for i in range(nodes):
+        c, s = math.cos(phi[i]), math.sin(phi[i])
         # the clamp's offset moves the whole curve along the normal of the clamp
-        modes[:, 0] = np.cos(self.phi - self.heading)
-        modes[:, 1:] = c[:, None] * north - s[:, None] * east
-        return modes
-
-
-def _cumulative(values: FloatArray, half: float) -> FloatArray:
-    out = np.zeros_like(values)
-    np.cumsum((values[1:] + values[:-1]) * half, axis=0, out=out[1:])
-    return out
+        modes[i, 0] = math.cos(phi[i] - heading)
+        for q in range(1 + coefficients):
+            if i > 0:
+                here = angle[i, q - 1] if q > 0 else 1.0
+                before = angle[i - 1, q - 1] if q > 0 else 1.0
+                east[q] -= 0.5 * step * (s * here + before_s * before)
+                north[q] += 0.5 * step * (c * here + before_c * before)
+            modes[i, 1 + q] = c * north[q] - s * east[q]
+        before_c, before_s = c, s
+    return modes
 
 
 def make_shape(

@@ -53,7 +53,10 @@ class RidgeMaps:
             lineType=cv2.LINE_8,
             shift=4,
         )
-        return RidgeMaps(self.maps * (mask == 0)[None, :, :, None], self.scale)
+        maps = self.maps.copy()
+        rows, columns = np.nonzero(mask)
+        maps[:, rows, columns] = 0
+        return RidgeMaps(maps, self.scale)
 
 
 def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMaps:
