@@ -143,20 +143,16 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
     columns = fitted.linear.columns
     typical = _typical(fitted)
     study, theta = fitted.problem.study, fitted.theta
-    whole = np.zeros(study.layout.size)
     others = tuple(a for i, a in enumerate(fitted.active) if i != index)
-    steps = []
+    steps, whole = [], []
     for c, name in enumerate(study.names):
         if name in one.values:
             base = fitted.problem.bases.beam(study, c, theta)
             step = whole_step(study, c, fitted.linear.states[c], base, others, one.active)
             steps.append((c, step))
-            whole += study.rows_of(c, fitted.linear.states[c], step)
-    projected = whole - _on_base(fitted, whole)
+            whole.append(study.rows_of(c, fitted.linear.states[c], step))
     deviation = columns[:, first : span.stop] @ beta[first : span.stop]
-    deviation = deviation - _on_base(fitted, deviation)
-    d2, w2 = (float(np.sum(v**2 / typical)) for v in (deviation, projected))
-    share = d2 / (d2 + w2) if d2 + w2 > 0.0 else 0.0
+    share = _share_of_form(fitted, np.stack(whole, axis=1), deviation) if whole else 0.0
     if "s" not in one.effect.tolerance or not steps:
         return share, None
     c, step = steps[0]
@@ -179,6 +175,16 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
         "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
         np.abs(values) * sigma / scale, "what the effect adds, relative",
     )  # fmt: skip
+
+
+def _share_of_form(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
+    """Of what an effect does, how much no choice of its size in each configuration would do."""
+    by = 1.0 / np.sqrt(_typical(fitted))
+    own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
+    total = own.sum(axis=1) + (deviation - _on_base(fitted, deviation)) * by
+    size = np.linalg.lstsq(own, total, rcond=1e-9)[0]
+    square = float(total @ total)
+    return float(np.sum((total - own @ size) ** 2) / square) if square > 0.0 else 0.0
 
 
 def _on_base(fitted: Fitted, column: FloatArray) -> FloatArray:
