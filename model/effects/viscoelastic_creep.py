@@ -18,8 +18,8 @@ class ViscoelasticCreep(Effect):
     """The stiffness changes with the logarithm of the time since the run began.
 
     What relaxes is the stress of a strain that stays. Taken strictly (`memory` 1) that is the
-    strain at 0 V, in which the sheet is held all the time; the pulses come and go too quickly. Taken
-    loosely (`memory` 0) the stiffness as a whole goes down.
+    strain at 0 V, in which the sheet is held all the time; the pulses come and go too quickly.
+    Taken loosely (`memory` 0) the stiffness as a whole goes down.
     """
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:

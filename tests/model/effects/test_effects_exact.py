@@ -187,7 +187,7 @@ def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward(
     """What Held has is N t_hat's share and n_hat's; the moment makes the rest of T."""
     beam, held = example_beam()
     mu, k = 0.1, 1
-    other = effect("roll_friction").beam(beam, held, {"coefficient": mu})
+    other = effect("roll_friction").beam(beam, held, values("roll_friction", coefficient=mu))
     way, lean, kept = slid(beam, held)[k], np.tan(held.gamma_rad[k]), held.normal_N[k]
     N = kept / (1.0 - mu * way * np.sign(kept) * lean)
     T = mu * way * abs(N)  # on the sheet, along t_hat
@@ -195,6 +195,17 @@ def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward(
     true = -N * held.lever[k] - T * held.offset[k]
     moment = -kept * held.lever[k] + other.bend[k] * beam.stiffness[k]
     assert moment == pytest.approx(true, rel=1e-12)
+
+
+def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothing():
+    beam, held = example_beam()
+    w = replace(example_weighed(), slid=np.where(np.arange(32) % 2, 1.0, -1.0))
+    p = values("roll_friction", coefficient=0.1, force_alone=1.0)
+    assert effect("roll_friction").beam(beam, held, p) is beam
+    pulled = -0.1 * np.abs(w.normal_N) * w.slid * np.sin(w.gamma_rad)
+    np.testing.assert_allclose(effect("roll_friction").force(w, p), pulled, atol=1e-15)
+    in_the_beam = values("roll_friction", coefficient=0.1, force_alone=0.0)
+    assert not np.any(effect("roll_friction").force(w, in_the_beam))
 
 
 # --------------------------------------------------------------------------------------- load cell
@@ -312,9 +323,24 @@ def test_the_first_pulses_fall_short():
 
 def test_creep_is_the_same_in_each_decade():
     clock = replace(example_clock(), run_s=np.geomspace(0.5, 500.0, 32))
-    _, stiffness = effect("viscoelastic_creep").course(clock, {"relative_change_per_decade": -0.02})
+    p = values("viscoelastic_creep", relative_change_per_decade=-0.02)
+    _, stiffness = effect("viscoelastic_creep").course(clock, p)
     assert stiffness[-1] - stiffness[0] == pytest.approx(-0.06)
     assert np.diff(stiffness) == pytest.approx(-0.06 / 31)
+
+
+def test_creep_of_what_stays_relaxes_the_strain_at_0_V_alone():
+    beam, held = example_beam()
+    p = values("viscoelastic_creep", relative_change_per_decade=-0.02, memory=1.0)
+    rest = effect("viscoelastic_creep").beam(beam, held, p).rest - beam.rest
+    bent = -(held.normal_N / beam.stiffness)[:, None] * held.lever  # by the contact
+    for k, zero in enumerate((0, 0, 0, 3, 3, 3)):  # the condition at the same place at 0 V
+        np.testing.assert_allclose(rest[k], 0.02 * bent[zero], atol=1e-12)
+    assert not np.any(rest[6])  # nothing touches it
+    clock = example_clock()
+    _, stiffness = effect("viscoelastic_creep").course(clock, p)
+    assert not np.any(stiffness[clock.voltage_V != 0.0])
+    assert np.any(stiffness[clock.voltage_V == 0.0])
 
 
 def drifting(session: list[float], driven_s: list[float]) -> Clock:

@@ -224,7 +224,7 @@ def test_a_held_heavy_sheet_settles_where_a_boundary_value_solver_does(bend: flo
 @pytest.mark.parametrize("mu", [0.1, 0.3])
 def test_friction_gives_the_shape_and_the_force_of_a_tangential_load(mu: float):
     one = bench((-10.0, 25.0), k0=0.0, bend=30.0)
-    _, held = one.settled(effect("roll_friction"), {"coefficient": mu})
+    _, held = one.settled(effect("roll_friction"), {"coefficient": mu, "force_alone": 0.0})
     way = slid(one.base, held)
     for k in range(one.scene.K):
         wanted = brute(float(one.base.stated_m[k]) / R, float(one.base.eibm[k, 0]), mu=mu * way[k])
@@ -235,7 +235,7 @@ def test_friction_gives_the_shape_and_the_force_of_a_tangential_load(mu: float):
 
 
 def test_friction_changes_its_sign_with_the_side_of_approach():
-    p = {"coefficient": 0.2}
+    p = {"coefficient": 0.2, "force_alone": 0.0}
     one, two = (bench((25.0,), approach=a, volts=(0.0,)) for a in ("up", "down"))
     smooth = one.scene.solve(one.base).held.force_N[0]
     up, down = (b.settled(effect("roll_friction"), p)[1].force_N[0] for b in (one, two))
