@@ -19,7 +19,7 @@ Message = dict[str, Any]
 Picture = tuple[Message, bytes]  # header, and whatever the picture is packed as
 
 MOST_WAITING = 2000  # messages; more than a minute of any run
-MOST_STORY = 200_000  # beyond this the oldest voltages and readings are left out
+MOST_STORY = 200_000  # beyond this the oldest single voltages are left out
 CURVE = "curve"
 
 

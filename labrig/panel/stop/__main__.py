@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import socket
+import socketserver
 import ssl
 import sys
 import threading
@@ -46,6 +47,7 @@ class StopServer(ThreadingHTTPServer):
 
     daemon_threads = True
     request_queue_size = 128  # a press must not wait behind those who only connect
+    allow_reuse_address = sys.platform != "win32"  # there it would let others have our port, too
 
     def __init__(self, settings: StopSettings, line: Line) -> None:
         self.settings = settings
@@ -58,6 +60,11 @@ class StopServer(ThreadingHTTPServer):
         except OSError:
             super().__init__((settings.host, 0), Handler)
         self._tls = _tls(settings)
+
+    def server_bind(self) -> None:
+        """Without looking for a name of this computer, which may take its time."""
+        socketserver.TCPServer.server_bind(self)
+        self.server_name, self.server_port = self.settings.host, self.server_address[1]
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """In a thread of its own; the handshake, too, which a client may never end."""
@@ -94,11 +101,10 @@ class Handler(BaseHTTPRequestHandler):
         if refused is not None:
             self._answer(refused[0], {"error": refused[1]})
             return
-        size = int(self.headers.get("Content-Length") or 0)
         try:
-            asked = json.loads(self.rfile.read(size) or b"{}")
-        except ValueError:
-            asked = {}  # whatever was said: STOP was pressed
+            asked = json.loads(self.rfile.read(self._size()) or b"{}")
+        except (ValueError, RecursionError, OSError):
+            asked = {}  # whatever was said, or not said to its end: STOP was pressed
         asked = asked if isinstance(asked, dict) else {}
         name = " ".join(str(asked.get("name") or "somebody").split())[:40]
         who = f"{name} ({self.client_address[0]})"
@@ -120,12 +126,15 @@ class Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - as the base class has it
         """Nobody reads it."""
 
+    def _size(self) -> int:
+        """Of the body, as far as it is worth reading."""
+        stated = self.headers.get("Content-Length") or "0"
+        return min(int(stated), MOST_BODY_BYTES) if stated.isdecimal() else 0
+
     def _refused(self) -> tuple[int, str] | None:
         settings = self.server.settings
         if self.path.partition("?")[0] != "/stop":
             return 404, "there is only /stop here."
-        if int(self.headers.get("Content-Length") or 0) > MOST_BODY_BYTES:
-            return 413, "that is too long."
         bearer = self.headers.get("Authorization", "").removeprefix("Bearer ")
         if same_token(bearer, settings.token):
             return None

@@ -279,6 +279,12 @@ class TestStop:
             status, answer = server.ask("POST", "/stop", body, netloc=stop)
             assert status == 200
             assert answer["told"] == "no run is going on"
+        for length in ("-1", "x", "1e3", "99999999", "٣"):
+            with socket.create_connection(stop.split(":"), 10) as raw:
+                head = f"Host: {stop}\r\nAuthorization: Bearer {server.token}\r\n"
+                head = f"POST /stop HTTP/1.1\r\n{head}Content-Length: {length}\r\n\r\n"
+                raw.sendall(head.encode())
+                assert b" 200 " in raw.recv(64)
 
     def test_it_answers_while_others_hold_connections_open(self, server, stop):
         held = [socket.create_connection(stop.split(":"), 10) for _ in range(40)]
