@@ -1,4 +1,4 @@
-"""A `SheetModel` as a TOML file: what `labrig fit` writes and `labrig simulate` reads."""
+"""A `SheetModel` as a TOML file: what `labrig fit` and `diagnose` write."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from labrig.errors import BadInputError
 from model import ModelError, SheetModel
 
 _HEADER = (
-    "The model of a sheet, written by labrig fit; labrig simulate reads it. Parameters have their",
-    "standard uncertainty (sigma) and unit beside them; s_m is the distance from the clamp.",
+    "The model of a sheet, written by labrig fit or labrig diagnose; labrig simulate, design,",
+    "compare --model and diagnose --model read it. Parameters have their standard uncertainty",
+    "(sigma) and unit beside them; s_m is the distance from the clamp.",
 )
 
 

@@ -8,7 +8,7 @@ from labrig.errors import BadInputError
 from model.measurements import Measurements
 
 SAME_M = 1e-5
-_EXAMPLE = "such as position=25 or configuration=long,position=25"
+_EXAMPLE = "position=25 or configuration=long,position=25"
 
 
 def held_out(texts: Sequence[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
@@ -27,7 +27,7 @@ def _parsed(text: str) -> tuple[str, float]:
         return given.get("configuration", ""), float(given["position"]) / 1000
     except (KeyError, ValueError):
         raise BadInputError(
-            f"--hold-out {text!r}: a position in mm is needed, {_EXAMPLE}."
+            f"--hold-out {text!r}: a position in mm is needed, as in {_EXAMPLE}."
         ) from None
 
 

@@ -39,7 +39,7 @@ def demo(
         bool, typer.Option("--simulated-only", help="leave out the ten seconds on the real clock")
     ] = False,
 ) -> None:
-    """Run the paper's experiment on the simulated rig: record, analyse, fit, report.
+    """Run the paper's experiment on the simulated rig: record, analyse, fit, diagnose, report.
 
     Then ten seconds on the real clock, the same drivers speaking TCP and serial to the simulated
     boards, camera and stage in another process.
@@ -60,15 +60,24 @@ def demo(
     evaluate.analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
     evaluate.fit(session, model)
-    _heading("5. The report")
+    _heading("5. What the model with a constant EIBM is missing")
+    _diagnose(session, folder)
+    _heading("6. The report")
     evaluate.report(session, folder / "report")
     if not simulated_only:
         _heading(
-            "6. Ten seconds on the real clock: boards over TCP, camera over HTTP, a serial stage"
+            "7. Ten seconds on the real clock: boards over TCP, camera over HTTP, a serial stage"
         )
         _real_clock(folder / "real-clock")
     say()
     say(f"The demo took {time.monotonic() - began:.0f} s. Open {folder / 'report' / 'index.html'}")
+
+
+def _diagnose(session: Path, folder: Path) -> None:
+    """The paper's own story: where it misses, what is missing, and what is left with it."""
+    from labrig.cli.diagnose import diagnose
+
+    diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
 
 
 def _heading(text: str) -> None:

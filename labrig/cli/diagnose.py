@@ -75,10 +75,9 @@ def diagnose(
 ) -> None:  # fmt: skip
     """Say where simulation and measurement disagree, and which effect the model is missing.
 
-    What is found is kept in the session; labrig report shows it, too.
+    What is found is kept in the (first) session; labrig report shows it, too.
     """
     from labrig.analysis.holding_out import held_out
-    from labrig.report.diagnosis_store import keep_diagnosis
     from model.discrepancy import DiagnoseOptions
 
     if output is not None and output.exists() and not force:
@@ -89,11 +88,8 @@ def diagnose(
         hold_out=held_out(hold_out or [], measurements),
     )  # fmt: skip
     found = diagnosed(measurements, options)
-    if sessions and len(sessions) == 1:
-        try:
-            keep_diagnosis(sessions[0], found)
-        except LabrigError as error:
-            warn(f"not kept in the session: {error}")
+    if sessions:
+        keep(sessions[0], found)
     written = []
     if output is not None:
         from labrig.model_file import save_model
@@ -116,8 +112,23 @@ def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis
     """Diagnose with a progress bar."""
     from model.discrepancy import diagnose as find
 
+    if not any(c.voltage_V for c in measurements.conditions):
+        raise BadInputError(
+            "nothing was measured under voltage, so there is no EIBM to be found; measure at 0 V"
+            " and at one voltage at least."
+        )
     with progress("diagnose") as advance:
         return find(measurements, options, lambda text, share: advance(share, text))
+
+
+def keep(session: Path, found: Diagnosis) -> None:
+    """Keep what was found in the session, which may be where nothing can be written."""
+    from labrig.report.diagnosis_store import keep_diagnosis
+
+    try:
+        keep_diagnosis(session, found)
+    except LabrigError as error:
+        warn(f"not kept in the session: {error}")
 
 
 def print_diagnosis(found: Diagnosis) -> None:
@@ -180,6 +191,8 @@ def next_measurement(
         raise BadInputError(
             "name two effects with --between, such as --between gravity clamp_angle."
         )
+    if between[0] == between[1]:
+        raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     measurements = _measured(sessions, sheet, forces, curves, signals)
@@ -248,17 +261,22 @@ def _measured(
     if sessions and tables:
         raise BadInputError("give either a session or CSV tables, not both.")
     if sessions:
-        from labrig.analysis.together import together
-        from labrig.report.findings import measured
-
-        with progress("analyze") as advance:
-            return together([(path, measured(path, advance, warn)) for path in sessions])
+        return of_sessions(sessions)
     if sheet is None or forces is None:
         raise BadInputError("give a session, or CSV tables with --sheet and --forces.")
     from labrig.config import load_sheet
     from labrig.session import read_tables
 
     return read_tables(load_sheet(sheet), forces, curves, signals)
+
+
+def of_sessions(sessions: list[Path]) -> Measurements:
+    """Measurements of sessions, taken together; what is not analysed yet is analysed."""
+    from labrig.analysis.together import together
+    from labrig.report.findings import measured
+
+    with progress("analyze") as advance:
+        return together([(path, measured(path, advance, warn)) for path in sessions])
 
 
 def _model(path: Path | None) -> SheetModel | None:

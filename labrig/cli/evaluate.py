@@ -146,8 +146,17 @@ def _prediction_row(found: Prediction) -> list[str]:
     ]
 
 
-def compare(session: Recorded, as_json: Json = False) -> None:
-    """Fit simpler models to a session too: what large deflection and a varying EIBM are worth."""
+def compare(
+    session: Recorded,
+    model: Annotated[
+        Path | None, typer.Option(help="a model file to be compared too, as it stands")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Fit simpler models to a session too: what large deflection and a varying EIBM are worth.
+
+    A model file, such as labrig diagnose writes it, is not fitted but compared as it stands.
+    """
     from dataclasses import replace
 
     from labrig.report.baseline_table import baseline_table, baselines_as_list
@@ -161,6 +170,13 @@ def compare(session: Recorded, as_json: Json = False) -> None:
     rows = compare_models(
         measurements, replace(fitted.options, configurations=tuple(fitted.configurations))
     )
+    if model is not None:
+        from labrig.model_file import load_model
+        from labrig.report.model_row import model_rows
+
+        names = list(fitted.configurations)
+        rows = (*rows, *model_rows(measurements, load_model(model), model.name, names))
+        rows = tuple(sorted(rows, key=lambda row: names.index(row.configuration)))
     if as_json:
         print_json(baselines_as_list(rows))
         return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from labrig.cli.screen import Advance, progress, warn
@@ -34,12 +35,22 @@ from protocols.stop import StopLevel, StopRequest
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
 
 
+FOLLOWS = "follows.txt"  # among a session's texts: the identifier of the one it adds to
+
 Files = tuple[Path, Path, Path]  # rig.toml, protocol.toml, sheet.toml
 
 
-def run_and_follow(rig: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool) -> Result:
-    """`labrig run`: read the files, run the schedule, show the progress."""
-    return _run(load_plan(rig, protocol, sheet), output, None, yes=yes)
+def run_and_follow(
+    rig: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool, follows: str = ""
+) -> Result:
+    """`labrig run`: read the files, run the schedule, show the progress.
+
+    `follows`: identifier of the session that this one adds to; it is kept with the session's files.
+    """
+    plan = load_plan(rig, protocol, sheet)
+    if follows:
+        plan = replace(plan, texts={**plan.texts, FOLLOWS: follows})
+    return _run(plan, output, None, yes=yes)
 
 
 def resume_and_follow(path: Path, files: Files | None, output: Path | None, *, yes: bool) -> Result:

@@ -34,6 +34,12 @@ def run(
         Path | None,
         typer.Option("--resume", help="a session to go on with; the files can be left out"),
     ] = None,
+    diagnose: Annotated[
+        bool,
+        typer.Option(
+            "--diagnose", help="then say what the model is missing, and measure what separates it"
+        ),
+    ] = False,
 ) -> None:
     """Run the experiment and record it.
 
@@ -42,10 +48,16 @@ def run(
 
     With --resume, runs what a session lacks: its complete runs are copied into a new session
     (NAME-resumed.h5 unless -o says otherwise), the first incomplete one is begun anew.
+
+    With --diagnose, goes on after the run: where the data leave several effects open, proposes the
+    measurement that separates them, runs it as a session of its own (NAME-2.h5, ...) and diagnoses
+    all together, three times at most.
     """
     from labrig.cli.follow import resume_and_follow, run_and_follow
     from labrig.config import ReplayConfig, load_rig
 
+    if diagnose and resume is not None:
+        raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
     if resume is not None and rig is None:
         _finish(resume_and_follow(resume, None, output, yes=yes))
         return
@@ -64,6 +76,10 @@ def run(
         replay(config.replay, output)
         return
     _finish(run_and_follow(rig, protocol, sheet, output, yes=yes))
+    if diagnose:
+        from labrig.cli.follow_up import follow_up
+
+        follow_up(output, rig, sheet, yes=yes)
 
 
 def replay(

@@ -25,8 +25,8 @@ def baseline_table(rows: Sequence[Row]) -> Table:
         for row in rows
     )
     note = (
-        "All but the model with the EIBM along the sheet have B and one number for each voltage, "
-        "fitted to all forces and curves by least squares."
+        "All but the model with the EIBM along the sheet, and model files, have B and one number "
+        "for each voltage, fitted to all forces and curves by least squares."
     )
     return Table("Beside simpler models", columns, cells, note)
 

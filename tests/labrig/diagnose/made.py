@@ -1,8 +1,9 @@
-"""Diagnoses made by hand from known sheets: what a procedure would hand back, without running it."""
+"""Diagnoses made by hand from known sheets, as a procedure would hand them back."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -47,9 +48,14 @@ def named_effect() -> ActiveEffect:
     return ActiveEffect("nonuniform_eibm", {"decay_length_mm": decay})
 
 
-def found(measurements: Measurements | None = None) -> Diagnosis:
+@cache
+def found() -> Diagnosis:
     """The EIBM that falls along the sheet, named."""
-    measurements = measurements or measure()
+    return found_in(measure())
+
+
+def found_in(measurements: Measurements) -> Diagnosis:
+    """The same of measurements that a test has."""
     base = constant(truth(*measurements.sheets))
     model = replace(
         base.with_effects(named_effect()), source=measurements.source,
@@ -87,12 +93,14 @@ def found(measurements: Measurements | None = None) -> Diagnosis:
         ranking=(
             Ranked("nonuniform_eibm", "eibm", 812.4, 2.5, 300.0),
             Ranked("load_cell_hysteresis", "load_cell", 310.0, 4.0, 60.0, "less likely"),
-            Ranked("unknown:eibm", "eibm", 250.0, 0.3, 90.0, "an effect of the catalogue does better"),
+            Ranked("unknown:eibm", "eibm", 250.0, 0.3, 90.0, "a known effect does better"),
             Ranked("gravity", "even_moment", -1.8, 0.0, 12.0),
         ),
         threshold=6.2,
         threshold_from="the 95th percentile of 200 simulated sessions with nothing missing",
-        signatures=Signatures(NAMES, np.array([300.0, 60.0, 40.0, 55.0, 2.0]), 30 * (1 - np.eye(n)), cosine),
+        signatures=Signatures(
+            NAMES, np.array([300.0, 60.0, 40.0, 55.0, 2.0]), 30 * (1 - np.eye(n)), cosine
+        ),
         classes=(("force_offset", "gravity"),),
         rows=rows,
         scatter={"position": 5e-5, "eibm": 0.01, "stiffness": 0.012},

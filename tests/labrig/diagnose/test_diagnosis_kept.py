@@ -14,7 +14,7 @@ from labrig.report.diagnosis_store import keep_diagnosis, kept_diagnosis
 from labrig.report.plain import from_plain, to_plain
 from labrig.session import drop_measurements, load_measurements, store_measurements, verify
 from model.discrepancy.result import Diagnosis
-from tests.labrig.diagnose.made import ALL, found
+from tests.labrig.diagnose.made import ALL, found, found_in
 from tests.labrig.report_data import measure, session
 
 
@@ -45,8 +45,8 @@ def test_what_an_older_version_did_not_write_takes_its_default():
 def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
     before = load_measurements(recorded)
     assert kept_diagnosis(recorded) is None
-    keep_diagnosis(recorded, found(before))
-    keep_diagnosis(recorded, replace(found(before), seconds=7.0))
+    keep_diagnosis(recorded, found_in(before))
+    keep_diagnosis(recorded, replace(found_in(before), seconds=7.0))
     kept = kept_diagnosis(recorded)
     assert kept is not None
     assert kept.seconds == 7.0
@@ -57,10 +57,10 @@ def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
 def test_it_goes_with_the_measurements_it_was_made_from(tmp_path):
     measurements = measure("long")
     path = session(tmp_path / "made.h5", measurements)
-    keep_diagnosis(path, found(measurements))
+    keep_diagnosis(path, found_in(measurements))
     store_measurements(path, measurements)
     assert kept_diagnosis(path) is None
-    keep_diagnosis(path, found(measurements))
+    keep_diagnosis(path, found_in(measurements))
     drop_measurements(path)
     assert kept_diagnosis(path) is None
 
@@ -69,7 +69,7 @@ def test_it_goes_with_the_measurements_it_was_made_from(tmp_path):
 def test_one_that_cannot_be_read_says_what_to_do(tmp_path, content):
     measurements = measure("long")
     path = session(tmp_path / "made.h5", measurements)
-    keep_diagnosis(path, found(measurements))
+    keep_diagnosis(path, found_in(measurements))
     with h5py.File(path, "r+") as file:
         del file["/session/derived/diagnosis"]
         file["/session/derived/diagnosis"] = np.frombuffer(content, dtype=np.uint8)

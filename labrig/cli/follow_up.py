@@ -1,0 +1,64 @@
+"""`labrig run --diagnose`: what comes after the run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+
+from labrig.cli.diagnose import diagnosed, keep, of_sessions, print_diagnosis
+from labrig.cli.follow import run_and_follow
+from labrig.cli.screen import say, warn
+from labrig.errors import ExitCode
+from labrig.experiment.closed_loop import closed_loop
+from labrig.experiment.next_protocol import protocol_text
+from labrig.report.diagnosis_tables import next_told
+from labrig.session import open_session
+from model.discrepancy import DiagnoseOptions, Diagnosis, Next
+
+
+def follow_up(first: Path, rig: Path, sheet: Path, *, yes: bool) -> None:
+    """Diagnose a session that was just run, and measure further where that helps."""
+    ended = closed_loop(first, _AtTheRig(rig, sheet, yes=yes), say)
+    if len(ended.sessions) > 1 or ended.diagnosis.verdict == "indistinguishable":
+        say(f"Ended with {len(ended.sessions)} sessions: {ended.why}.")
+    if ended.code is not ExitCode.DONE:
+        warn(f"labrig: {ended.why}.")
+        raise typer.Exit(int(ended.code))
+
+
+@dataclass(frozen=True)
+class _AtTheRig:
+    """See `labrig.experiment.closed_loop.Rig`."""
+
+    rig: Path
+    sheet: Path
+    yes: bool
+
+    def diagnose(self, sessions: list[Path]) -> Diagnosis:
+        found = diagnosed(of_sessions(sessions), DiagnoseOptions())
+        keep(sessions[0], found)
+        print_diagnosis(found)
+        return found
+
+    def agree(self, proposed: Next) -> bool:
+        if self.yes:
+            return True
+        try:
+            return typer.confirm(f"{next_told(proposed)} Do it now?", default=False)
+        except typer.Abort:  # nobody there to be asked
+            return False
+
+    def measure(self, proposed: Next, sessions: list[Path], output: Path) -> ExitCode:
+        text = protocol_text(proposed, of_sessions(sessions[:1]), sessions[0])
+        protocol = output.with_name(f"{output.stem}-protocol.toml")
+        protocol.write_text(text, encoding="utf-8")
+        say(f"wrote {protocol}")
+        with open_session(sessions[0]) as session:
+            follows = session.identifier
+        result = run_and_follow(
+            self.rig, protocol, self.sheet, output, yes=self.yes, follows=follows
+        )
+        say(f"{result.path}: {result.outcome.value}: {result.status.text}.")
+        return result.code

@@ -1,0 +1,85 @@
+"""Measure, diagnose, and measure what separates the candidates, until one is named.
+
+Each further measurement is a session of its own that names the first one by its identifier; all of
+them are diagnosed together. It ends when the verdict is no class any more, when nothing on the menu
+helps, when the operator declines, or after `MOST_ROUNDS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from labrig.errors import ExitCode
+from model.discrepancy import Diagnosis, Next
+
+MOST_ROUNDS = 3
+
+
+class Rig(Protocol):
+    """What the loop has done by others."""
+
+    def diagnose(self, sessions: list[Path]) -> Diagnosis:
+        """Diagnose sessions together, and show what was found."""
+
+    def agree(self, proposed: Next) -> bool:
+        """Whether to make a measurement; the operator is asked, or has agreed beforehand."""
+
+    def measure(self, proposed: Next, sessions: list[Path], output: Path) -> ExitCode:
+        """Run it as a session at `output` that follows the first of `sessions`."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How the loop ended."""
+
+    sessions: tuple[Path, ...]
+    diagnosis: Diagnosis
+    why: str
+    code: ExitCode = ExitCode.DONE
+
+
+def closed_loop(first: Path, rig: Rig, tell: Callable[[str], None]) -> Ended:
+    """Go on from a recorded session until something is named or nothing helps."""
+    sessions, done = [first], set[str]()
+    found = rig.diagnose(sessions)
+    for number in range(2, MOST_ROUNDS + 2):
+        why = _enough(found, done)
+        if why:
+            return Ended(tuple(sessions), found, why)
+        proposed = found.next_measurement
+        assert proposed is not None  # noqa: S101 - `_enough` has looked
+        if not rig.agree(proposed):
+            return Ended(tuple(sessions), found, "the proposed measurement was not made")
+        output = further_session(first, number)
+        code = rig.measure(proposed, sessions, output)
+        if code is not ExitCode.DONE:
+            return Ended(tuple(sessions), found, f"{output} was not completed", code)
+        sessions.append(output)
+        done.add(proposed.extra)
+        tell(f"diagnosing {', '.join(map(str, sessions))} together")
+        found = rig.diagnose(sessions)
+    why = _enough(found, done) or f"{MOST_ROUNDS} further measurements were made"
+    return Ended(tuple(sessions), found, why)
+
+
+def _enough(found: Diagnosis, done: set[str]) -> str:
+    """Why to stop; empty: go on."""
+    if found.verdict != "indistinguishable":
+        return "the data allow a verdict"
+    if found.next_measurement is None:
+        return "nothing on the menu would separate the candidates"
+    if found.next_measurement.extra in done:
+        return "what would help most has been measured already"
+    return ""
+
+
+def further_session(first: Path, number: int) -> Path:
+    """Where the next session goes: a name that is free, beside the first one."""
+    path = first.with_name(f"{first.stem}-{number}{first.suffix}")
+    while path.exists():
+        number += 1
+        path = first.with_name(f"{first.stem}-{number}{first.suffix}")
+    return path

@@ -1,0 +1,41 @@
+"""`compare --model`: a model file beside the models that are fitted."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from labrig.cli.main import run
+from labrig.model_file import save_model
+from labrig.report.model_row import model_rows
+from tests.labrig.diagnose.made import constant, named_effect
+from tests.labrig.report_data import measure, session, truth
+
+
+def test_the_true_model_is_nearer_than_one_with_its_mean_eibm():
+    measurements, model = measure("long"), truth("long")
+    (true,) = model_rows(measurements, model, "true", ["long"])
+    (mean,) = model_rows(measurements, constant(model), "mean", ["long"])
+    (mended,) = model_rows(
+        measurements, constant(model).with_effects(named_effect()), "mended", ["long"]
+    )
+    assert true.force_rmse_N < 2e-5
+    assert true.curve_rmse_m < 5e-6
+    assert mean.force_rmse_N > 3e-4
+    assert mended.force_rmse_N == pytest.approx(true.force_rmse_N, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
+    path = session(tmp_path / "made.h5", measure("long"))
+    save_model(constant(truth("long")).with_effects(named_effect()), tmp_path / "model+.toml")
+    assert run(["compare", str(path), "--model", str(tmp_path / "model+.toml"), "--json"]) == 0
+    rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["model+.toml"]["force_rmse_mN"] < 0.03
+    one = truth("long").sheet("long")
+    other = replace(one, sheet=replace(one.sheet, free_length_m=0.07))
+    save_model(replace(truth("long"), sheets={"long": other}), tmp_path / "other.toml")
+    assert run(["compare", str(path), "--model", str(tmp_path / "other.toml")]) == 2
+    assert "another free length" in capsys.readouterr().err

@@ -1,0 +1,278 @@
+"""What diagnose, next and effects print and write, with findings made by hand."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+
+import model.discrepancy
+from labrig.cli.main import run
+from labrig.config import load_protocol
+from labrig.model_file import load_model
+from labrig.report.diagnosis_figures import FIGURES
+from labrig.report.diagnosis_store import kept_diagnosis
+from labrig.report.write import write_report
+from labrig.session import load_measurements
+from model import predict
+from model.discrepancy import Next
+from model.effects import catalogue
+from tests.labrig.diagnose import made
+from tests.labrig.report_data import measure, session
+from tests.labrig.test_report_page import read
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return session(tmp_path_factory.mktemp("diagnose") / "made.h5", measure("long"))
+
+
+@pytest.fixture
+def finding(monkeypatch, recorded):
+    """Replaces the procedure by one that hands back what a test wants; keeps its options."""
+    asked = []
+
+    def answer(make):
+        def diagnose(measurements, options=None, progress=None):
+            asked.append(options)
+            progress("searching", 0.5)
+            return make()
+
+        monkeypatch.setattr(model.discrepancy, "diagnose", diagnose)
+        return asked
+
+    return answer
+
+
+def lines_in_order(text: str, *wanted: str) -> None:
+    places = [text.index(part) for part in wanted]
+    assert places == sorted(places), dict(zip(wanted, places, strict=True))
+
+
+def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recorded, capsys):
+    finding(made.found)
+    assert run(["diagnose", str(recorded)]) == 0
+    captured = capsys.readouterr()
+    lines_in_order(
+        captured.out,
+        "misses the measurement by 0.410 mN in the forces and 1.620 mm",
+        "Where simulation and measurement disagree", "+41.2",
+        "These data would show 5 of 5 effects at a plausible size.",
+        "They cannot tell force_offset and gravity apart.",
+        "Invisible in these data", "charging_lag",
+        "Candidates", "nonuniform_eibm", "812.4", "load_cell_hysteresis", "less likely",
+        "of 6.2 or more (the 95th percentile of 200 simulated sessions",
+        "Verdict: an effect is named. The EIBM falls along the sheet",
+        "Parameters", "nonuniform_eibm: decay_length_mm", "12.00 ± 0.40",
+        "long: bending stiffness B", "µN·m²",
+        "Before and after", "all, left out: force, mN", "long, fitted: neutral curve, mm",
+        "closes 99.4 % of the gap",
+        "From one set-up to the next: contact's place 0.05 mm, EIBM 1 %",
+    )  # fmt: skip
+    assert "diagnose: 50 % - searching" in captured.err
+    assert "\x1b" not in captured.out
+
+
+@pytest.mark.parametrize("make", made.ALL)
+def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recorded, capsys):
+    finding(make)
+    assert run(["diagnose", str(recorded), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdict"] == make().verdict
+    assert {
+        "verdict",
+        "effects",
+        "invisible",
+        "unknown",
+        "where",
+        "gap",
+        "next_measurement",
+    } <= set(found)
+    assert set(found["gap"]) == {"fitted", "held_out"}
+    for one in found["effects"]:
+        assert one["slot"] == catalogue()[one["name"]].slot
+        assert set(one["parameters"]) == set(one["interval90"])
+    if found["unknown"] is not None:
+        assert len(found["unknown"]["s_mm"]) == len(found["unknown"]["profile"])
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (made.nothing_missing, "Verdict: nothing is missing."),
+        (made.indistinguishable, "One of nonuniform_eibm and load_cell_hysteresis: 97 %"),
+        (made.indistinguishable, "Measure next: Six free shapes"),
+        (made.indistinguishable, "1.8 sigma apart now, and would be 14.0 after 2 min"),
+        (made.unknown, "most at 30 mm from the clamp: in proportion to the EIBM"),
+        (made.cannot_tell, "these data do not allow a verdict"),
+    ],
+)
+def test_each_verdict_is_a_plain_sentence(make, says, finding, recorded, capsys):
+    finding(make)
+    assert run(["diagnose", str(recorded)]) == 0
+    assert says in capsys.readouterr().out
+
+
+def test_options_reach_the_procedure(finding, recorded, tmp_path):
+    asked = finding(made.found)
+    known = tmp_path / "known.toml"
+    assert run(["diagnose", str(recorded), "-o", str(known)]) == 0
+    options = [
+        "--model", str(known), "--hold-out", "position=20", "--hold-out",
+        "configuration=long,position=0", "--symmetric", "--calibrate", "30",
+    ]  # fmt: skip
+    assert run(["diagnose", str(recorded), *options]) == 0
+    used = asked[-1]
+    assert used.hold_out == (("", 0.02), ("long", 0.0))
+    assert (used.symmetric, used.calibrate) == (True, 30)
+    assert [e.name for e in used.model.effects] == ["nonuniform_eibm"]
+
+
+@pytest.mark.parametrize("make", [made.found, made.unknown])
+def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tmp_path, capsys):
+    finding(make)
+    path = tmp_path / "model+.toml"
+    assert run(["diagnose", str(recorded), "-o", str(path)]) == 0
+    assert f"wrote {path}" in capsys.readouterr().out
+    loaded, wanted = load_model(path), make().model
+    one, two = (predict(m, "long", 0.01, 2.0).F_N for m in (loaded, wanted))
+    assert one == pytest.approx(two, rel=1e-9)
+    plain = predict(wanted.with_effects(), "long", 0.01, 2.0).F_N
+    assert abs(one - plain) > 1e-6
+    asked = ["--configuration", "long", "--position-mm", "10", "--voltage", "2", "--json"]
+    assert run(["simulate", str(path), *asked]) == 0
+    assert json.loads(capsys.readouterr().out)[0]["F_N"] == pytest.approx(one, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_model_with_what_was_found_answers_design_questions(finding, recorded, tmp_path, capsys):
+    finding(made.found)
+    path = tmp_path / "model+.toml"
+    assert run(["diagnose", str(recorded), "-o", str(path)]) == 0
+    assert run(["design", str(path), "--section", "0:20", "--configuration", "long"]) == 0
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_path):
+    path = session(tmp_path / "made.h5", measure("long"))
+    finding(made.found)
+    assert run(["diagnose", str(path)]) == 0
+    kept = kept_diagnosis(path)
+    assert kept is not None
+    assert kept.verdict == "effect_named"
+    assert load_measurements(path).conditions
+    page = read(write_report(path, tmp_path / "out"))
+    assert "What the model is missing" in page
+    assert "Verdict: an effect is named" in page
+    assert 'id="diagnosis-maps"' in page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("make", made.ALL)
+def test_the_page_is_one_file_with_its_figures_beside_it(make, finding, recorded, tmp_path):
+    finding(make)
+    assert run(["diagnose", str(recorded), "--report", str(tmp_path)]) == 0
+    page = read(tmp_path / "index.html")
+    assert re.findall(r'(?:src|href)="(?!#|data:image/png)', page) == []
+    for name in FIGURES:
+        drawn = (tmp_path / "figures" / f"{name}.png").exists()
+        assert drawn == (f'id="{name}"' in page)
+        assert drawn == (tmp_path / "figures" / f"{name}.svg").exists()
+    assert (tmp_path / "figures" / "diagnosis-ranking.png").exists()
+
+
+# -- effects
+
+
+def test_the_catalogue_is_a_table_with_a_line_for_each_effect(capsys):
+    assert run(["effects"]) == 0
+    out = capsys.readouterr().out
+    for name, one in catalogue().items():
+        line = next(line for line in out.splitlines() if line.startswith(name + " "))
+        assert one.size.name in line
+        assert one.slot.replace("_", " ") in line
+
+
+@pytest.mark.parametrize("name", ["nonuniform_eibm", "initial_curvature", "roll_sticking"])
+def test_an_effect_is_shown_with_all_that_is_known_of_it(name, capsys):
+    assert run(["effects", "show", name]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    one = catalogue()[name]
+    for text in (one.meaning, one.form, one.signature, one.isolates, one.source):
+        assert " ".join(text.split()) in out
+    for knob in one.knobs:
+        assert knob.name in out
+        assert knob.meaning in out
+
+
+def test_effects_as_json_are_the_whole_catalogue(capsys):
+    assert run(["effects", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [one["name"] for one in listed] == list(catalogue())
+    assert run(["effects", "show", "gravity", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == next(o for o in listed if o["name"] == "gravity")
+
+
+def test_an_effect_that_does_not_exist_is_refused_with_those_that_do(capsys):
+    assert run(["effects", "show", "gravitation"]) == 2
+    assert "did you mean 'gravity'" in capsys.readouterr().err
+
+
+# -- next
+
+
+@pytest.fixture
+def proposing(monkeypatch):
+    def propose(extra):
+        found = Next("Six free shapes tell them apart.", extra, 1.5, 9.0, 3.0, {})
+        monkeypatch.setattr(model.discrepancy, "next_measurement", lambda *_: found)
+
+    return propose
+
+
+EXTRAS = [
+    "free_shapes", "remount", "reversed_approach", "between", "half_voltage", "random_order",
+    "more_repeats",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_path, capsys):
+    proposing(extra)
+    path = tmp_path / "protocol.toml"
+    asked = ["--between", "gravity", "clamp_angle", "-o", str(path)]
+    assert run(["next", str(recorded), *asked]) == 0
+    assert "1.5 sigma apart now, and would be 9.0 after 3 min" in capsys.readouterr().out
+    config = load_protocol(path)
+    runs = config.schedule(str(path)).runs
+    assert runs
+    positions = [r.position_m for r in runs]
+    voltages = {s.voltage_V for r in runs for s in r.steps}
+    if extra == "free_shapes":
+        assert positions == [None]
+        assert len(runs[0].readings) == 8  # two at each voltage and at 0 V, two discarded
+    elif extra == "remount":
+        assert positions == [0.0, 0.02, 0.03]
+    elif extra == "reversed_approach":
+        assert {r.approach for r in runs} == {"down"}
+        assert positions == [0.03, 0.02, 0.01, 0.0]
+    elif extra == "between":
+        assert positions == [0.005, 0.015, 0.025]
+    elif extra == "half_voltage":
+        assert voltages == {0.0, 1.0, -1.0}
+    else:
+        assert sorted(positions) == [0.0, 0.01, 0.02, 0.03]
+    if extra != "half_voltage":
+        assert voltages == {0.0, 2.0, -2.0}
+
+
+def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
+    proposing("free_shapes")
+    assert run(["next", str(recorded), "--between", "gravity", "clamp_angle"]) == 0
+    assert "free_shapes = true" in capsys.readouterr().out
+    assert run(["next", str(recorded), "--between", "gravity", "clamp_angle", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["protocol"]["extras"]["free_shapes"] is True
+    assert found["separation_expected"] == 9.0
