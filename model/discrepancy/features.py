@@ -8,11 +8,14 @@ parts of a pulse, relative to the sampling point, averaged over the pulses of a 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import legendre
 
+from model.discrepancy.pulses import BINS_S, SAMPLE_S, parts_of_pulses
 from model.effects.interface import Clock
 from model.measurements import (
     Condition,
@@ -20,16 +23,18 @@ from model.measurements import (
     FloatArray,
     Measurements,
     ModelError,
+    Reading,
     SheetGeometry,
     TimeSeries,
 )
 from model.observations import check_sheet, checked_curve
 
 TRENDS = 4  # the mean, and polynomials in time up to the third degree
-PULSE_S, SAMPLE_S, WINDOW_S = 0.6, 0.5, 0.1
-DISCARDED = 2
-BINS_S = np.array([0.15, 0.19, 0.23, 0.28, 0.34, 0.40])  # edges of parts of a pulse
-RunKey = tuple[str, float, int, int]
+PULSE_S = 0.6
+FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
+EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
+RunKey = tuple[str, float, int, int]  # configuration, position (inf: free), mounting, run
+Index = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -102,7 +107,7 @@ def look(measurements: Measurements, configuration: str) -> Look:
         why = f" ({'; '.join(reasons)})" if reasons else ""
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
     series = [s for s in measurements.series if s.configuration == configuration]
-    pulses = [p for s in series for p in _pulses(s, seen, span, ratio)]
+    pulses = [p for s in series for p in _pulses(s, seen)]
     return Look(sheet, seen, tuple(pulses))
 
 
@@ -113,44 +118,82 @@ def _seen(
     zeros: dict[RunKey, int],
     ratio: float,
 ) -> Seen | None:
-    free = condition.position_m is None
-    place = "free" if free else f"{condition.position_m * 1e3:g} mm"  # type: ignore[operator]
+    """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite."""
+    at_m, free = condition.position_m, condition.position_m is None
+    place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
     name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
     readings = sorted(condition.used(), key=lambda r: r.index)
     if (not free and not readings) or (free and condition.curve is None):
         return None
+    if not np.isfinite(condition.voltage_V):
+        raise ModelError(f"the voltage of condition {name} is not a finite number")
     identical = not free and len(readings) > 1 and len({r.force_N for r in readings}) == 1
-    if identical:
+    if identical:  # one reading each, from the middle of them
         readings = readings[len(readings) // 2 :][:1]
     forces = np.array([] if free else [r.force_N for r in readings])
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
-    if not np.isfinite(condition.voltage_V):
-        raise ModelError(f"the voltage of condition {name} is not a finite number")
     key = run_key(condition)
-    own = tuple(checked_curve(r.curve, name) for r in readings if r.curve is not None)
-    same = len(own) == len(readings) > 1 and len({len(c.s_m) for c in own}) == 1
-    curve = None if condition.curve is None else checked_curve(condition.curve, name)
-    if curve is None and own and len({len(c.s_m) for c in own}) == 1:
-        curve = _mean_curve(own)
-    index = np.array([r.index for r in readings], dtype=float)
-    run_s = np.array(
-        [r.index * PULSE_S + SAMPLE_S if r.time_s is None else r.time_s for r in readings]
-    )
-    session = np.array([_share(r.session_s, span) for r in readings])
-    wetted = np.array(
-        [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
-    )
-    clock = _clock(condition.voltage_V, index, run_s, session, wetted, zeros.get(key, 0), ratio,
-                   sheet.rise_time_s)  # fmt: skip
-    if free:
-        clock = _clock(condition.voltage_V, np.zeros(1), np.zeros(1), np.full(1, 0.5),
-                       np.zeros(1), 0, ratio, sheet.rise_time_s)  # fmt: skip
+    timing = _Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s)
+    curve, own = _curves(condition, readings, name)
     return Seen(
-        name, condition.configuration, key, np.nan if free else float(condition.position_m or 0.0),
-        condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces, clock, curve,
-        own if same and not free else (), identical,
+        name, condition.configuration, key, np.nan if at_m is None else float(at_m),
+        condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
+        timing.of_no_reading() if free else timing.of(readings, span), curve,
+        () if free else own, identical,
     )  # fmt: skip
+
+
+def _curves(
+    condition: Condition, readings: list[Reading], name: str
+) -> tuple[Curve | None, tuple[Curve, ...]]:
+    """The curve of the mean image, and those of all readings where they can be compared."""
+    own = tuple(checked_curve(r.curve, name) for r in readings if r.curve is not None)
+    alike = len({len(c.s_m) for c in own}) == 1
+    curve = None if condition.curve is None else checked_curve(condition.curve, name)
+    if curve is None and alike:
+        curve = _mean_curve(own)
+    return curve, own if alike and len(own) == len(readings) > 1 else ()
+
+
+@dataclass(frozen=True)
+class _Timing:
+    """What the clocks of a condition's readings have in common."""
+
+    voltage_V: float
+    zeros: int  # readings of the run before its first pulse
+    ratio: float  # |EIBM(-)/EIBM(+)|
+    rise_s: float
+
+    def of(self, readings: list[Reading], span: tuple[float, float]) -> Clock:
+        """Of readings in time order; those without times are taken as spaced by the pulses."""
+        index = np.array([r.index for r in readings], dtype=float)
+        run_s = np.array(
+            [r.index * PULSE_S + SAMPLE_S if r.time_s is None else r.time_s for r in readings]
+        )
+        wetted = np.array(
+            [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
+        )
+        session = np.array([_share(r.session_s, span) for r in readings])
+        return self._clock(index, run_s, session, wetted)
+
+    def of_no_reading(self) -> Clock:
+        """Of a free shape, in the middle of the session."""
+        nothing = np.zeros(1)
+        return replace(self, zeros=0)._clock(nothing, nothing, np.full(1, 0.5), nothing)
+
+    def _clock(
+        self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray
+    ) -> Clock:
+        shape = index.shape
+        pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
+        driven = PULSE_S * np.maximum(pulse, 0.0)
+        before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
+        opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
+        return Clock(
+            np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
+            wetted, driven, opposite, np.full(shape, self.rise_s),
+        )  # fmt: skip
 
 
 def run_key(condition: Condition | TimeSeries) -> RunKey:
@@ -158,27 +201,6 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
     position = np.inf if condition.position_m is None else condition.position_m
     run = condition.run if isinstance(condition, Condition) else 0
     return condition.configuration, float(position), condition.mounting, run
-
-
-def _clock(
-    voltage_V: float,
-    index: FloatArray,
-    run_s: FloatArray,
-    session: FloatArray,
-    wetted: FloatArray,
-    zeros: int,
-    ratio: float,
-    rise_s: float,
-) -> Clock:
-    shape = index.shape
-    pulse = index - zeros if voltage_V else np.full(shape, -1.0)
-    driven = PULSE_S * np.maximum(pulse, 0.0)
-    before = -ratio if voltage_V > 0.0 else -1.0 / ratio
-    opposite = np.where(pulse > 0.0, before, 0.0) if voltage_V else np.ones(shape)
-    return Clock(
-        np.full(shape, voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session, wetted, driven,
-        opposite, np.full(shape, rise_s),
-    )  # fmt: skip
 
 
 def _first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
@@ -222,56 +244,23 @@ def _mean_curve(curves: tuple[Curve, ...]) -> Curve:
     return Curve(s, x, y)
 
 
-def _pulses(
-    series: TimeSeries, seen: tuple[Seen, ...], span: tuple[float, float], ratio: float
-) -> list[Pulses]:
+def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
     """Parts of the kept pulses of one run, for each driving voltage."""
-    if series.force_N is None or series.position_m is None or len(series.time_s) < 20:
-        return []
-    t, drive = np.asarray(series.time_s), np.asarray(series.drive_V)
-    force = np.asarray(series.force_N)
-    if not (np.all(np.isfinite(t)) and np.all(np.isfinite(drive))):
-        raise ModelError(f"the series of {series.configuration} holds a number that is not finite")
-    level = np.round(drive / 0.25)  # steps of voltage, without the read-back's noise
-    starts = np.concatenate([[0], 1 + np.flatnonzero(np.diff(level))])
-    starts = starts[np.concatenate([np.diff(np.append(t[starts], t[-1])) > 0.8 * SAMPLE_S])]
-    ends = np.append(starts[1:], len(t))
-    result, driven = [], 0
-    parts: dict[float, list[FloatArray]] = {}
-    for a, b in zip(starts, ends, strict=True):
-        volts = float(np.median(drive[a:b]))
-        if abs(volts) < 0.25:
-            continue
-        driven += 1
-        before = t[a - 1] if a else t[a]  # the edge lies between two samples
-        part = _parts(t[a:b] - 0.5 * (before + t[a]), force[a:b])
-        if driven > DISCARDED and part is not None:
-            parts.setdefault(np.sign(volts), []).append(part)
+    if series.position_m is None:
+        return
+    parts = parts_of_pulses(series)
     for i, one in enumerate(seen):
+        # a series does not say of which turn it is
         if one.run[:3] != run_key(series)[:3] or one.voltage_V == 0.0:
             continue
-        own = np.array(parts.get(np.sign(one.voltage_V), []))
-        if len(own) < 3:
+        own = parts.get(float(np.sign(one.voltage_V)))
+        if own is None or len(own) < FEWEST_PULSES:
             continue
-        middle = 0.5 * (BINS_S[1:] + BINS_S[:-1])
-        variance = np.var(own, axis=0, ddof=1) / len(own)
-        result.append(Pulses(one.configuration, one.run, i, middle, np.diff(BINS_S), own.mean(axis=0),
-                             variance, 0.3 * float(np.median(np.diff(t)))))  # fmt: skip
-    return result
-
-
-def _parts(t: FloatArray, force: FloatArray) -> FloatArray | None:
-    """Mean force in each part of a pulse, less that about the sampling point."""
-    at = force[np.abs(t - SAMPLE_S) <= WINDOW_S]
-    if not len(at) or not np.all(np.isfinite(at)):
-        return None
-    means = []
-    for low, high in zip(BINS_S[:-1], BINS_S[1:], strict=True):
-        inside = force[(t >= low) & (t < high)]
-        if not len(inside) or not np.all(np.isfinite(inside)):
-            return None
-        means.append(float(np.mean(inside)))
-    return np.array(means) - float(np.mean(at))
+        yield Pulses(
+            one.configuration, one.run, i, 0.5 * (BINS_S[1:] + BINS_S[:-1]), np.diff(BINS_S),
+            own.mean(axis=0), np.var(own, axis=0, ddof=1) / len(own),
+            EDGE_STEPS * float(np.median(np.diff(series.time_s))),
+        )  # fmt: skip
 
 
 def trends(clock: Clock) -> FloatArray:
@@ -284,6 +273,6 @@ def trends(clock: Clock) -> FloatArray:
     V = legendre.legvander(t / scale, min(TRENDS, n) - 1)
     Q, _ = np.linalg.qr(V)
     Q = Q * np.sign(Q[-1])
-    rows = Q.T.copy()
+    rows: FloatArray = Q.T.copy()
     rows[0] = 1.0 / n
     return rows

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from model.discrepancy.features import SAMPLE_S, WINDOW_S, Look, RunKey, trends
+from model.discrepancy.features import Index, Look, Pulses, RunKey, Seen, trends
+from model.discrepancy.pulses import SAMPLE_S, WINDOW_S
 from model.discrepancy.scene import Scene
 from model.effects.interface import Clock
 from model.measurements import FloatArray
 
-Index = npt.NDArray[np.int64]
 WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
 MOST_SWAYS = 3  # trends of a curve's size over the readings
 
@@ -47,7 +47,7 @@ class Part:
         """Mean over the pulses: (m,) to (b,)."""
         count = np.bincount(self.bin_at, minlength=len(self.bin_of))
         total: FloatArray = np.bincount(self.bin_at, values, len(self.bin_of))
-        return total / np.maximum(count, 1)
+        return np.asarray(total / np.maximum(count, 1), dtype=np.float64)
 
 
 class Layout:
@@ -81,48 +81,70 @@ class Layout:
 
     def _part(self, look: Look, scene: Scene) -> Part:
         seen = look.seen
-        reading_of = np.concatenate([np.full(len(o.force_N), k) for k, o in enumerate(seen)])
-        n = len(reading_of)
-        clocks = [o.clock for o in seen if len(o.force_N)]
-        trend, trend_rows, trend_of, means = [], [], [], []
-        sway, sway_rows, sway_of = [], [], []
+        n = sum(len(o.force_N) for o in seen)
+        trend, sway, is_mean = _Rows(n), _Rows(n), list[bool]()
         modes = np.full((len(seen), scene.modes), -1)
         start = 0
         for k, o in enumerate(seen):
             own = slice(start, start + len(o.force_N))
             start = own.stop
             T = trends(o.clock) if len(o.force_N) else np.zeros((0, 0))
-            for j, row in zip(self._new(o.run, len(T)), T, strict=True):
-                trend.append(_widened(row, own, n))
-                trend_rows.append(j)
-                trend_of.append(k)
-            means += [True] * min(1, len(T)) + [False] * (len(T) - 1)
+            trend.add(T, own, self._new(o.run, len(T)), k)
+            is_mean += [j == 0 for j in range(len(T))]
             if o.curve is not None:
                 modes[k] = self._new(o.run, scene.modes)
             if o.own_curves and o.voltage_V != 0.0:
-                rows = T[1 : 1 + MOST_SWAYS]
-                for j, row in zip(self._new(o.run, len(rows)), rows, strict=True):
-                    sway.append(_widened(row, own, n))
-                    sway_rows.append(j)
-                    sway_of.append(k)
+                slopes = T[1 : 1 + MOST_SWAYS]
+                sway.add(slopes, own, self._new(o.run, len(slopes)), k)
         bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
-        parts = [(seen[p.condition].clock, at, width) for p in look.pulses
-                 for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+        reading_of = _ints([k for k, o in enumerate(seen) for _ in o.force_N])
+        clock = joined([o.clock for o in seen if len(o.force_N)])
+        bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
         return Part(
-            reading_of.astype(np.int64), joined(clocks),
-            np.concatenate([o.force_N for o in seen]), _in_time(joined(clocks), reading_of, look),
-            _stacked(trend, n), _index(trend_rows), _index(trend_of), np.array(means, dtype=bool),
-            modes, _stacked(sway, n), _index(sway_rows), _index(sway_of),
-            joined([_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]),
-            joined([_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]),
-            np.concatenate([_index([]), *(np.full(len(WITHIN) * len(c.run_s), i) for i, (c, *_) in enumerate(parts))]),
-            _index([p.condition for p in look.pulses for _ in p.force_N]),
-            np.concatenate([_index([]), *bins]),
-            _index([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
+            reading_of, clock, np.concatenate([o.force_N for o in seen]),
+            _in_time(clock, reading_of, look), trend.stacked(), _ints(trend.rows),
+            _ints(trend.of), np.array(is_mean, dtype=bool), modes, sway.stacked(),
+            _ints(sway.rows), _ints(sway.of), bin_clock, bin_sample, bin_at,
+            _ints([p.condition for p in look.pulses for _ in p.force_N]),
+            np.concatenate([_ints([]), *bins]),
+            _ints([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
             np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
             np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
             max([0.0, *(p.edge_s for p in look.pulses)]),
         )  # fmt: skip
+
+
+@dataclass
+class _Rows:
+    """Weights of readings, row by row, with the places of these rows and their conditions."""
+
+    n: int  # readings
+    weights: list[FloatArray] = field(default_factory=list)
+    rows: list[int] = field(default_factory=list)
+    of: list[int] = field(default_factory=list)
+
+    def add(self, weights: FloatArray, own: slice, places: Index, condition: int) -> None:
+        """Weights (rows, readings of `own`)."""
+        for row, place in zip(weights, places, strict=True):
+            whole = np.zeros(self.n)
+            whole[own] = row
+            self.weights.append(whole)
+            self.rows.append(int(place))
+            self.of.append(condition)
+
+    def stacked(self) -> FloatArray:
+        """(rows, n)."""
+        return np.array(self.weights) if self.weights else np.zeros((0, self.n))
+
+
+def _moments(seen: tuple[Seen, ...], pulses: tuple[Pulses, ...]) -> tuple[Clock, Clock, Index]:
+    """Moments of all parts in all pulses, those of the pulses' sampling points, and which part."""
+    parts = [(seen[p.condition].clock, at, width)
+             for p in pulses for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+    inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
+    sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]
+    at = [np.full(len(WITHIN) * len(c.run_s), i) for i, (c, _, _) in enumerate(parts)]
+    return joined(inside), joined(sample), np.concatenate([_ints([]), *at])
 
 
 def joined(clocks: list[Clock]) -> Clock:
@@ -144,21 +166,11 @@ def _in_pulse(sample: Clock, at_s: float) -> Clock:
     )  # fmt: skip
 
 
-def _in_time(clock: Clock, of: FloatArray, look: Look) -> Index:
+def _in_time(clock: Clock, of: Index, look: Look) -> Index:
     keys = list(dict.fromkeys(o.run for o in look.seen))
     run = np.array([keys.index(look.seen[int(k)].run) for k in of])
     return np.lexsort((clock.run_s, run, np.round(clock.session, 12)))
 
 
-def _widened(row: FloatArray, own: slice, n: int) -> FloatArray:
-    result = np.zeros(n)
-    result[own] = row
-    return result
-
-
-def _stacked(rows: list[FloatArray], n: int) -> FloatArray:
-    return np.array(rows) if rows else np.zeros((0, n))
-
-
-def _index(values: list[int]) -> Index:
+def _ints(values: list[int]) -> Index:
     return np.array(values, dtype=np.int64)

@@ -1,8 +1,8 @@
 """Solves the conditions of one configuration and says how forces and curves answer to anything.
 
-Quantities along the sheet are values at Gauss-Legendre nodes; a change of any of them, of stiffness,
-contact or clamp becomes a change of forces and curve modes through one matrix, so that the
-signatures of all effects cost next to nothing.
+Quantities along the sheet are values at Gauss-Legendre nodes; a change of any of them, of
+stiffness, contact or clamp becomes a change of forces and curve modes through one matrix, so that
+the signatures of all effects cost next to nothing.
 """
 
 from __future__ import annotations
@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from model.beam import Directions, Equilibria, Problems, Status, finer, solve
-from model.discrepancy.features import Look
+from model.discrepancy.features import Index, Look
 from model.effects.interface import Beam, Held
 from model.field import Field, merged_breaks, padded
 from model.free import free_shape
@@ -22,7 +21,6 @@ from model.gauss import rule
 from model.measurements import FloatArray, ModelError
 from model.system import STEEPEST_PER_M, legendre_field
 
-Rows = npt.NDArray[np.int64]
 NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
 
@@ -70,7 +68,7 @@ class Scene:
         self.free = np.flatnonzero(np.isnan(self.stated_m))
         self._stack_curves()
         self._last: Equilibria | None = None
-        self._found: list[tuple[Rows, Equilibria]] = []
+        self._found: list[tuple[Index, Equilibria]] = []
 
     def _make_panels(self, look: Look, G: int) -> None:
         R, sheet = look.sheet.arc_radius_m, look.sheet
@@ -131,21 +129,21 @@ class Scene:
 
     # -- solving
 
-    def _kappa(self, beam: Beam, k: FloatArray) -> FloatArray:
+    def _kappa(self, beam: Beam, k: Index) -> FloatArray:
+        """k* = k0 + rest + soft (eibm + bend), without the contact: (len(k), panels, degree)."""
         values = beam.rest[k] + (beam.eibm[k] + beam.bend[k]) * beam.soft[k]
-        return self._rest + np.tensordot(values, self.rows, axes=(1, 0))
+        rows: FloatArray = self._rest + np.tensordot(values, self.rows, axes=(1, 0))
+        return rows
 
-    def _soft(self, beam: Beam, k: FloatArray) -> FloatArray:
+    def _soft(self, beam: Beam, k: Index) -> FloatArray:
+        """B/B(s), the elongation's too: (len(k), panels, degree)."""
         rows: FloatArray = self.ones + np.tensordot(beam.soft[k] - 1.0, self.rows, axes=(1, 0))
         return rows + beam.elongation_soft[k][:, None, None] * self.stiff_end
 
     def solve(self, beam: Beam) -> Solved:
         """All conditions; a `ModelError` names one that has no equilibrium."""
         K, G, S = self.K, self.count, self.curve_s.shape[1]
-        held = Held(
-            *(np.full(K, np.nan) for _ in range(4)), np.zeros((K, G)), np.zeros((K, G)),
-            *(np.zeros((K, G)) for _ in range(4)), np.zeros(K),
-        )  # fmt: skip
+        held = _nothing_held(K, G)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
         self._found = self._equilibria(beam) if len(self.touching) else []
         for rows, found in self._found:
@@ -158,8 +156,8 @@ class Scene:
             x[rows], y[rows] = shapes.x_m[:, G:-1], shapes.y_m[:, G:-1]
             phi[rows] = shapes.phi_rad[:, G:-1]
             self._hold(beam, rows, found, held)
-        for k in self.free:
-            x[k], y[k], phi[k] = self._hang(beam, int(k), held)
+        for k in self.free.tolist():
+            x[k], y[k], phi[k] = self._hang(beam, k, held)
         tilt = beam.tilt_rad[:, None]
         cos, sin = np.cos(tilt), np.sin(tilt)
         px, py = cos * x - sin * y, sin * x + cos * y
@@ -179,12 +177,12 @@ class Scene:
         self._last, self._found = last, kept
         return result
 
-    def _beta(self, beam: Beam, rows: Rows) -> FloatArray:
+    def _beta(self, beam: Beam, rows: Index) -> FloatArray:
         """Polar angle of the point on the arc, seen along the clamp."""
         at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
         return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
 
-    def _equilibria(self, beam: Beam) -> list[tuple[Rows, Equilibria]]:
+    def _equilibria(self, beam: Beam) -> list[tuple[Index, Equilibria]]:
         """Groups of conditions whose contacts lie at the same radius."""
         rows, R = self.touching, self.sheet.arc_radius_m
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
@@ -208,7 +206,7 @@ class Scene:
     def _solve(
         self,
         beam: Beam,
-        rows: Rows,
+        rows: Index,
         angle: FloatArray,
         radius_m: float,
         start: Equilibria | None = None,
@@ -221,7 +219,7 @@ class Scene:
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
         return found
 
-    def _hold(self, beam: Beam, rows: Rows, found: Equilibria, held: Held) -> None:
+    def _hold(self, beam: Beam, rows: Index, found: Equilibria, held: Held) -> None:
         R, beta, B = self.sheet.arc_radius_m, self._beta(beam, rows), beam.stiffness[rows]
         phi, offset = found.phi_hat_rad, beam.offset_m[rows]
         held.normal_N[rows], held.gamma_rad[rows] = B * found.nu, phi - beta
@@ -249,8 +247,11 @@ class Scene:
 
     @property
     def columns(self) -> int:
-        """Of a step: k* at the nodes, c at the nodes, elongation, the contact's polar angle and radius,
-        the arc's direction, ln B at the same k*, tilt of the picture."""
+        """Numbers in a step.
+
+        k* at the nodes (G), c at the nodes (G), elongation, the contact's polar angle and radius,
+        the arc's direction, ln B at the same k*, tilt of the picture.
+        """
         return 2 * self.count + 6
 
     def answers(self, beam: Beam, solved: Solved) -> Answers:
@@ -284,7 +285,7 @@ class Scene:
             dx, dy = cos * found.x - sin * found.y, sin * found.x + cos * found.y
             sideways = dx * solved.nx[rows][:, None] + dy * solved.ny[rows][:, None]
             modes[rows, :, :n] = np.einsum("kms,kqs->kmq", self.project[rows], sideways)
-        for k in self.free:
+        for k in self.free.tolist():
             modes[k, :, :G] = self._free_answers(beam, k, solved)
         turned = solved.x_m * solved.ny - solved.y_m * solved.nx
         modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
@@ -320,6 +321,14 @@ class Scene:
         step[:, -2] = other.stiffness / base.stiffness - 1.0
         step[:, -1] = tilt
         return step
+
+
+def _nothing_held(K: int, G: int) -> Held:
+    nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
+    return Held(
+        nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
+        along.copy(), along.copy(), zero,
+    )  # fmt: skip
 
 
 def projection(s: FloatArray, modes: int) -> FloatArray:
