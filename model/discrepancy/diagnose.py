@@ -10,7 +10,6 @@ import numpy as np
 
 from model.discrepancy import gaps
 from model.discrepancy.decide import LEFT, SLOT_MARGIN, Choice, Leftover, choices, leftover
-from model.discrepancy.linear import ASSUMED
 from model.discrepancy.menu import next_measurement as from_menu
 from model.discrepancy.nulls import DEFAULT, null_gains, threshold
 from model.discrepancy.outliers import condition_name
@@ -26,6 +25,7 @@ from model.discrepancy.result import (
     Unknown,
     Verdict,
 )
+from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import candidates
 from model.discrepancy.search import Contender, Outcome, search
 from model.discrepancy.settle import Fitted

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.features import Look, Seen, look
-from model.discrepancy.linear import linearise, noise_of
+from model.discrepancy.linear import Bases, linearise
 from model.discrepancy.point import Study
 from model.discrepancy.result import Next
+from model.discrepancy.row_noise import noise_of
 from model.discrepancy.score import Candidate, Projected, candidates, members
 from model.discrepancy.settle import Fitted, Problem
 from model.effects.interface import Clock, Effect

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.linear import ASSUMED
+from model.discrepancy.features import Index
+from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate
 from model.discrepancy.settle import Fitted, Problem
+from model.measurements import FloatArray
 
 SIZES = (0.3, 1.0, 3.0, 10.0)
 FORCE_N, MODE_M = 1e-4, 2e-5

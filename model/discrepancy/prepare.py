@@ -8,8 +8,8 @@ import numpy as np
 
 from model.discrepancy.base import bases_of, rest_of, start
 from model.discrepancy.features import Look, look
-from model.discrepancy.linear import noise_of
 from model.discrepancy.point import Study, check_geometry
+from model.discrepancy.row_noise import noise_of
 from model.discrepancy.settle import Problem
 from model.discrepancy.tolerance import Found
 from model.effects.catalogue import effect as effect_of

@@ -62,7 +62,12 @@ def candidates(fitted: Fitted, effects: Sequence[Effect]) -> list[Candidate]:
     """Every effect in each of its shapes, as columns at the present model."""
     study, states = fitted.problem.study, fitted.linear.states
     result = []
+    dated = any(
+        np.ptp(part.clock.session) > 0.0 for part in study.layout.parts if len(part.clock.session)
+    )
     for effect in effects:
+        if effect.needs_session and not dated:
+            continue
         for values in members(effect):
             steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
             columns = atoms(study, states, effect, steps)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.linear import Bases, Linear, Noise, guess_of, linearise, with_columns
+from model.discrepancy.linear import Bases, Linear, linearise, with_columns
 from model.discrepancy.point import Active, Study
+from model.discrepancy.row_noise import Noise, guess_of
 from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, weigh

@@ -68,6 +68,9 @@ def invisible(fitted: Fitted, found: Signatures, effects: Mapping[str, Effect]) 
         if effect.slot == "time" and not streams:
             needs = "the readings in their order, and the series within a pulse: " + needs
         result[name] = needs
+    for name, effect in effects.items():
+        if name not in found.names:  # not even its form can be worked out
+            result[name] = "when in the session each reading was taken: " + effect.isolates
     return result
 
 

@@ -29,6 +29,7 @@ EFFECT = ForceDrift(
     ),
     isolates="A zero without contact at each position; random order of the positions.",
     source="OIML R 60, Metrological regulation for load cells (zero drift, temperature)",
+    needs_session=True,
     knobs=(
         Knob("force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20),
     ),

@@ -142,6 +142,7 @@ class Effect:
     # whether each configuration may have its own size
     by_configuration: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
+    needs_session: bool = False  # says nothing where nobody wrote down when in the session
 
     @property
     def size(self) -> Knob:

@@ -1,0 +1,121 @@
+"""How noisy the rows are by themselves, as assumed before the misfit has said how much it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.features import Index, Look
+from model.discrepancy.point import Study
+from model.discrepancy.rows import Part
+from model.discrepancy.scatter import ASSUMED, constant_groups
+from model.discrepancy.scene import Scene
+from model.measurements import FloatArray
+
+LEAST_MODE_M = 1e-7
+LEAST_PULSE_N = 1e-8
+CURVE_M = 2e-5  # of a curve's point where none is stated
+READING_N = 3e-5  # of a reading where repeats do not say it
+SWAY = 3e-3  # of the size of a reading's curve, relative
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Fixed variances, further noises and their priors; the same for all states."""
+
+    fixed: FloatArray  # (N,)
+    masks: list[FloatArray]  # (N,)
+    names: list[str]
+    guess: FloatArray  # ln of the standard deviations
+    width: FloatArray  # how sure that is
+    constant: dict[str, FloatArray]  # groups (R, n, q) that are the same for all states
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Rows that are equally noisy, but for known weights of their variances."""
+
+    name: str
+    rows: Index
+    weight: FloatArray | float
+    size: float  # standard deviation, as assumed
+    unsure: float  # standard deviation of its logarithm
+    least: float = 0.0  # standard deviation that is there in any case
+
+
+def noise_of(study: Study) -> Noise:
+    """Readings, modes, sways and pulses of each configuration have a noise of their own."""
+    N = study.layout.size
+    fixed, kinds = np.zeros(N), list[_Kind]()
+    for name, part, scene, look in zip(
+        study.names, study.layout.parts, study.scenes, study.looks, strict=True
+    ):
+        kinds += _kinds(name, part, scene, look)
+    masks = []
+    for kind in kinds:
+        mask = np.zeros(N)
+        mask[kind.rows] = kind.weight
+        masks.append(mask)
+        fixed[kind.rows] = kind.least**2
+    return Noise(
+        fixed, masks, [k.name for k in kinds], np.log([k.size for k in kinds]),
+        np.array([k.unsure for k in kinds]), constant_groups(study),
+    )  # fmt: skip
+
+
+def guess_of(noise: Noise) -> FloatArray:
+    """Ln of all standard deviations, as assumed: scatters, then noises."""
+    return np.concatenate([[np.log(v) for v, _ in ASSUMED.values()], noise.guess])
+
+
+def width_of(noise: Noise) -> FloatArray:
+    """How sure these are."""
+    return np.concatenate([[w for _, w in ASSUMED.values()], noise.width])
+
+
+def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
+    if len(part.trend_rows):
+        counts = np.maximum(np.bincount(part.reading_of, minlength=scene.K), 1)
+        weight = np.where(part.is_mean, 1.0 / counts[part.trend_of], 1.0)
+        size, unsure = _reading_noise(part.trend, part.measured_N, part.reading_of)
+        yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
+    stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
+    known = [float(np.mean(s)) for s in stated if s is not None]
+    typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
+    for m in range(scene.modes):
+        rows = part.mode_rows[scene.has_curve, m]
+        if len(rows):
+            yield _Kind(f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), 1.5, LEAST_MODE_M)
+    if len(part.sway_rows):
+        yield _Kind(f"{name} sway", part.sway_rows, 1.0, SWAY, 2.0)
+    if len(part.bin_rows):
+        # the scatter of the pulses says how sure each part is, up to a factor near one
+        pooled = _pooled(part.bin_variance, part.bin_set)
+        yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 0.3, LEAST_PULSE_N)
+
+
+def _reading_noise(trend: FloatArray, measured: FloatArray, of: Index) -> tuple[float, float]:
+    """Standard deviation of a reading about its trend in time, and of its logarithm."""
+    total, degrees = 0.0, 0
+    for k in np.unique(of):
+        own = of == k
+        rows = trend[np.any(trend[:, own] != 0.0, axis=1)][:, own]
+        n = int(own.sum())
+        if n <= len(rows):
+            continue
+        values = measured[own]
+        smooth = n * values.mean() ** 2 + float(np.sum((rows[1:] @ values) ** 2))
+        total += float(values @ values) - smooth
+        degrees += n - len(rows)
+    if not degrees:
+        return READING_N, 1.5
+    return max(float(np.sqrt(max(total, 0.0) / degrees)), 1e-7), max(0.05, (2.0 * degrees) ** -0.5)
+
+
+def _pooled(variance: FloatArray, sets: Index) -> FloatArray:
+    """The same part of a pulse scatters alike in all runs."""
+    count = int(np.bincount(sets)[0])
+    table = variance.reshape(-1, count)
+    return np.maximum(np.tile(np.median(table, axis=0), len(table)), LEAST_PULSE_N**2)
