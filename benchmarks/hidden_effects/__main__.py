@@ -1,68 +1,108 @@
-"""`python -m benchmarks.hidden_effects EFFECT -o FOLDER`: one session as files, the truth apart.
+"""Hide effects in sessions, have them diagnosed, and print how it went.
 
-python -m benchmarks.hidden_effects --list
-python -m benchmarks.hidden_effects nonuniform_eibm --form cosh --size 0.4 --seed 3 -o /tmp/a
-python -m benchmarks.hidden_effects nothing --seed 4 --extras -o /tmp/b
+python -m benchmarks.hidden_effects --quick            # 40 cases, to see that everything works
+python -m benchmarks.hidden_effects --jobs 2 --resume all.jsonl --baselines
+python -m benchmarks.hidden_effects --score all.jsonl  # the table of what is there, nothing is run
+
+A run that is broken off (Ctrl-C) goes on with the same `--resume FILE`.
 """
 
 from __future__ import annotations
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: a process is a core here
+
 import argparse
+import datetime as dt
+import sys
 from pathlib import Path
 
-from benchmarks.hidden_effects import (
-    CATALOGUE,
-    OUTSIDE,
-    Extras,
-    case,
-    forms_of,
-    hidden_session,
-    write,
-)
-from benchmarks.hidden_effects.cases import NOTHING
+from benchmarks.hidden_effects import records as kept
+from benchmarks.hidden_effects.figures import draw
+from benchmarks.hidden_effects.records import Record
+from benchmarks.hidden_effects.run import ROOT, Baselines, record, run
+from benchmarks.hidden_effects.score import by_parameter, failures, scored, table
+from benchmarks.hidden_effects.suite import FULL, nulls_task, tasks
 
-EXTRAS = Extras(free_shapes=True, remounts=3, random_order=True, reversed_approach=True)
-
-
-def listed() -> str:
-    """What can be hidden, with its forms and usual sizes."""
-    lines = []
-    for title, effects in (("in the catalogue", CATALOGUE), ("outside", OUTSIDE)):
-        lines.append(f"{title}:")
-        for effect in effects:
-            lines += [
-                f"  {effect:24} {form.form:16} {form.size:<7g} {form.unit}"
-                for form in forms_of(effect)
-            ]
-    return "\n".join(lines)
+QUICK = 40
+RESULTS = ROOT / "benchmarks" / "results"
 
 
 def main() -> None:
+    chosen = _arguments()
+    path = chosen.score or chosen.resume or RESULTS / f"hidden_effects_{_now()}.jsonl"
+    if chosen.score is None:
+        _run(chosen, path)
+    _show(kept.load(path), chosen.figures)
+
+
+def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.hidden_effects")
-    effects = [NOTHING, *CATALOGUE, *OUTSIDE]
-    parser.add_argument("effect", nargs="?", default=NOTHING, choices=effects, metavar="EFFECT")
-    parser.add_argument("--form", default="")
-    parser.add_argument("--size", type=float)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--extras", action="store_true", help="free shapes, remounts, random order")
-    parser.add_argument("--means", action="store_true", help="no times, series, curves of readings")
-    parser.add_argument("--list", action="store_true", help="say what can be hidden")
-    parser.add_argument("-o", "--output", type=Path)
-    chosen = parser.parse_args()
-    if chosen.list or chosen.output is None:
-        print(listed())
-        return
-    asked = case(
-        chosen.effect,
-        chosen.form,
-        chosen.size,
-        seed=chosen.seed,
-        streams="means" if chosen.means else "all",
-        symmetric=chosen.effect == "eibm_asymmetry",
-        extras=EXTRAS if chosen.extras else Extras(),
-    )
-    for path in write(hidden_session(asked), chosen.output):
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--quick", action="store_true", help=f"{QUICK} cases")
+    size.add_argument("--cases", type=int, help=f"how many (default: {FULL})")
+    parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument("--seed", type=int, default=0, help="another suite of the same kind")
+    parser.add_argument("--family", nargs="+", default=[], help="only these families")
+    parser.add_argument("--baselines", action="store_true", help="ask simpler methods, too")
+    parser.add_argument("--nulls", action="store_true", help="time 500 nulls; a full run does it")
+    parser.add_argument("--resume", type=Path, metavar="FILE", help="keep results here, and go on")
+    parser.add_argument("--score", type=Path, metavar="FILE", help="only score what is here")
+    parser.add_argument("--figures", type=Path, default=RESULTS, metavar="FOLDER")
+    return parser.parse_args()
+
+
+def _run(chosen: argparse.Namespace, path: Path) -> None:
+    done = {r.key for r in kept.load(path)}
+    count = QUICK if chosen.quick else chosen.cases or FULL
+    wanted = tasks(count, chosen.seed)
+    if chosen.family:
+        wanted = [t for t in wanted if t.family in chosen.family]
+    todo = [t for t in wanted if t.key not in done]
+    print(f"{len(todo)} cases to do, {len(done)} done; results in {path}", file=sys.stderr)
+    for i, one in enumerate(run(todo, chosen.jobs, _baselines(chosen)), 1):
+        kept.append(path, [one])
+        print(f"{i}/{len(todo)} {_line(one)}", file=sys.stderr, flush=True)
+    timed = nulls_task(chosen.seed)
+    if (chosen.nulls or not (chosen.quick or chosen.cases)) and timed.key not in done:
+        print("one session with 500 nulls", file=sys.stderr)
+        kept.append(path, [record(timed)])
+
+
+def _baselines(chosen: argparse.Namespace) -> Baselines | None:
+    if not chosen.baselines:
+        return None
+    from benchmarks.hidden_effects.baselines import answers
+
+    return answers
+
+
+def _show(records: list[Record], folder: Path) -> None:
+    rows = scored(records)
+    codes = sorted({r.code for r in records})
+    print(f"\n{len(records)} cases, {_now()}, program {', '.join(codes)}\n")
+    if len(codes) > 1:
+        print("CAUTION: these cases were judged by more than one state of the program\n")
+    print(table(rows))
+    print("\nintervals by parameter:\n" + by_parameter(records))
+    if any(r.baselines for r in records):
+        from benchmarks.hidden_effects.baselines import table as compared
+
+        print("\n" + compared(records))
+    print("\ncases that fail:\n" + (failures(rows, records) or "none"))
+    for path in draw(records, folder):
         print(path)
+
+
+def _line(r: Record) -> str:
+    truth = ", ".join(f"{t.effect}/{t.form} d {t.d:.0f}" for t in r.truth) or "nothing"
+    said = r.error or " + ".join([*r.said, *(["unknown"] if r.unknown else [])]) or "nothing"
+    return f"{r.key}  {truth}  ->  {said}  ({r.cpu_s:.1f} s)"
+
+
+def _now() -> str:
+    return dt.datetime.now(tz=dt.UTC).strftime("%Y-%m-%d-%H%M")
 
 
 if __name__ == "__main__":

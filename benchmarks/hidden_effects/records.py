@@ -1,0 +1,136 @@
+"""What is kept of each case: a line of JSON, so that a long run can be broken off and resumed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Hid:
+    """What was hidden."""
+
+    effect: str
+    form: str
+    size: float
+    slot: str
+    accepted_slots: list[str]
+    place_mm: list[float] | None
+    parameters: dict[str, float]
+    as_in_catalogue: bool
+    d: float  # whitened length, base and other hidden effects refitted
+    alone: float  # with only the base refitted
+
+
+@dataclass(frozen=True)
+class Name:
+    """What was named."""
+
+    name: str
+    confidence: float
+    confusable_with: list[str]
+    form_share: float
+    # parameter -> configuration, "" for all -> value and ends of the 90 % interval
+    parameters: dict[str, dict[str, list[float]]]
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Of an unknown effect."""
+
+    slot: str
+    configuration: str
+    along: str
+    peak: float  # in mm, or in seconds
+
+
+@dataclass(frozen=True)
+class Record:
+    """One case with the diagnosis's answer."""
+
+    key: str
+    family: str
+    code: str  # digest of the program that gave it
+    truth: list[Hid]
+    near: dict[str, float]
+    left: dict[str, float]
+    left_tolerant: dict[str, float]
+    force_gap_mN: float
+    curve_gap_mm: float
+    conditions: str  # scatter, streams and the like, in words
+    verdict: str = ""
+    sentence: str = ""
+    named: list[Name] = field(default_factory=list)
+    unknown: Unseen | None = None
+    invisible: list[str] = field(default_factory=list)
+    ranking: list[tuple[str, float]] = field(default_factory=list)  # names of the catalogue only
+    closed: float | None = None
+    chi2_before: float | None = None  # on left-out positions, per number
+    seconds: float = 0.0
+    cpu_s: float = 0.0
+    error: str = ""
+    baselines: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What was hidden."""
+        return tuple(t.effect for t in self.truth)
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """What was named."""
+        return tuple(n.name for n in self.named)
+
+    @property
+    def reported(self) -> set[str]:
+        """The reported set: names, and what they may be confused with."""
+        return {*self.said, *(c for n in self.named for c in n.confusable_with)}
+
+    @property
+    def d(self) -> float:
+        """The smallest of what is hidden."""
+        return min((t.d for t in self.truth), default=0.0)
+
+    @property
+    def nearest(self) -> float:
+        """Distance of the next effect of the catalogue, in sigmas."""
+        return min(self.near.values(), default=float("inf"))
+
+    def to_json(self) -> str:
+        """One line."""
+        return json.dumps(asdict(self))
+
+
+def from_json(line: str) -> Record:
+    """The record of a line."""
+    raw = json.loads(line)
+    raw["truth"] = [Hid(**t) for t in raw["truth"]]
+    raw["named"] = [Name(**n) for n in raw["named"]]
+    raw["unknown"] = None if raw["unknown"] is None else Unseen(**raw["unknown"])
+    raw["ranking"] = [(n, g) for n, g in raw["ranking"]]
+    known = {f.name for f in fields(Record)}
+    return Record(**{k: v for k, v in raw.items() if k in known})
+
+
+def load(path: Path) -> list[Record]:
+    """All whole lines of a file; a last one that was broken off is left out."""
+    if not path.exists():
+        return []
+    result = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        try:
+            result.append(from_json(line))
+        except json.JSONDecodeError:
+            continue
+    return result
+
+
+def append(path: Path, records: Iterable[Record]) -> None:
+    """Add lines; after a broken one they begin a new line."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    broken = path.exists() and path.stat().st_size and not path.read_bytes().endswith(b"\n")
+    with path.open("a", encoding="utf-8") as file:
+        file.writelines(("\n" if broken else "") + r.to_json() + "\n" for r in records)

@@ -1,0 +1,193 @@
+"""Makes the sessions of tasks, has them diagnosed, and keeps what was said beside what is true."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass, replace
+from functools import cache
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.hidden_effects.cases import Case, Hiding
+from benchmarks.hidden_effects.records import Hid, Name, Record, Unseen
+from benchmarks.hidden_effects.registry import form_of
+from benchmarks.hidden_effects.sessions import Hidden, hidden_session
+from benchmarks.hidden_effects.sizes import curve_gap_mm, force_gap_mN, size_for, size_for_gap
+from benchmarks.hidden_effects.suite import Task, as_in_catalogue
+from benchmarks.hidden_effects.visible import Visible, Yardstick
+from model import Measurements
+from model.discrepancy import DiagnoseOptions, Diagnosis, Named, diagnose
+
+TOLERANCE = 0.15  # of a size found for a wanted d or gap
+ROOT = Path(__file__).parents[2]
+
+
+@dataclass(frozen=True)
+class Made:
+    """A session with all that is known of it."""
+
+    task: Task
+    hidden: Hidden
+    bare: Measurements
+    visible: Visible
+
+
+def made(task: Task) -> Made:
+    """The session, the sizes of what is hidden found as wanted."""
+    bare = hidden_session(task.case.bare)
+    if not task.case.hidden:
+        return Made(task, bare, bare.measurements, Visible((), (), {}, {}, {}))
+    yardstick = Yardstick(bare.measurements, task.case.symmetric)
+    alone = [replace(task.case, hidden=(h,)) for h in task.case.hidden]
+    if task.sizing != "form":
+        alone = [_sized(c, task, w, yardstick) for c, w in zip(alone, task.wanted, strict=True)]
+    case = replace(task.case, hidden=tuple(c.hidden[0] for c in alone))
+    hidden = hidden_session(case)
+    parts = [hidden] if len(alone) == 1 else [hidden_session(c) for c in alone]
+    visible = yardstick.visible([p.measurements for p in parts], hidden.truth.names, task.exclude)
+    return Made(task, hidden, bare.measurements, visible)
+
+
+def _sized(case: Case, task: Task, wanted: float, yardstick: Yardstick) -> Case:
+    """With the size at which its one effect is as large as wanted, or the largest there is."""
+    (hiding,) = case.hidden
+    form = form_of(hiding.effect, hiding.form)
+    try:
+        if task.sizing == "gap":
+            size = size_for_gap(case, wanted, TOLERANCE)
+        else:
+            size = size_for(case, wanted, yardstick.length, TOLERANCE)
+    except ValueError:  # not even the largest that makes sense
+        size = form.size if task.sizing == "gap" else form.largest
+    return replace(case, hidden=(Hiding(hiding.effect, form.form, size),))
+
+
+def options_of(task: Task) -> DiagnoseOptions:
+    """As a person would choose them who knows how the session was measured."""
+    return DiagnoseOptions(
+        symmetric=task.case.symmetric, exclude=task.exclude, calibrate=task.calibrate
+    )
+
+
+Baselines = Callable[[Made], dict[str, dict[str, object]]]
+
+
+def record(task: Task, baselines: Baselines | None = None) -> Record:
+    """Make, diagnose, and put down."""
+    try:
+        one = made(task)
+    except Exception as error:  # noqa: BLE001 - one session less, and it is told
+        return Record(
+            task.key, task.family, code_digest(), [], {}, {}, {}, 0.0, 0.0, _in_words(task),
+            error=f"not made: {type(error).__name__}: {error}",
+        )  # fmt: skip
+    kept = _truth(one)
+    began, cpu = time.perf_counter(), time.process_time()
+    try:
+        found = diagnose(one.hidden.measurements, options_of(task))
+    except Exception as error:  # noqa: BLE001 - whatever it is, the case has failed
+        return replace(kept, error=f"{type(error).__name__}: {error}")
+    kept = _answered(kept, found)
+    kept = replace(kept, seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu)
+    return kept if baselines is None else replace(kept, baselines=baselines(one))
+
+
+def _truth(one: Made) -> Record:
+    visible = one.visible
+    truth = [
+        Hid(
+            e.effect, e.form, e.size, e.slot, list(e.accepted_slots),
+            None if e.place_mm is None else list(e.place_mm), e.parameters,
+            as_in_catalogue(e.effect, e.form), d, alone,
+        )
+        for e, d, alone in zip(one.hidden.truth.effects, visible.d, visible.alone, strict=True)
+    ]  # fmt: skip
+    gaps = (0.0, 0.0)
+    if truth:
+        gaps = force_gap_mN(one.hidden, one.bare), curve_gap_mm(one.hidden, one.bare)
+    return Record(
+        one.task.key, one.task.family, code_digest(), truth, dict(visible.near),
+        dict(visible.left), dict(visible.left_tolerant), *gaps, _in_words(one.task),
+    )  # fmt: skip
+
+
+def _in_words(task: Task) -> str:
+    case, words = task.case, []
+    if case.scatter != 1.0:
+        words.append(f"scatter x {case.scatter:g}")
+    words += [w for w in ("outlier", "correlated", "symmetric") if getattr(case, w)]
+    if case.streams == "means":
+        words.append("means only")
+    if case.rest != "exp":
+        words.append(f"rest {case.rest}")
+    if case.extras != type(case.extras)():
+        words.append("extras")
+    if task.exclude:
+        words.append("without " + ", ".join(task.exclude))
+    return "; ".join(words)
+
+
+def _answered(kept: Record, found: Diagnosis) -> Record:
+    unknown = found.unknown
+    return replace(
+        kept,
+        verdict=found.verdict,
+        sentence=found.sentence,
+        named=[_named(n) for n in found.effects],
+        unknown=None
+        if unknown is None
+        else Unseen(unknown.slot, unknown.configuration, unknown.along, unknown.peak_mm),
+        invisible=list(found.invisible),
+        ranking=[(r.name, r.log_bayes) for r in found.ranking if not r.name.startswith("unknown")][
+            :8
+        ],
+        closed=float(found.closed) if np.isfinite(found.closed) else None,
+        chi2_before=found.held_out.before.chi2_per_dof,
+    )
+
+
+def _named(one: Named) -> Name:
+    by: dict[str, dict[str, list[float]]] = {}
+    own = one.by_configuration or {"": one.parameters}
+    for configuration, parameters in own.items():
+        for name, p in parameters.items():
+            by.setdefault(name, {})[configuration] = [p.value, *p.interval()]
+    return Name(one.name, one.confidence, list(one.confusable_with), one.form_share, by)
+
+
+@cache
+def code_digest() -> str:
+    """Of everything that has a say in the answers."""
+    digest = hashlib.sha256()
+    for folder in ("model", "sim_hardware/world"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:10]
+
+
+def run(todo: Sequence[Task], jobs: int, baselines: Baselines | None = None) -> Iterator[Record]:
+    """Records as they are done; `jobs` processes, at most twice as many tasks under way."""
+    if jobs <= 1:
+        for task in todo:
+            yield record(task, baselines)
+        return
+    waiting, rest = set[Future[Record]](), iter(todo)
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        try:
+            while True:
+                for task in rest:
+                    waiting.add(pool.submit(record, task, baselines))
+                    if len(waiting) >= 2 * jobs:
+                        break
+                if not waiting:
+                    return
+                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                for one in done:
+                    yield one.result()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
