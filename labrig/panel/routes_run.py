@@ -218,7 +218,9 @@ def model(request: Request, body: ModelBody, panel: Here) -> Any:
     if body.name is not None:
         from labrig.model_file import load_model
 
-        path = existing(panel.settings.data, body.name, ".toml")
+        beside = panel.settings.rig is not None and inside(panel.rig.parent, body.name).is_file()
+        folder = panel.rig.parent if beside else panel.settings.data
+        path = existing(folder, body.name, ".toml")
         load_model(path)  # a file that is no model is refused here, with its sentence
     panel.choose_model(path)
     panel.log(who, f"chose the model {body.name}" if body.name else "chose no model")

@@ -59,6 +59,11 @@ class Recording:
         events = events_of(session)
         if not events:
             raise BadInputError(f"{self.name}: nothing of it was recorded over time.")
+        if "load_cell.toml" not in session.texts or "rig" not in session.resolved:
+            raise BadInputError(
+                f"{self.name}: holds no rig and no load cell; only a session that labrig has "
+                "recorded can be replayed."
+            )
         self._begin_s = events[0].time_s
         scribe = Scribe()
         told = [(event.time_s - self._begin_s, scribe.message(event)) for event in events]

@@ -9,39 +9,19 @@ from dataclasses import replace
 
 import pytest
 
-from labrig.config.templates import write_templates
 from labrig.errors import BadInputError
 from labrig.library import Entry, Library, index, read_entry, select
 from labrig.model_file import load_model, save_model
 from labrig.session import open_session
-
-PROTOCOL = """
-moisten = false
-[pulse_train]
-zero_readings = 2
-pulses_discarded = 2
-readings_per_voltage = 2
-[[places]]
-configuration = "long"
-positions_mm = [5]
-[extras]
-mode = "paper"
-"""
+from tests.labrig.session.session_recording import record, small_schedule
 
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory):
-    """A session recorded on the simulated rig, without a camera so that it is small."""
-    from labrig.cli.main import run
-
-    folder = tmp_path_factory.mktemp("recorded")
-    write_templates(folder, simulated=True)
-    (folder / "protocol.toml").write_text(PROTOCOL)
-    text = (folder / "rig.toml").read_text()
-    (folder / "rig.toml").write_text(text[: text.index("[camera]")] + text[text.index("[stage]") :])
-    files = [str(folder / name) for name in ("rig.toml", "protocol.toml", "sheet.toml")]
-    assert run(["run", *files, "-o", str(folder / "one.h5"), "--yes"]) == 0
-    return folder / "one.h5"
+    """A small session of three runs."""
+    path = tmp_path_factory.mktemp("recorded") / "one.h5"
+    record(path, small_schedule())
+    return path
 
 
 @pytest.fixture
@@ -69,17 +49,20 @@ def looked(monkeypatch):
 
 def test_an_entry_says_what_the_session_says(session):
     entry = read_entry(session, "one.h5")
+    changes = []
     with open_session(session) as opened:
-        rows = opened.runs[0].readings
         assert entry.started == opened.started
         assert entry.checksum == opened.checksum
-        assert entry.readings == len(rows) == 8
-        forces = {v: 1e3 * rows["force_N"][(rows["voltage_V"] == v) & (rows["kind"] != "discarded")]
-                  for v in (0.0, 2.0, -2.0)}  # fmt: skip
-    change = max(abs(forces[v].mean() - forces[0.0].mean()) for v in (2.0, -2.0))
-    assert entry.largest_force_mN == pytest.approx(change)
-    assert (entry.outcome, entry.output, entry.sheet) == ("completed", "safe", ("long",))
-    assert (entry.runs, entry.runs_complete, entry.invalid) == (1, 1, 0)
+        assert entry.outcome == opened.outcome.value
+        assert entry.output == opened.output_state.value
+        assert entry.readings == sum(len(run.readings) for run in opened.runs)
+        for run in opened.runs:  # each at a place of its own
+            rows = run.readings[run.readings["kind"] != "discarded"]
+            force = {v: 1e3 * rows["force_N"][rows["voltage_V"] == v].mean() for v in (0, 2, -2)}
+            changes += [abs(force[v] - force[0]) for v in (2, -2)]
+    assert entry.largest_force_mN == pytest.approx(max(changes))
+    assert entry.sheet == ("long", "short")
+    assert (entry.runs, entry.runs_complete) == (3, 3)
 
 
 def test_a_file_is_opened_once_and_again_only_when_it_has_changed(folder, looked):
@@ -224,5 +207,5 @@ def test_the_command_lists_and_says_what_cannot_be_read(folder, capsys):
     assert run(["list", str(folder)]) == 0
     said = capsys.readouterr().out
     assert "broken.h5" in said
-    assert "1 of 1" in said
+    assert "3 of 3" in said
     assert run(["list", str(folder / "nowhere")]) == 2
