@@ -11,7 +11,7 @@ import socket
 import sys
 import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import uvicorn
 from starlette.applications import Starlette
@@ -37,7 +37,7 @@ class FakePanel:
         self.greeting: list[dict[str, Any] | bytes] = []  # after hello
         self.hangs = False
         self.sockets: set[WebSocket] = set()
-        self.control = {"holder": None, "name": None, "since": None, "clients": 1}
+        self.control = {"holder": None, "name": None, "since": None, "here": True, "clients": 1}
         routes = [
             Route("/", lambda _: FileResponse(STATIC / "index.html")),
             Mount("/static", StaticFiles(directory=STATIC)),
@@ -46,7 +46,9 @@ class FakePanel:
         ]
         self.listening = socket.create_server(("127.0.0.1", 0))
         self.port = self.listening.getsockname()[1]
-        config = uvicorn.Config(Starlette(routes=routes), log_level="error", lifespan="off", ws="websockets-sansio")
+        config = uvicorn.Config(
+            Starlette(routes=routes), log_level="error", lifespan="off", ws="websockets-sansio"
+        )
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._serve, daemon=True)
 
@@ -55,7 +57,7 @@ class FakePanel:
         self.loop.run_until_complete(self._server.serve(sockets=[self.listening]))
         self.loop.close()
 
-    def __enter__(self) -> FakePanel:
+    def __enter__(self) -> Self:
         self._thread.start()
         return self
 
@@ -83,7 +85,7 @@ class FakePanel:
         """As /api/status."""
         return {
             "version": "0", "mode": self.mode, "rig": "rig.toml", "session": None, "data": ".",
-            "simulated": True, "job": None, "control": self.control,
+            "simulated": True, "model": "model.toml", "job": None, "control": self.control,
             "stop_url": f"{self.url}stop",
         }  # fmt: skip
 

@@ -58,7 +58,7 @@ def plan() -> Message:
         "simulated": True, "estimate_s": 64.2 * 14, "running_s": 19.2 * 14, "frame_rate_hz": 25.0,
         "limits": {"sheet_voltage_V": 2.5, "time_under_voltage_s": 30.0, "capacity_mN": 98.1},
         "picture": {"width": 640, "height": 480, "clamp_px": [60, 400], "px_per_mm": 9.0},
-        "model": "model.toml", "done": [], "runs": runs,
+        "done": [], "runs": runs,
     }  # fmt: skip
 
 
@@ -144,10 +144,12 @@ def story(until_run: int = 4) -> list[Message]:
 def _run(run: int, rng: np.random.Generator, whole: bool) -> list[Message]:
     start = plan()["runs"][run]["starts_s"]
     found: list[Message] = [
-        {"type": "prompt", "time_s": start - 20, "prompt": run, "kind": "move", "configuration": "long",
+        {"type": "prompt", "time_s": start - 20, "prompt": run, "kind": "move",
+         "configuration": "long",
          "text": f"Move the load cell to {POSITIONS_MM[run]} mm and moisten the sheet.",
          "position_mm": POSITIONS_MM[run], "load_mN": None, "log": "move the load cell"},
-        {"type": "answered", "time_s": start - 1, "prompt": run, "done": True, "log": "answered: done"},
+        {"type": "answered", "time_s": start - 1, "prompt": run, "done": True,
+         "log": "answered: done"},
         {"type": "run_started", "time_s": start, "run": run, "stage_position_mm": None,
          "since_wetting_s": 18.0, "log": f"run {run + 1} begins: long, {POSITIONS_MM[run]} mm"},
         {"type": "state", "state": "running", "run": run},

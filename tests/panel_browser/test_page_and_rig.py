@@ -1,7 +1,8 @@
-"""The page, the server, a run in its process and the simulated boards, all of them real processes."""
+"""The page, the server, a run in its process, the simulated boards: all of them real."""
 
 from __future__ import annotations
 
+import json
 import time
 
 import pytest
@@ -61,7 +62,9 @@ def test_a_whole_run_with_the_keyboard_alone(world, visit):
         if page.evaluate("document.activeElement.id === labrig.page.protocol.select.id"):
             break
     page.keyboard.type("short")
-    page.wait_for_function("labrig.page.protocol.name === 'short.toml' && labrig.page.planned?.runs.length === 2")
+    page.wait_for_function(
+        "labrig.page.protocol.name === 'short.toml' && labrig.page.planned?.runs.length === 2"
+    )
     tab_to(page, "Start the run")
     page.keyboard.press("Enter")
     page.wait_for_function("location.hash === '#/run' && labrig.job.going")
@@ -69,7 +72,9 @@ def test_a_whole_run_with_the_keyboard_alone(world, visit):
     end = time.monotonic() + 120
     while not page.evaluate(ENDED):
         assert time.monotonic() < end
-        if page.evaluate("document.querySelector('.prompt:not([hidden]) .go:not(:disabled)') !== null"):
+        if page.evaluate(
+            "document.querySelector('.prompt:not([hidden]) .go:not(:disabled)') !== null"
+        ):
             page.keyboard.press("Control+Enter")
             asked += 1
         page.wait_for_timeout(100)
@@ -106,7 +111,9 @@ def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way)
         other.hover("#stop")
         before_s = time.perf_counter()
         other.mouse.down()
-    other.wait_for_function("['good', 'bad'].includes(document.getElementById('stop-said').dataset.kind)")
+    other.wait_for_function(
+        "['good', 'bad'].includes(document.getElementById('stop-said').dataset.kind)"
+    )
     took_s = world.gone_s(before_s)
     said = text_of(other, "#stop-said")
     print(f"{way}: 0 V after {1e3 * took_s:.0f} ms; the page says: {said}")
@@ -129,7 +136,9 @@ def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     # a reload keeps control, a second browser watches
     first.wait_for_function("labrig.control.mine")
     assert not second.evaluate("labrig.control.mine")
-    second.wait_for_function("labrig.page?.view.picture.shown > 3 && labrig.job.signals.count > 200")
+    second.wait_for_function(
+        "labrig.page?.view.picture.shown > 3 && labrig.job.signals.count > 200"
+    )
     force = "[...labrig.job.runs.get(0).readings.values()].slice(0, 6).map((r) => r.force_mN)"
     assert first.evaluate(force) == second.evaluate(force)
     assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
@@ -141,7 +150,9 @@ def test_a_browser_that_stops_reading_holds_nobody_back(world, visit):
     answer_until(first, ENERGISED)
     second.wait_for_function("labrig.job.runs.get(0)?.readings.size >= 1")
     # its only thread is busy for 4 s: nothing is read, nothing is drawn
-    second.evaluate("setTimeout(() => { const end = Date.now() + 4000; while (Date.now() < end); })")
+    second.evaluate(
+        "setTimeout(() => { const end = Date.now() + 4000; while (Date.now() < end); })"
+    )
     had = first.evaluate("[labrig.job.runs.get(0).readings.size, labrig.page.view.picture.shown]")
     first.wait_for_timeout(3000)
     now = first.evaluate("[labrig.job.runs.get(0).readings.size, labrig.page.view.picture.shown]")
@@ -160,7 +171,9 @@ def test_a_reading_marked_on_the_page_stands_in_the_session(world, visit):
     page.click("[aria-label='Mark reading 2 invalid']")
     page.keyboard.type("something touched the rig")
     page.keyboard.press("Enter")
-    page.locator(".readings-single tr.invalid").filter(has_text="something touched the rig").wait_for()
+    page.locator(".readings-single tr.invalid").filter(
+        has_text="something touched the rig"
+    ).wait_for()
     page.locator(".log-lines").filter(has_text="reading 2 of run 1 is marked invalid").wait_for()
     page.keyboard.press("Escape")
     answer_until(page, ENDED)
@@ -212,7 +225,9 @@ def test_the_load_cell_is_calibrated_from_the_page(world, visit):
     assert max(abs(point["off_mN"]) for point in weighing["points"]) < 0.2
     old = (world.folder / "load_cell.toml").read_text()
     page.click("text=Accept and write load_cell.toml")
-    page.locator(".good").filter(has_text="load_cell.toml is written; the old one is kept as").wait_for()
+    page.locator(".good").filter(
+        has_text="load_cell.toml is written; the old one is kept as"
+    ).wait_for()
     assert (world.folder / "load_cell.toml").read_text() != old
     assert "V/N" in text_of(page, ".facts-big")
 
@@ -221,11 +236,49 @@ def test_the_camera_is_calibrated_by_pointing(world, visit):
     page = enter(visit, world, "camera")
     page.click("text=Start the camera")
     page.wait_for_function("labrig.page.pointing.picture.shown > 2")
-    shot(page, "/tmp/p2/cam.png")
+    page.get_by_label("a scale bar").check()
+    page.get_by_label("its length").fill("10")
+    # the clamp's block in the simulated picture is 10 mm high: its corners serve as the bar's ends
+    for name, (u, v) in {"ruler_a": (63, 289), "ruler_b": (64, 366), "clamp": (64, 329)}.items():
+        point_at(page, name, u, v)
+    found = page.evaluate("labrig.page.px")
+    assert found["ruler_a"] == pytest.approx([60.1, 292.7], abs=0.6)
+    assert found["clamp"] == pytest.approx([60.4, 327.5], abs=0.8)  # as its optics.json has it
+    page.locator(".step >> text='Calibrate'").last.click()
+    page.locator(".facts-big").filter(has_text="px/mm").wait_for()
+    scale = page.evaluate("labrig.page.calibration.px_per_mm")
+    assert scale == pytest.approx(7.0, rel=0.02)
+    page.click("text=Accept and write optics.json")
+    page.locator(".good").filter(
+        has_text="optics.json is written; the old one is kept as"
+    ).wait_for()
+    optics = json.loads((world.folder / "optics.json").read_text())
+    assert optics["px_per_mm"] == pytest.approx(scale)
+    page.click("text=End the camera")
+    answer_until(page, ENDED)
 
 
-def shot(page, name):
-    page.screenshot(path=name)
-    import base64
-    data = page.evaluate("(() => { const c = document.createElement('canvas'); const b = labrig.page.pointing.picture.bitmap; c.width = b.width; c.height = b.height; c.getContext('2d').drawImage(b, 0, 0); return c.toDataURL('image/png'); })()")
-    open(name.replace(".png", "-raw.png"), "wb").write(base64.b64decode(data.split(",")[1]))
+def point_at(page, name, u, v):
+    """The clamp with the keyboard, the others with the pointer."""
+    button = f"labrig.page.points.{name}.button"
+    page.wait_for_function(f"!{button}.disabled")
+    page.evaluate(f"{button}.click()")
+    if name == "clamp":
+        page.keyboard.press("ArrowRight")
+        u0, v0 = page.evaluate("labrig.page.pointing.cross")
+        for by, forth, back in (
+            (u - u0, "ArrowRight", "ArrowLeft"),
+            (v - v0, "ArrowDown", "ArrowUp"),
+        ):
+            tens, ones = divmod(abs(round(by)), 10)
+            way = forth if by > 0 else back
+            for key in [f"Shift+{way}"] * tens + [way] * ones:
+                page.keyboard.press(key)
+        page.keyboard.press("Enter")
+    else:
+        box = page.locator(".pointing").bounding_box()
+        width = page.evaluate("labrig.page.pointing.picture.bitmap.width")
+        page.locator(".pointing").click(
+            position={"x": (u + 0.5) * box["width"] / width, "y": (v + 0.5) * box["width"] / width}
+        )
+    page.wait_for_function(f"labrig.page.px.{name} !== undefined")

@@ -1,4 +1,4 @@
-"""Forms made from the configuration's schemas: one set of limits for file, command line and page."""
+"""Forms made from the schemas: file, command line and page have one set of limits."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def test_every_key_of_the_protocol_has_a_field(fake, visit):
     page = visit(f"{fake.url}#/new")
     page.wait_for_selector("[data-key='pulse_s']")
     schema = fake.answers["GET", "/api/schemas"]["protocol"]
-    shown = set(page.evaluate("[...document.querySelectorAll('[data-key]')].map((e) => e.dataset.key)"))
+    shown = set(
+        page.evaluate("[...document.querySelectorAll('[data-key]')].map((e) => e.dataset.key)")
+    )
     assert set(keys_of(schema, schema)) <= shown
 
 
@@ -111,7 +113,9 @@ def test_a_changed_protocol_is_saved_before_it_runs(fake, visit):
     page.click("text=Start the run")
     page.wait_for_function("location.hash === '#/run'")
     acts = [(how, path, body) for how, path, body in fake.asked if how != "GET"]
-    saved = next(body for how, path, body in acts if (how, path) == ("PUT", "/api/files/short.toml"))
+    saved = next(
+        body for how, path, body in acts if (how, path) == ("PUT", "/api/files/short.toml")
+    )
     assert saved["values"]["pulse_train"]["readings_per_voltage"] == 3
     run = {"protocol": "short.toml", "sheet": "sheet.toml", "session": "mine.h5", "clock": "real"}
     assert acts[-1] == ("POST", "/api/run", run)

@@ -92,7 +92,9 @@ def test_pictures_curves_and_signals_reach_the_screen(fake, visit):
     before = page.evaluate("labrig.page.view.strips.points")
     for number in range(301, 311):
         fake.tell(fake_panel.picture_frame(number, -2.0, 314.0 + number / 25))
-        fake.tell(made_up.signals(4, from_s := 12.9 + 0.04 * (number - 301), from_s + 0.04, fresh=False))
+        fake.tell(
+            made_up.signals(4, from_s := 12.9 + 0.04 * (number - 301), from_s + 0.04, fresh=False)
+        )
         page.wait_for_function("(n) => labrig.page.view.picture.header.frame === n", arg=number)
     assert page.evaluate("labrig.page.view.picture.shown") == 11
     page.wait_for_function("(n) => labrig.page.view.strips.points === n", arg=before + 40)
@@ -135,7 +137,9 @@ def test_a_prompt_is_shown_and_answered(fake, visit):
     page.wait_for_function("document.querySelector('.go').disabled")
     fake.tell({"type": "answered", "time_s": 2, "prompt": 9, "done": True, "log": "x"})
     page.wait_for_selector(".prompt", state="hidden")
-    paths = [(path, body) for _, path, body in fake.asked if path in ("/api/control", "/api/answer")]
+    paths = [
+        (path, body) for _, path, body in fake.asked if path in ("/api/control", "/api/answer")
+    ]
     assert [path for path, _ in paths] == ["/api/control", "/api/answer"]
     assert paths[1][1] == {"prompt": 9, "done": True}
 

@@ -134,4 +134,6 @@ def test_stop_and_state_are_in_sight_on_every_page(fake, visit, size):
     assert height >= 44
     assert x + width <= size[0]
     assert y + height <= size[1]
-    assert not page.evaluate("document.documentElement.scrollWidth > innerWidth"), "scrolls sideways"
+    assert not page.evaluate("document.documentElement.scrollWidth > innerWidth"), (
+        "scrolls sideways"
+    )

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from drivers.interfaces import Camera, CameraCounts, Clock, Frame
 
-EVERY_S = 0.2
+MOST_BYTES_PER_S = 20e6  # of raw pictures: what is beyond costs the run more than it shows
 _FRAMES = 1.5  # a window of so many frame periods holds at least one frame
 
 
 class Preview:
-    """The same camera; a few frames a second more are kept, and the newest one can be had.
+    """The same camera; frames that no reading asked for are kept, too, and the newest can be had.
 
     The scheduler's thread calls all methods but `newest`, which another one may call. Frames that
     no reading asked for are handed on with the others: whoever makes readings leaves them out.
@@ -20,9 +22,15 @@ class Preview:
     def __init__(self, camera: Camera, clock: Clock, frame_rate_hz: float) -> None:
         self._camera = camera
         self._clock = clock
-        self._window_s = _FRAMES / frame_rate_hz
+        self._period_s = 1 / frame_rate_hz
         self._next_s = 0.0
         self._newest: Frame | None = None
+
+    @property
+    def every_s(self) -> float:
+        """Every frame, unless frames are so large that they would be a burden."""
+        size = math.prod(self._camera.frame_shape) * self._camera.dtype.itemsize
+        return max(self._period_s, size / MOST_BYTES_PER_S)
 
     def newest(self) -> Frame | None:
         """The newest frame, when it has not been asked for yet."""
@@ -66,8 +74,8 @@ class Preview:
         """See `Camera`."""
         now_s = self._clock.now()
         if now_s >= self._next_s:
-            self._next_s = now_s + EVERY_S
-            self._camera.want(now_s, now_s + self._window_s)
+            self._next_s = now_s + self.every_s
+            self._camera.want(now_s, now_s + _FRAMES * self._period_s)
         found = self._camera.frames()
         if found:
             self._newest = found[-1]

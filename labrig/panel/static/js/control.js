@@ -4,6 +4,7 @@ import { h, newId, put } from "./dom.js";
 import { post } from "./net.js";
 
 const KEY = "labrig-operator";
+const HELD = "labrig-held";
 
 /** What the server says of control, and this page's way to take it. */
 export class Control {
@@ -14,8 +15,20 @@ export class Control {
     this.watchers = new Set();
   }
 
+  /** The server's name for this page. One that is loaded again wants back what it held. */
+  arrived(client) {
+    this.client = client;
+    this.wanted = sessionStorage.getItem(HELD) === "yes";
+  }
+
   set(state) {
     this.state = { ...this.state, ...state };
+    if (this.mine) this.wanted = false;
+    sessionStorage.setItem(HELD, this.mine || this.wanted ? "yes" : "no");
+    if (this.wanted && this.free) {
+      this.wanted = false;
+      this.take().catch(() => {}); // somebody was faster
+    }
     for (const update of this.watchers) update();
   }
 

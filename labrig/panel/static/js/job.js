@@ -16,6 +16,7 @@ export class Job {
     this.counts = { pictures: 0, signals: 0, messages: 0 };
     this.alive = null;
     this.replay = null;
+    this.model = null; // the panel's choice, not the job's
     this.forget();
   }
 
@@ -130,6 +131,7 @@ const WAYS = {
     if (m.state === "ended" || m.state === "lost") job.prompt = null;
   },
   plan: (job, m) => (job.plan = m),
+  model: (job, m) => (job.model = m.name),
   started: (job, m) => (job.started = m),
   state: (job, m) => {
     job.state = m;

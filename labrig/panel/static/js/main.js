@@ -34,15 +34,13 @@ function netFault(text) {
 // ------------------------------------------------------------------------------------ the socket
 
 function welcome(hello) {
-  const before = sessionStorage.getItem(CLIENT);
   app.status = hello.status;
-  app.control.client = hello.client;
   sessionStorage.setItem(CLIENT, hello.client);
   setClient(hello.client);
   window.labrigStop?.learn(hello.stop_url);
+  app.job.model = hello.status?.model ?? null;
+  app.control.arrived(hello.client);
   if (hello.status?.control) app.control.set(hello.status.control);
-  // Loaded again before the server had missed us: what this page held is given only if it is free.
-  if (before !== hello.client && app.control.state.holder === before) app.control.take().catch(() => {});
   document.body.dataset.mode = hello.mode;
   for (const hash of ["#/run", "#/new", "#/load-cell", "#/camera"]) {
     document.querySelector(`.tabs a[href="${hash}"]`).hidden = hello.mode !== "rig";

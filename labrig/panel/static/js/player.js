@@ -23,6 +23,10 @@ export class Player {
 
   receive(message) {
     if (message.type === "hello" || message.type === "control") return;
+    if (message.type === "error") {
+      this.fault = message.error;
+      this.socket.close();
+    }
     const { replay } = this.job;
     this.job.apply(message);
     if (message.type === "story" && !this.job.replay) this.job.replay = replay;
@@ -86,13 +90,14 @@ export class Transport {
     this.skip = h("input", { type: "checkbox", checked: true, onchange: () => players.forEach((one) => one.gaps(this.skip.checked)) });
     this.speeds = SPEEDS.map((speed) => h("button", { type: "button", class: "small", "aria-pressed": "false", data: { speed }, onclick: () => players.forEach((one) => one.speed(speed)) }, `${speed}\u00D7`));
     this.step = [-1, 1].map((way) => h("button", { type: "button", class: "small", onclick: () => this.toReading(way) }, way < 0 ? "\u25C0 reading" : "reading \u25B6"));
+    this.fault = h("p", { class: "fault", role: "alert" });
     this.element = h(
       "section", { class: "card transport", "aria-label": "replay" },
       this.play, h("div", { class: "transport-speeds", role: "group", "aria-label": "speed" }, this.speeds), this.step, this.time,
-      h("label", {}, this.skip, " leave out waits"),
+      h("label", {}, this.skip, " leave out waits"), this.fault,
       h("div", { class: "transport-slider" }, this.slider, this.ticks, this.marks),
     );
-    this.stops = players.map((one) => one.job.watch((dirty) => dirty.has("replay") && this.update()));
+    this.stops = players.map((one) => one.job.watch(() => this.update()));
   }
 
   destroy() {
@@ -131,6 +136,7 @@ export class Transport {
   }
 
   update() {
+    say(this.fault, this.players.map((one) => one.fault).filter(Boolean).join(" "));
     const [first] = this.players;
     const { replay } = first.job;
     if (!replay) return;

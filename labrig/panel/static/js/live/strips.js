@@ -7,6 +7,7 @@ import { drawMark } from "./marks.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
+const CHART_MS = 60;
 const NUMERAL_MS = 180; // numerals that change faster cannot be read
 const ROWS = [
   { key: "drive_V", name: "Drive", unit: "V", decimals: 2, least: 0.5, colour: "--trace-drive" },
@@ -30,6 +31,7 @@ export class Strips {
   destroy() {
     this.seen.disconnect();
     clearTimeout(this.timer);
+    clearTimeout(this.due);
     removeEventListener("labrig-theme", this.themed);
     this.lines.forEach((line) => line.plot?.destroy());
   }
@@ -126,7 +128,18 @@ export class Strips {
 
   update(dirty) {
     const asked = ["signals", "reading", "marked", "plan", "story", "run_started"].some((type) => dirty.has(type));
-    if (asked) this.show();
+    if (asked) this.showSoon();
+  }
+
+  /** At most every `CHART_MS`: signals come more often than eyes and cheap screens can follow. */
+  showSoon() {
+    if (this.due) return;
+    const wait = CHART_MS - (performance.now() - (this.drawn ?? -Infinity));
+    this.due = setTimeout(() => {
+      this.due = null;
+      this.drawn = performance.now();
+      this.show();
+    }, Math.max(0, wait));
   }
 
   show() {

@@ -76,7 +76,7 @@ function runBar({ job, control }) {
     begin.hidden = job.going;
     replay.hidden = job.going || !session || !job.started;
     if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
-    if (document.activeElement !== model && job.plan && "model" in job.plan) chosenModel(model, job.plan.model ?? "");
+    if (document.activeElement !== model) chosenModel(model, job.model ?? "");
   };
   return { element, notice, update };
 }

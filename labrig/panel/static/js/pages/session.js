@@ -2,7 +2,7 @@
 
 import { h, put, say } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
-import { get, post, query } from "../net.js";
+import { get, post, query, Refused } from "../net.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
@@ -48,11 +48,12 @@ export function mount(place, app, asked) {
       say(fault, error.message);
     }
   };
+  const tables = () => fetched(file("csv"), `${name.replace(/\.[^.]*$/, "")}.zip`).then(() => say(fault, ""), (error) => say(fault, error.message));
   place.append(
     h("h1", {}, name),
     h("div", { class: "buttons session-do" },
       link("Replay", `#/replay?${query({ session: name })}`),
-      link("Export tables (CSV)", file("csv"), { download: "" }),
+      h("button", { type: "button", onclick: () => tables() }, "Export tables (CSV)"),
       link("Download the file", file("h5"), { download: "" }), resume, link("All sessions", "#/library")),
     fault, body,
   );
@@ -64,6 +65,15 @@ export function mount(place, app, asked) {
     (error) => put(body, h("p", { class: "fault" }, error.message)),
   );
   return {};
+}
+
+/** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
+async function fetched(address, name) {
+  const answer = await fetch(address, { credentials: "same-origin" });
+  if (!answer.ok) throw new Refused((await answer.json().catch(() => ({}))).error ?? "It cannot be had.", answer.status);
+  const url = URL.createObjectURL(await answer.blob());
+  h("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
 function facts(session) {

@@ -1,0 +1,120 @@
+"""Recorded sessions on the page: found, sorted, replayed, compared, exported."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+
+import pytest
+
+from labrig.session import open_session
+from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+from tests.labrig.panel.page import panel
+from tests.panel_browser.conftest import text_of
+from tests.panel_browser.rig_world import RigWorld, enter
+
+PROTOCOL = """
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = 3
+[[places]]
+configuration = "long"
+positions_mm = [5, {second}]
+[extras]
+mode = "paper"
+"""
+
+
+@pytest.fixture(scope="module")
+def world(tmp_path_factory):
+    folder = make_rig(tmp_path_factory.mktemp("sessions") / "rig")
+    for name, second in (("a.h5", 10), ("b.h5", 15)):
+        (folder / "protocol.toml").write_text(PROTOCOL.format(second=second))
+        run_rig(folder, name)
+    with panel(folder / "rig.toml") as server:
+        yield RigWorld(server, folder)
+
+
+def test_sessions_are_listed_filtered_sorted_and_opened(world, visit):
+    page = enter(visit, world, "library")
+    rows = page.locator(".library-table tbody tr")
+    rows.nth(1).wait_for()
+    assert rows.count() == 2
+    page.click("th >> text=session")
+    page.locator("th[aria-sort='descending'] >> text=session").wait_for()
+    page.wait_for_function("document.querySelector('.library-table tbody a').innerText === 'b.h5'")
+    page.fill("input[type='search']", "a.h5")
+    page.wait_for_function("document.querySelectorAll('.library-table tbody tr').length === 1")
+    page.click(".library-table a")
+    page.locator(".facts dd").filter(has_text="completed").wait_for()
+    assert "16, 0 invalid" not in text_of(page, ".session-two")  # 10 readings a run, two runs
+    assert "20, 0 invalid" in text_of(page, ".session-two")
+    assert page.locator(".log-lines li").count() > 4
+    page.click("text=Export tables")
+    page.locator(".fault").filter(has_text="run labrig analyze").wait_for()
+    assert labrig("analyze", world.folder / "a.h5") == 0
+    with page.expect_download() as download:
+        page.click("text=Export tables")
+    names = zipfile.ZipFile(io.BytesIO(download.value.path().read_bytes())).namelist()
+    assert any(name.endswith("forces.csv") for name in names)
+
+
+def test_a_session_plays_at_once_at_ten_times_and_by_hand(world, visit):
+    page = enter(visit, world, "replay?session=a.h5")
+    page.wait_for_function("labrig.page?.player.duration_s > 10")
+    page.click("text='10×'")
+    page.click("button >> text='Play'")
+    page.wait_for_function("labrig.page.player.job.runs.get(1)?.readings.size === 10")
+    assert page.evaluate("labrig.page.view.picture.shown") > 2
+    shown = page.evaluate(
+        "[...labrig.page.player.job.runs.get(1).readings.values()].map((r) => r.force_mN)"
+    )
+    with open_session(world.folder / "a.h5") as session:
+        recorded = 1e3 * session.runs[1].readings["force_N"]
+    assert sorted(shown) == pytest.approx(sorted(recorded))
+    # by hand, to the first run's fourth reading: what came later is forgotten
+    page.evaluate("labrig.page.player.pause()")
+    at_s = page.evaluate(
+        "labrig.page.player.job.replay.marks.filter((m) => m.kind === 'reading')[3].at_s"
+    )
+    page.evaluate(
+        """(at) => {
+          const slider = document.querySelector(".transport input[type=range]");
+          slider.value = at + 0.1;
+          slider.dispatchEvent(new Event("input", { bubbles: true }));
+          slider.dispatchEvent(new Event("change", { bubbles: true }));
+        }""",
+        at_s,
+    )
+    page.wait_for_function("labrig.page.player.job.runs.get(0)?.readings.size === 4")
+    assert not page.evaluate("labrig.page.player.job.runs.has(1)")
+    page.wait_for_function("labrig.page.player.job.signals.count > 50")
+    page.focus(".transport input[type=range]")
+    page.click("text=reading ▶")
+    page.wait_for_function("labrig.page.player.job.runs.get(0)?.readings.size === 5")
+    assert text_of(page, "#output").endswith("NOT IN USE")  # the rig's, not the recording's
+
+
+def test_a_file_that_is_no_session_is_told_in_a_sentence(world, visit):
+    (world.folder / "broken.h5").write_bytes(b"no session" * 100)
+    page = enter(visit, world, "replay?session=broken.h5")
+    page.locator(".transport .fault").filter(has_text="broken.h5").wait_for()
+    (world.folder / "broken.h5").unlink()
+
+
+def test_two_sessions_stand_side_by_side(world, visit):
+    page = enter(visit, world, "library")
+    page.get_by_label("choose a.h5").check()
+    page.get_by_label("choose b.h5").check()
+    page.click("text=Compare the two")
+    page.locator(".compare-forces tbody tr").first.wait_for()
+    found = page.evaluate("fetch('/api/library/compare?a=a.h5&b=b.h5').then((x) => x.json())")
+    positions = {row["position_mm"]: (row["a"] is None, row["b"] is None) for row in found["rows"]}
+    assert positions == {5: (False, False), 10: (False, True), 15: (True, False)}
+    assert page.locator(".compare-forces tbody tr").count() == len(found["rows"])
+    page.wait_for_function("labrig.page.players.every((one) => one.duration_s > 10)")
+    page.click("text='100×'")
+    page.click("button >> text='Play'")
+    page.wait_for_function(
+        "labrig.page.players.every((one) => one.job.runs.get(0)?.readings.size >= 5)"
+    )
