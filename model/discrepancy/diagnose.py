@@ -35,6 +35,7 @@ from model.discrepancy.tolerance import Found
 from model.effects.catalogue import catalogue
 from model.effects.interface import Effect
 from model.measurements import Measurements, ModelError
+from model.noise import weigh
 from model.parameter import Parameter
 from model.setup import ActiveEffect
 from model.sheet_model import Along, ConfiguredSheet, SheetModel
@@ -128,7 +129,8 @@ class _Finding:
         pool = candidates(base, self.effects)
         sizes = self._amplitudes()
         # what could be seen is asked with the noise as it is once the finding is in
-        judge = replace(final, linear=replace(final.linear, states=base.linear.states))
+        known = weigh(base.linear.data, final.solution.log_sigma)
+        judge = replace(base, solution=known)
         seen = signatures(judge, forms(pool, {}), sizes)
         unseen = invisible(base, seen, {e.name: e for e in self.effects})
         results = tuple(self._named(i, c, final_known, seen) for i, c in enumerate(named))

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
-from model.discrepancy.features import Look, Seen, look
+from model.discrepancy.features import Look, Seen
 from model.discrepancy.linear import Bases, linearise
 from model.discrepancy.point import Study
 from model.discrepancy.result import Next
 from model.discrepancy.row_noise import noise_of
-from model.discrepancy.score import Candidate, Projected, candidates, members
+from model.discrepancy.score import Candidate, Projected, candidates
 from model.discrepancy.settle import Fitted, Problem
 from model.effects.interface import Clock, Effect
 from model.measurements import FloatArray, ModelError
 from model.noise import weigh
 
 RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
-PULSES = 22
 
 
 @dataclass(frozen=True)
@@ -33,44 +33,43 @@ class Entry:
     protocol: dict[str, object]
 
 
-def _copies(
-    one: Look, keep: Callable[[Seen], bool], change: Callable[[Seen, int], Seen], run: int
-) -> tuple[Seen, ...]:
-    del run
-    return tuple(change(s, i) for i, s in enumerate(one.seen) if keep(s) and not s.free)
+def _touching(one: Look) -> list[Seen]:
+    return [s for s in one.seen if not s.free]
 
 
 def _again(seen: Seen, mounting: int, up: float | None = None) -> Seen:
+    """The same in another set-up, with a number that no session has."""
     key = (seen.run[0], seen.run[1], mounting, seen.run[3])
     return replace(seen, run=key, up=seen.up if up is None else up)
 
 
-def _middle(one: Look) -> list[float]:
-    return sorted({s.position_m for s in one.seen if not s.free})
+def _places(one: Look) -> list[float]:
+    return sorted({s.position_m for s in _touching(one)})
 
 
 def _remount(one: Look) -> tuple[Seen, ...]:
-    places = _middle(one)
+    places = _places(one)
     chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
-    return _copies(one, lambda s: s.position_m in chosen, lambda s, i: _again(s, 90), 0)
+    return tuple(_again(s, 90) for s in _touching(one) if s.position_m in chosen)
 
 
 def _reversed(one: Look) -> tuple[Seen, ...]:
-    return _copies(one, lambda s: True, lambda s, i: _again(s, 91, -1.0), 0)
+    return tuple(_again(s, 91, -1.0) for s in _touching(one))
 
 
 def _repeat(one: Look) -> tuple[Seen, ...]:
-    return _copies(one, lambda s: True, lambda s, i: _again(s, 92), 0)
+    return tuple(_again(s, 92) for s in _touching(one))
 
 
 def _half(one: Look) -> tuple[Seen, ...]:
     """Half the voltage at every position; 0 V there, too."""
-
-    def change(s: Seen, i: int) -> Seen:
-        clock = replace(s.clock, voltage_V=0.5 * s.clock.voltage_V)
-        return replace(_again(s, 93), voltage_V=0.5 * s.voltage_V, clock=clock)
-
-    return _copies(one, lambda s: True, change, 0)
+    return tuple(
+        replace(
+            _again(s, 93), voltage_V=0.5 * s.voltage_V,
+            clock=replace(s.clock, voltage_V=0.5 * s.clock.voltage_V),
+        )
+        for s in _touching(one)
+    )  # fmt: skip
 
 
 def _free(one: Look) -> tuple[Seen, ...]:
@@ -98,37 +97,44 @@ def _free(one: Look) -> tuple[Seen, ...]:
 
 def _between(one: Look) -> tuple[Seen, ...]:
     """Positions half-way between those measured."""
-    places = _middle(one)
-    step = 0.5 * (places[1] - places[0]) if len(places) > 1 else 0.0
-
-    def change(s: Seen, i: int) -> Seen:
-        at = s.position_m + step
-        return replace(s, position_m=at, run=(s.run[0], at, 0, 0))
-
-    return _copies(one, lambda s: bool(places) and s.position_m < places[-1], change, 0)
+    places = _places(one)
+    middle = {a: 0.5 * (a + b) for a, b in pairwise(places)}
+    return tuple(
+        replace(s, position_m=middle[s.position_m], run=(s.run[0], middle[s.position_m], 97, 0))
+        for s in _touching(one)
+        if s.position_m in middle
+    )
 
 
 def _shuffled(one: Look) -> tuple[Seen, ...]:
     """All positions again, in an order that has nothing to do with their place on the arc."""
     random = np.random.default_rng(7)
-    places = _middle(one)
+    places = _places(one)
     at = dict(zip(places, random.permutation(len(places)) / max(len(places) - 1, 1), strict=True))
+    return tuple(
+        replace(
+            _again(s, 96),
+            clock=replace(s.clock, session=np.full(len(s.force_N), at[s.position_m])),
+        )
+        for s in _touching(one)
+    )
 
-    def change(s: Seen, i: int) -> Seen:
-        session = np.full(len(s.force_N), at[s.position_m])
-        return replace(_again(s, 96), clock=replace(s.clock, session=session))
 
-    return _copies(one, lambda s: True, change, 0)
+def _minutes(runs: float) -> Callable[[Look], float]:
+    def always(one: Look) -> float:  # noqa: ARG001
+        return runs * RUN_MINUTES
+
+    return always
 
 
 def _runs(one: Look) -> float:
-    return RUN_MINUTES * len(_middle(one))
+    return RUN_MINUTES * len(_places(one))
 
 
 MENU: tuple[Entry, ...] = (
     Entry("free_shapes", "six free shapes of each configuration, the load cell moved away",
-          lambda one: 1.5, _free, {"extras": {"free_shapes": 6}}),
-    Entry("remount", "three positions set anew", lambda one: 3.0 * RUN_MINUTES, _remount,
+          _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
+    Entry("remount", "three positions set anew", _minutes(3.0), _remount,
           {"extras": {"remount": 3}}),
     Entry("reversed_approach", "all positions again, approached from the other side", _runs,
           _reversed, {"extras": {"reversed_approach": True}}),
@@ -227,10 +233,8 @@ def extended(fitted: Fitted, entry: Entry) -> Fitted:
     return Fitted(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
 
 
-def _with_half(problem: Problem, study: Study) -> object:
+def _with_half(problem: Problem, study: Study) -> Bases:
     """Parameters of the further voltages, after all others."""
-    from model.discrepancy.linear import Bases
-
     parts, place = [], problem.bases.size
     for one, own in zip(problem.bases.parts, study.looks, strict=True):
         eibm = dict(one.eibm)
@@ -241,10 +245,7 @@ def _with_half(problem: Problem, study: Study) -> object:
     return Bases(tuple(parts), place)
 
 
-def _half_start(problem: Problem, bases: object, theta: FloatArray) -> FloatArray:
-    from model.discrepancy.linear import Bases
-
-    assert isinstance(bases, Bases)
+def _half_start(problem: Problem, bases: Bases, theta: FloatArray) -> FloatArray:
     more = np.zeros(bases.size - problem.bases.size)
     for one in bases.parts:
         for volts, (i, _) in one.eibm.items():
@@ -252,6 +253,3 @@ def _half_start(problem: Problem, bases: object, theta: FloatArray) -> FloatArra
                 like = one.eibm.get(2.0 * volts)
                 more[i - problem.bases.size] = 0.5 * theta[like[0]] if like else 0.0
     return more
-
-
-__all__ = ["MENU", "Entry", "look", "members", "next_measurement"]

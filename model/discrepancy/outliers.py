@@ -28,11 +28,11 @@ def outlier_candidates(fitted: Fitted) -> list[Candidate]:
             columns = []
             own = part.trend_rows[(part.trend_of == k) & part.is_mean]
             if len(own):
-                columns.append(_unit(study.layout.size, own, FORCE_N))
+                columns.append(_at(study.layout.size, own, FORCE_N))
             if scene.has_curve[k]:
                 rows = part.mode_rows[k]
                 columns += [
-                    _unit(study.layout.size, rows[m : m + 1], MODE_M / (1 + m))
+                    _at(study.layout.size, rows[m : m + 1], MODE_M / (1 + m))
                     for m in range(min(4, scene.modes))
                 ]
                 if scene.voltage_V[k] != 0.0:  # its EIBM was another one
@@ -75,7 +75,7 @@ def condition_runs(problem: Problem) -> list[int]:
     return [layout.runs.index(one.run) for look in problem.study.looks for one in look.seen]
 
 
-def _unit(size: int, rows: FloatArray, value: float) -> FloatArray:
+def _at(size: int, rows: Index, value: float) -> FloatArray:
     column = np.zeros(size)
     column[rows] = value
     return column

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -13,12 +13,12 @@ from model.discrepancy.scene import Answers, Scene, Solved
 from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
 from model.effects.roll_friction import slid
 from model.field import Field
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
 
 LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
 STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
 SELF_CONSISTENT = 4  # rounds of solving and applying effects that depend on the solution
-FEW_ROUNDS_N = 1e-8
+SETTLED_N = 1e-8  # change of any force that ends them sooner
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,6 @@ class Step:
     points_m: FloatArray  # (K, S) of the predicted points along the normal
     frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older
 
-    def times(self, factor: float) -> Step:
-        """The same, larger."""
-        return Step(*(factor * getattr(self, name) for name in self.__dataclass_fields__))
-
 
 @dataclass(frozen=True)
 class State:
@@ -58,8 +54,7 @@ class State:
     modes_by_eibm: FloatArray  # (K, M)
     response: FloatArray | None  # (K, L) force at the EIBM times `LEVELS`; None: its slope will do
     weighed: Weighed  # of the readings, before what the load cell adds
-    residual: FloatArray  # of this configuration's rows, at their places among all
-    rows: FloatArray = field(default_factory=lambda: np.zeros(0))
+    residual: FloatArray  # (N,) of this configuration's rows, at their places among all
 
 
 class Study:
@@ -88,7 +83,7 @@ class Study:
             for effect, values in changing:
                 beam = effect.beam(beam, solved.held, values)
             solved = scene.solve(beam)
-            if np.nanmax(np.abs(solved.force_N - before), initial=0.0) < FEW_ROUNDS_N:
+            if np.nanmax(np.abs(solved.force_N - before), initial=0.0) < SETTLED_N:
                 break
         answers = scene.answers(beam, solved)
         G = scene.count
@@ -160,7 +155,7 @@ class Study:
         nothing = self.no_step(c)
         of, (eibm, stiffness) = part.reading_of, self.mean_course(c, inner)
         for effect, values in inner:
-            step = self._outer_step(c, state, effect, values, nothing)
+            step = self.outer_step(c, state, effect, values, nothing)
             y -= self.rows_of(c, state, step)
         # the means are in the beam problem already
         driven = part.clock.voltage_V != 0.0
@@ -173,17 +168,12 @@ class Study:
         """Trends of how large each reading's curve is against its mean."""
         part, scene = self.part(c), self.scenes[c]
         sizes = np.zeros(len(part.reading_of))
-        for k in np.unique(part.sway_of):
-            own = part.reading_of == k
+        for k in np.unique(part.sway_of).tolist():
+            curves = self.looks[c].seen[k].own_curves
+            modes = np.array([_modes(scene, k, curve, state.solved) for curve in curves])
             u = state.modes_by_eibm[k]
-            modes = np.array(
-                [
-                    _modes(scene, int(k), curve, state.solved)
-                    for curve in self.looks[c].seen[k].own_curves
-                ]
-            )
             weight = float(u @ u)
-            sizes[own] = modes @ u / weight if weight > 0.0 else 0.0
+            sizes[part.reading_of == k] = modes @ u / weight if weight > 0.0 else 0.0
         result: FloatArray = part.sway @ sizes
         return result
 
@@ -203,10 +193,10 @@ class Study:
         other = effect.beam(state.beam, state.solved.held, values)
         change = self.scenes[c].change(state.beam, other, state.solved.held)
         step = replace(self.no_step(c), beam=change)
-        return self._outer_step(c, state, effect, values, step)
+        return self.outer_step(c, state, effect, values, step)
 
-    def _outer_step(self, c: int, state: State, effect: Effect, values: Values, step: Step) -> Step:
-        """The part of an effect that is not in the beam problem."""
+    def outer_step(self, c: int, state: State, effect: Effect, values: Values, step: Step) -> Step:
+        """`step` with the part of an effect that is not in the beam problem."""
         part, scene = self.part(c), self.scenes[c]
         course = effect.course(part.clock, values)
         if course is not None:
@@ -311,11 +301,8 @@ def rise_left(clock: Clock, rise_s: float, later_s: float) -> FloatArray:
     return np.where(clock.voltage_V != 0.0, left, 0.0)
 
 
-def _modes(scene: Scene, k: int, curve: object, solved: Solved) -> FloatArray:
+def _modes(scene: Scene, k: int, curve: Curve, solved: Solved) -> FloatArray:
     """Modes of a reading's own curve, along the normals of its condition."""
-    from model.measurements import Curve
-
-    assert isinstance(curve, Curve)
     n = min(len(curve.s_m), scene.curve_s.shape[1])
     off = (curve.x_m[:n] - solved.x_m[k, :n]) * solved.nx[k, :n]
     off = off + (curve.y_m[:n] - solved.y_m[k, :n]) * solved.ny[k, :n]
@@ -332,6 +319,6 @@ def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
     ):
         if abs(a - b) > 1e-6:
             raise ModelError(
-                f"the model was fitted to a '{sheet.configuration}' with a {what} of {b * 1e3:g} mm,"
-                f" these data are of one with {a * 1e3:g} mm"
+                f"the model was fitted to a '{sheet.configuration}' with a {what} of"
+                f" {b * 1e3:g} mm, these data are of one with {a * 1e3:g} mm"
             )

@@ -35,7 +35,8 @@ def scatter_columns(study: Study, c: int, state: State) -> Columns:
     """Rows of one configuration by what differs from set-up to set-up, each shared by a run."""
     none = study.no_step(c)
     result = {
-        name: [study.rows_of(c, state, step)] for name, step in _setup_steps(study, c, state).items()
+        name: [study.rows_of(c, state, step)]
+        for name, step in _setup_steps(study, c, state).items()
     }
     result["registration"] = [
         study.rows_of(c, state, replace(none, points_m=n))

@@ -15,6 +15,7 @@ import numpy as np
 from model.discrepancy.point import State, Step, Study
 from model.discrepancy.score import Candidate
 from model.discrepancy.settle import Fitted
+from model.discrepancy.tolerance import unit
 from model.effects.interface import SLOTS, Slot
 from model.measurements import FloatArray
 
@@ -135,10 +136,10 @@ def _compliance(study: Study, c: int, state: State) -> Making:
         yield "curvature", None, replace(none, beam=beam)
 
 
-def _position(study: Study, c: int, state: State) -> Making:
+def _position(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     scene, none, G = study.scenes[c], study.no_step(c), study.scenes[c].count
     R = scene.sheet.arc_radius_m
-    u = _unit(scene.stated_m)
+    u = unit(scene.stated_m)
     for signed in (np.ones(scene.K), np.sign(scene.voltage_V)):
         for j in range(4):
             one = wave(j, 1e-3)
@@ -149,7 +150,7 @@ def _position(study: Study, c: int, state: State) -> Making:
 
 def _load_cell(study: Study, c: int, state: State) -> Making:
     part, none, w = study.part(c), study.no_step(c), state.weighed
-    u = _unit(w.position_m)
+    u = unit(w.position_m)
     for j in range(5):
         one = wave(j, 2e-4)
         yield "position", one, replace(none, force_N=one(u))
@@ -173,7 +174,7 @@ def _camera(study: Study, c: int, state: State) -> Making:
                 yield "place", None, replace(none, points_m=points)
 
 
-def _time(study: Study, c: int, state: State) -> Making:
+def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     part, none = study.part(c), study.no_step(c)
     driven = (part.clock.voltage_V != 0.0).astype(float)
     for name, span in (("session", 1.0), ("run_s", 20.0)):
@@ -190,13 +191,6 @@ def _time(study: Study, c: int, state: State) -> Making:
     for j in range(3):
         one = wave(j, 0.1)
         yield "time", one, replace(none, bin_eibm=part.bin_mean(one(t)))
-
-
-def _unit(values: FloatArray) -> FloatArray:
-    good = values[np.isfinite(values)]
-    if not len(good) or np.ptp(good) == 0.0:
-        return np.full_like(values, 0.5)
-    return np.nan_to_num((values - good.min()) / np.ptp(good), nan=0.5)
 
 
 _MAKERS: dict[Slot, Callable[[Study, int, State], Making]] = {

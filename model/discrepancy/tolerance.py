@@ -19,6 +19,8 @@ from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
 SIGN = 0.25  # and from one voltage or configuration to the other
+WAVES_S = ((1, 0.75), (2, 0.5), (3, 0.43))  # along the sheet: waves, and their shares of `FORM`
+WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
 OWN = 1.0  # where each configuration may have its own size
 MOST_LOG_STEP = 0.4
 PULSE_S, PULSES = 0.6, 22.0
@@ -31,7 +33,6 @@ class Found:
     effect: Effect
     values: Mapping[str, Mapping[str, float]]  # configuration -> knob -> value
     width: float = 3.0  # of the prior of the size, in units of its plausible size
-    tolerant: bool = True
     sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
@@ -56,7 +57,7 @@ def whole_step(
     values = one.values[study.names[c]]
     full = one.effect.beam(without, state.solved.held, values)
     step = replace(study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.held))
-    return study._outer_step(c, state, one.effect, values, step)  # noqa: SLF001
+    return study.outer_step(c, state, one.effect, values, step)
 
 
 def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> Beam:
@@ -67,46 +68,45 @@ def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> B
     return base
 
 
-def deviations(
-    effect: Effect, study: Study, c: int, step: Step, held: Held
-) -> Iterator[tuple[Step, float]]:
-    """The ways in which the form may differ, each with its standard deviation."""
-    scene, part = study.scenes[c], study.part(c)
-    G = scene.count
-    driven = np.sign(scene.voltage_V)
+Ways = Iterator[tuple[Step, float]]  # steps, each with its standard deviation
+
+
+def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> Ways:
+    """The ways in which the form may differ."""
+    scene = study.scenes[c]
     for along in effect.tolerance:
         if along == "s":
-            t = scene.s_m / scene.length
-            for j, share in ((1, 0.75), (2, 0.5), (3, 0.43)):
-                wave = np.sqrt(2.0) * np.cos(j * np.pi * t)
-                beam = np.zeros_like(step.beam)
-                beam[:, :G] = step.beam[:, :G] * wave
-                beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * wave
-                yield replace(study.no_step(c), beam=beam), FORM * share
+            yield from _along_sheet(study, c, step, scene.s_m / scene.length, WAVES_S)
         elif along == "curvature":
             bent = np.abs(held.curvature - scene.rest(scene.s_m))
-            u = bent / max(float(np.max(bent)), 1e-9)
-            for j, share in ((1, 0.8), (2, 0.6)):
-                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
-                beam = np.zeros_like(step.beam)
-                beam[:, :G] = step.beam[:, :G] * wave
-                beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * wave
-                yield replace(study.no_step(c), beam=beam), FORM * share
+            yield from _along_sheet(study, c, step, bent / max(float(np.max(bent)), 1e-9), WAVES)
         elif along == "position":
-            u = _unit(np.nan_to_num(scene.stated_m))
-            for j, share in ((1, 0.8), (2, 0.6)):
-                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
-                yield _weighed(step, wave, part.reading_of, part.bin_of), FORM * share
+            u = unit(scene.stated_m)
+            for j, share in WAVES:
+                yield _weighed(study, c, step, _cosine(j, u)), FORM * share
         elif along == "voltage":
+            driven = np.sign(scene.voltage_V)
             for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
-                yield _weighed(step, wave, part.reading_of, part.bin_of), SIGN
+                yield _weighed(study, c, step, wave), SIGN
         elif along == "time":
             yield from _in_time(study, c, step)
         elif along == "place":
             u = scene.curve_s / np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
-            for j, share in ((1, 0.8), (2, 0.6)):
-                wave = np.sqrt(2.0) * np.cos(j * np.pi * u)
-                yield replace(study.no_step(c), points_m=step.points_m * wave), FORM * share
+            for j, share in WAVES:
+                points = step.points_m * _cosine(j, u)
+                yield replace(study.no_step(c), points_m=points), FORM * share
+
+
+def _along_sheet(
+    study: Study, c: int, step: Step, u: FloatArray, waves: tuple[tuple[int, float], ...]
+) -> Ways:
+    """What changes curvature and softness times waves of a coordinate 0 .. 1, (G,) or (K, G)."""
+    G = study.scenes[c].count
+    for j, share in waves:
+        beam = np.zeros_like(step.beam)
+        beam[:, :G] = step.beam[:, :G] * _cosine(j, u)
+        beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * _cosine(j, u)
+        yield replace(study.no_step(c), beam=beam), FORM * share
 
 
 def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
@@ -114,7 +114,7 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
     part = study.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
     for j in (1, 2, 3):
-        wave, bins = (_wave(j, a / PULSE_S) for a in (at, in_bin))
+        wave, bins = (_cosine(j, a / PULSE_S) for a in (at, in_bin))
         bins = part.bin_mean(bins)
         yield replace(
             study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
@@ -128,7 +128,7 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
         if np.ptp(t) == 0.0 or not any(half):
             continue
         for j in (1, 2, 3):
-            wave = _wave(j, t)
+            wave = _cosine(j, t)
             if name == "pulse":
                 wave = wave * driven
             yield replace(
@@ -137,12 +137,16 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
             ), 0.6 * FORM / j  # fmt: skip
 
 
-def _wave(j: int, t: FloatArray) -> FloatArray:
+def _cosine(j: int, t: FloatArray) -> FloatArray:
+    """A wave of unit mean square on a coordinate 0 .. 1."""
     result: FloatArray = np.sqrt(2.0) * np.cos(j * np.pi * np.clip(t, 0.0, 1.0))
     return result
 
 
-def _weighed(step: Step, wave: FloatArray, of: FloatArray, bin_of: FloatArray) -> Step:
+def _weighed(study: Study, c: int, step: Step, wave: FloatArray) -> Step:
+    """A step times a factor (K,) for each condition."""
+    part = study.part(c)
+    of, bin_of = part.reading_of, part.bin_of
     return Step(
         step.beam * wave[:, None], step.eibm * wave[of], step.stiffness * wave[of],
         step.force_N * wave[of], step.bin_eibm * wave[bin_of], step.bin_stiffness * wave[bin_of],
@@ -150,9 +154,13 @@ def _weighed(step: Step, wave: FloatArray, of: FloatArray, bin_of: FloatArray) -
     )  # fmt: skip
 
 
-def _unit(values: FloatArray) -> FloatArray:
-    span = float(np.ptp(values))
-    return (values - values.min()) / span if span > 0.0 else np.full_like(values, 0.5)
+def unit(values: FloatArray) -> FloatArray:
+    """Finite values brought to 0 .. 1; the middle where there is none, or no difference."""
+    good = values[np.isfinite(values)]
+    span = float(np.ptp(good)) if len(good) else 0.0
+    if span == 0.0:
+        return np.full_like(values, 0.5)
+    return np.nan_to_num((values - good.min()) / span, nan=0.5)
 
 
 def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step]) -> FloatArray:
@@ -163,19 +171,15 @@ def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[S
         share = OWN if effect.by_configuration else SIGN
         signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
         columns.append(share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0))
-    ways: list[FloatArray] = []
+    ways: list[FloatArray] = []  # the same way in all configurations is one column
     for c, step in enumerate(steps):
-        found = [
-            share * study.rows_of(c, states[c], s)
-            for s, share in deviations(effect, study, c, step, states[c].solved.held)
-        ]
-        for j, row in enumerate(found):
+        for j, (way, share) in enumerate(deviations(effect, study, c, step, states[c].solved.held)):
+            row = share * study.rows_of(c, states[c], way)
             if j < len(ways):
                 ways[j] = ways[j] + row
             else:
                 ways.append(row)
-    kept = [w for w in ways if np.any(w)]
-    return np.stack([*columns, *kept], axis=1)
+    return np.stack([*columns, *(w for w in ways if np.any(w))], axis=1)
 
 
 def effect_columns(
@@ -186,7 +190,10 @@ def effect_columns(
     one: Found,
     active: tuple[Active, ...],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Columns of an effect in the model: its knobs, then the tolerance of its form; their priors."""
+    """Columns of an effect in the model, its knobs, then the tolerance of its form: (N, q).
+
+    With precision (q,) and distance (q,) of the present values from the middle of their priors.
+    """
     columns, precision, away = [], [], []
     places = {name: c for c, name in enumerate(study.names)}
     bent = [bases.beam(study, c, theta) for c in range(len(study.names))]
@@ -199,20 +206,20 @@ def effect_columns(
         width, away_from_usual = _prior(knob, value, one)
         precision.append(width**-2.0)
         away.append(away_from_usual)
-    if one.tolerant:
-        others = tuple(a for a in active if a.effect is not one.effect)
-        steps = [
-            whole_step(study, c, linear.states[c], bent[c], others, one.active)
-            if name in one.values else study.no_step(c)
-            for c, name in enumerate(study.names)
-        ]  # fmt: skip
-        extra = atoms(study, linear.states, one.effect, steps)
-        first = 2 if one.effect.by_configuration and len(steps) > 1 else 1
-        for j in range(first, extra.shape[1]):
-            columns.append(extra[:, j])
-            precision.append(1.0)
-            away.append(0.0)
-    return np.stack(columns, axis=1), np.array(precision), np.array(away)
+    others = tuple(a for a in active if a.effect is not one.effect)
+    steps = [
+        whole_step(study, c, linear.states[c], bent[c], others, one.active)
+        if name in one.values else study.no_step(c)
+        for c, name in enumerate(study.names)
+    ]  # fmt: skip
+    # where each configuration has its own size, the second column is among the knobs already
+    first = 2 if one.effect.by_configuration and len(steps) > 1 else 1
+    extra = atoms(study, linear.states, one.effect, steps)[:, first:]
+    n = extra.shape[1]
+    return (
+        np.concatenate([np.stack(columns, axis=1), extra], axis=1),
+        np.array(precision + [1.0] * n), np.array(away + [0.0] * n),
+    )  # fmt: skip
 
 
 def _prior(knob: Knob, value: float, one: Found) -> tuple[float, float]:
@@ -243,7 +250,7 @@ def _by_knob(
             Active(a.effect, {name: dict(values)}) if a.effect is one.effect else a for a in active
         )
         beam = shaped(base, state, turned, name)
-        outer = study._outer_step(c, state, one.effect, values, study.no_step(c))  # noqa: SLF001
+        outer = study.outer_step(c, state, one.effect, values, study.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
     step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.held))
