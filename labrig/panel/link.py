@@ -174,20 +174,24 @@ class Link:
         self._connection.close()
 
     def _listen(self) -> None:
-        with suppress(OSError, BrokenLinkError):
-            while True:
-                header, payload = receive(self._connection)
-                if header.get("type") == "reply":
-                    answer = self._waiting.get(header.get("ask", 0))
-                    if answer is not None:
-                        answer.header = header
-                        answer.came.set()
-                else:
-                    self._on_message(header, payload)
-        self.alive = False
-        for answer in list(self._waiting.values()):
+        try:
+            with suppress(OSError, BrokenLinkError):
+                while True:
+                    self._take(*receive(self._connection))
+        finally:
+            self.alive = False
+            for answer in list(self._waiting.values()):
+                answer.came.set()
+            self._on_end()
+
+    def _take(self, header: Header, payload: memoryview) -> None:
+        if header.get("type") != "reply":
+            self._on_message(header, payload)
+            return
+        answer = self._waiting.get(header.get("ask", 0))
+        if answer is not None:
+            answer.header = header
             answer.came.set()
-        self._on_end()
 
 
 class _Answer:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,8 @@ HIDDEN = ".labrig"
 GOING = "going"
 ENDED = "ended"
 LOST = "lost"
+_TRIES = 20
+_AGAIN_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -66,9 +69,20 @@ def write_place(data: Path, place: Place) -> None:
     try:
         with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
             json.dump(asdict(place), file)
-        beside.replace(path)
+        _put(beside, path)
     except OSError as error:
         raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+
+
+def _put(beside: Path, path: Path) -> None:
+    """Windows does not replace a file while somebody reads it, which never lasts long."""
+    for _ in range(_TRIES):
+        try:
+            beside.replace(path)
+            return
+        except PermissionError:
+            threading.Event().wait(_AGAIN_S)
+    beside.replace(path)
 
 
 def read_place(data: Path) -> Place | None:

@@ -50,7 +50,7 @@ class Follower:
             message = self._scribe.message(event)
             if message is not None:
                 self._feed.tell(message)
-        self._tell_state()
+        self.tell_state()
         if isinstance(event, ev.SignalsArrived):
             self._signals(event)
         if isinstance(event, ev.ReadingTaken) and self._preview is None and event.frame is not None:
@@ -67,7 +67,8 @@ class Follower:
         elif isinstance(event, ev.VoltageSet):
             self._sheet_V = event.write.sheet_V
 
-    def _tell_state(self) -> None:
+    def tell_state(self) -> None:
+        """What the scheduler does, when it has changed; its last state comes after all events."""
         if self.scheduler is None:
             return
         status = self.scheduler.status

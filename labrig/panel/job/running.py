@@ -120,7 +120,7 @@ class _Run:
         self._hub.add_watcher("the panel", self._follower)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
-            return run_session(
+            result = run_session(
                 self._rig,
                 self._plan,
                 path,
@@ -129,6 +129,8 @@ class _Run:
                 resumption=resumption,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
+        self._follower.tell_state()
+        return result
 
     def _wired(self, plan: Plan) -> Rig:
         rig = wire(plan, self._person, self._hub.emit)

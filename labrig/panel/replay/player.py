@@ -87,7 +87,12 @@ class Player:
                     self._jump(seek)
                 elif self._playing:
                     self._advance(min(passed_s, 10 * TICK_S) * self._speed)
-            except (LabrigError, OSError) as error:  # a damaged part of the file
+            except (
+                LabrigError,
+                OSError,
+                KeyError,
+                ValueError,
+            ) as error:  # a damaged part of the file
                 self._playing = False
                 text = f"the replay ends here: {error}"
                 self.feed.tell({"type": "warning", "time_s": self._at_s, "text": text, "log": text})
