@@ -78,6 +78,7 @@ def diagnose(
     What is found is kept in the (first) session; labrig report shows it, too.
     """
     from labrig.analysis.holding_out import held_out
+    from labrig.experiment.next_protocol import with_protocol
     from model.discrepancy import DiagnoseOptions
 
     if output is not None and output.exists() and not force:
@@ -88,6 +89,7 @@ def diagnose(
         hold_out=held_out(hold_out or [], measurements),
     )  # fmt: skip
     found = diagnosed(measurements, options)
+    found = with_protocol(found, measurements, sessions[0] if sessions else None)
     if sessions:
         keep(sessions[0], found)
     written = []

@@ -7,6 +7,7 @@ together, and each session is a mounting of its own.
 from __future__ import annotations
 
 import textwrap
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,25 @@ from typing import Any
 import tomlkit
 
 from labrig.config import parse_protocol
+from labrig.config.base import parse_toml
 from labrig.errors import BadInputError
-from model.discrepancy import Next
+from model.discrepancy import Diagnosis, Next
 from model.measurements import Measurements
 
 _NO_EXTRAS = {
     "random_order": False, "no_touch_zero": False, "free_shapes": False, "reversed_approach": False,
 }  # fmt: skip
+
+
+def with_protocol(
+    found: Diagnosis, measurements: Measurements, session: Path | None = None
+) -> Diagnosis:
+    """The same diagnosis, its next measurement with the whole protocol.toml as tables."""
+    if found.next_measurement is None:
+        return found
+    text = protocol_text(found.next_measurement, measurements, session)
+    tables = parse_toml(text, "protocol.toml")
+    return replace(found, next_measurement=replace(found.next_measurement, protocol=tables))
 
 
 def protocol_text(found: Next, measurements: Measurements, session: Path | None = None) -> str:

@@ -228,7 +228,16 @@ def _rms(values: FloatArray) -> float:
 
 def next_sentences(found: Diagnosis) -> list[str]:
     """What to measure to be sure."""
-    return [] if found.next_measurement is None else [next_told(found.next_measurement)]
+    if found.next_measurement is None:
+        return []
+    said = [next_told(found.next_measurement)]
+    pair = next((e for e in found.effects if e.confusable_with), None)
+    if pair is not None:
+        said.append(
+            f"Its protocol: labrig next SESSION --between {pair.name} {pair.confusable_with[0]}"
+            " -o protocol.toml"
+        )
+    return said
 
 
 def next_told(one: Next) -> str:

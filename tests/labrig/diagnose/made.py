@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from model import Along, Measurements, Parameter, SheetModel, predict
+from model import Along, Parameter, SheetModel, predict
 from model.discrepancy.result import (
     BeforeAfter,
     Diagnosis,
@@ -51,11 +51,7 @@ def named_effect() -> ActiveEffect:
 @cache
 def found() -> Diagnosis:
     """The EIBM that falls along the sheet, named."""
-    return found_in(measure())
-
-
-def found_in(measurements: Measurements) -> Diagnosis:
-    """The same of measurements that a test has."""
+    measurements = measure()
     base = constant(truth(*measurements.sheets))
     model = replace(
         base.with_effects(named_effect()), source=measurements.source,

@@ -6,10 +6,11 @@ import json
 import re
 
 import pytest
+import tomlkit
 
 import model.discrepancy
 from labrig.cli.main import run
-from labrig.config import load_protocol
+from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
 from labrig.report.diagnosis_figures import FIGURES
 from labrig.report.diagnosis_store import kept_diagnosis
@@ -93,6 +94,9 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
     for one in found["effects"]:
         assert one["slot"] == catalogue()[one["name"]].slot
         assert set(one["parameters"]) == set(one["interval90"])
+    if found["next_measurement"] is not None:
+        protocol = found["next_measurement"]["protocol"]
+        parse_protocol(tomlkit.dumps(protocol), "protocol").schedule("protocol")
     if found["unknown"] is not None:
         assert len(found["unknown"]["s_mm"]) == len(found["unknown"]["profile"])
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,13 +16,19 @@ from labrig.report.diagnosis_store import keep_diagnosis, kept_diagnosis
 from labrig.report.plain import from_plain, to_plain
 from labrig.session import drop_measurements, load_measurements, store_measurements, verify
 from model.discrepancy.result import Diagnosis
-from tests.labrig.diagnose.made import ALL, found, found_in
+from tests.labrig.diagnose.made import ALL, found
 from tests.labrig.report_data import measure, session
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def once(tmp_path_factory):
     return session(tmp_path_factory.mktemp("kept") / "made.h5", measure("long"))
+
+
+@pytest.fixture
+def recorded(once, tmp_path):
+    """A copy of a session that was recorded once."""
+    return Path(shutil.copy(once, tmp_path / "made.h5"))
 
 
 @pytest.mark.parametrize("make", ALL)
@@ -45,8 +53,8 @@ def test_what_an_older_version_did_not_write_takes_its_default():
 def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
     before = load_measurements(recorded)
     assert kept_diagnosis(recorded) is None
-    keep_diagnosis(recorded, found_in(before))
-    keep_diagnosis(recorded, replace(found_in(before), seconds=7.0))
+    keep_diagnosis(recorded, found())
+    keep_diagnosis(recorded, replace(found(), seconds=7.0))
     kept = kept_diagnosis(recorded)
     assert kept is not None
     assert kept.seconds == 7.0
@@ -54,22 +62,20 @@ def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
     assert all(check.ok for check in verify(recorded)), [c for c in verify(recorded) if not c.ok]
 
 
-def test_it_goes_with_the_measurements_it_was_made_from(tmp_path):
-    measurements = measure("long")
-    path = session(tmp_path / "made.h5", measurements)
-    keep_diagnosis(path, found_in(measurements))
-    store_measurements(path, measurements)
+def test_it_goes_with_the_measurements_it_was_made_from(recorded):
+    path = recorded
+    keep_diagnosis(path, found())
+    store_measurements(path, load_measurements(path))
     assert kept_diagnosis(path) is None
-    keep_diagnosis(path, found_in(measurements))
+    keep_diagnosis(path, found())
     drop_measurements(path)
     assert kept_diagnosis(path) is None
 
 
 @pytest.mark.parametrize("content", [b"{", b"[]", b'{"verdict": 3}', b"\xff\xff"])
-def test_one_that_cannot_be_read_says_what_to_do(tmp_path, content):
-    measurements = measure("long")
-    path = session(tmp_path / "made.h5", measurements)
-    keep_diagnosis(path, found_in(measurements))
+def test_one_that_cannot_be_read_says_what_to_do(recorded, content):
+    path = recorded
+    keep_diagnosis(path, found())
     with h5py.File(path, "r+") as file:
         del file["/session/derived/diagnosis"]
         file["/session/derived/diagnosis"] = np.frombuffer(content, dtype=np.uint8)
