@@ -71,7 +71,14 @@ export class Control {
 /** The words and the button in the bar. */
 export function controlView(control, place, fault) {
   const id = newId("name");
-  const field = h("input", { id, value: control.name, maxlength: 40, placeholder: "your name", autocomplete: "name", onchange: () => control.rename(field.value) });
+  const field = h("input", {
+    id,
+    value: control.name,
+    maxlength: 40,
+    placeholder: "your name",
+    autocomplete: "name",
+    onchange: () => control.rename(field.value),
+  });
   const held = h("span", { class: "control-held" });
   const button = h("button", { type: "button", class: "small", onclick: () => press() });
   const press = async () => {

@@ -1,6 +1,14 @@
 // Elements in one line each: h("button", { class: "go", onclick: f }, "Go").
 
-const PROPERTIES = new Set(["value", "checked", "disabled", "hidden", "open", "selected", "textContent"]);
+const PROPERTIES = new Set([
+  "value",
+  "checked",
+  "disabled",
+  "hidden",
+  "open",
+  "selected",
+  "textContent",
+]);
 
 /** An element with attributes, listeners (`on...`), properties and children. */
 export function h(tag, attributes = {}, ...children) {
@@ -30,7 +38,9 @@ function fill(element, attributes) {
 
 /** Put `children` in place of what is there. */
 export function put(element, ...children) {
-  element.replaceChildren(...children.flat(Infinity).filter((child) => child != null && child !== false));
+  element.replaceChildren(
+    ...children.flat(Infinity).filter((child) => child != null && child !== false),
+  );
   return element;
 }
 

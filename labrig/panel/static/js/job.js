@@ -23,9 +23,19 @@ export class Job {
   /** Forget everything of the job, as a story demands. */
   forget() {
     Object.assign(this, {
-      job: null, plan: null, started: null, state: { state: "idle", run: null }, output: null,
-      prompt: null, ended: null, curve: null, picture: null, preflight: null, weighing: null,
-      latest_s: null, now_run: null,
+      job: null,
+      plan: null,
+      started: null,
+      state: { state: "idle", run: null },
+      output: null,
+      prompt: null,
+      ended: null,
+      curve: null,
+      picture: null,
+      preflight: null,
+      weighing: null,
+      latest_s: null,
+      now_run: null,
     });
     this.runs = new Map(); // run -> { readings: Map, started, stopped, invalid }
     this.log = [];
@@ -73,7 +83,8 @@ export class Job {
     this.hear(message.time_s);
     const way = WAYS[message.type];
     if (way) way(this, message);
-    if (message.log) this.log.push({ time_s: message.time_s, type: message.type, text: message.log });
+    if (message.log)
+      this.log.push({ time_s: message.time_s, type: message.type, text: message.log });
   }
 
   hear(time_s) {
@@ -82,7 +93,8 @@ export class Job {
 
   /** The record of a run, made when first asked for. */
   runOf(index) {
-    if (!this.runs.has(index)) this.runs.set(index, { readings: new Map(), started: null, stopped: null, invalid: null });
+    if (!this.runs.has(index))
+      this.runs.set(index, { readings: new Map(), started: null, stopped: null, invalid: null });
     return this.runs.get(index);
   }
 
@@ -152,7 +164,8 @@ const WAYS = {
     const run = job.runOf(m.run);
     const why = `${m.why} (${m.who})`;
     if (m.reading == null) run.invalid = why;
-    else if (run.readings.has(m.reading)) Object.assign(run.readings.get(m.reading), { valid: false, why });
+    else if (run.readings.has(m.reading))
+      Object.assign(run.readings.get(m.reading), { valid: false, why });
   },
   run_stopped: (job, m) => (job.runOf(m.run).stopped = m),
   ended: (job, m) => {
@@ -162,5 +175,6 @@ const WAYS = {
   curve: (job, m) => (job.curve = m),
   preflight: (job, m) => (job.preflight = m),
   weighing: (job, m) => (job.weighing = m),
-  replay: (job, m) => (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
+  replay: (job, m) =>
+    (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

@@ -51,7 +51,8 @@ function welcome(hello) {
 }
 
 function firstPage(hello) {
-  if (hello.mode === "replay") return `#/replay?session=${encodeURIComponent(hello.status.session)}`;
+  if (hello.mode === "replay")
+    return `#/replay?session=${encodeURIComponent(hello.status.session)}`;
   return hello.mode === "rig" ? "#/run" : "#/library";
 }
 
@@ -64,9 +65,14 @@ function receive(message) {
 async function alive(is) {
   app.job.setAlive(is);
   if (is) return netFault(null);
-  netFault("The panel does not answer: what is shown may be old. The run goes on without it; STOP still works.");
+  netFault(
+    "The panel does not answer: what is shown may be old. The run goes on without it; STOP still works.",
+  );
   const status = await get("/api/status").catch((error) => error);
-  if (status.status === 401) netFault("This page is not let in: open the address that labrig panel has printed, with its token.");
+  if (status.status === 401)
+    netFault(
+      "This page is not let in: open the address that labrig panel has printed, with its token.",
+    );
 }
 
 // --------------------------------------------------------------------------------------- the bar
@@ -77,7 +83,10 @@ function showBar() {
   const lamp = at("output");
   if (lamp.dataset.state !== output.state) {
     lamp.dataset.state = output.state;
-    put(lamp.querySelector("svg"), svg("path", { d: SHAPES[output.state], "fill-rule": "evenodd" }));
+    put(
+      lamp.querySelector("svg"),
+      svg("path", { d: SHAPES[output.state], "fill-rule": "evenodd" }),
+    );
   }
   say(lamp.querySelector(".lamp-word"), output.word);
   say(lamp.querySelector(".lamp-why"), output.why);
@@ -101,8 +110,12 @@ function themeButton() {
   };
   const kept = localStorage.getItem("labrig-theme");
   set(order.includes(kept) ? kept : "auto");
-  at("theme").addEventListener("click", () => set(order[(order.indexOf(root.dataset.theme) + 1) % 3]));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => dispatchEvent(new Event("labrig-theme")));
+  at("theme").addEventListener("click", () =>
+    set(order[(order.indexOf(root.dataset.theme) + 1) % 3]),
+  );
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () =>
+    dispatchEvent(new Event("labrig-theme")),
+  );
 }
 
 // ------------------------------------------------------------------------------------- the pages
@@ -145,4 +158,8 @@ const known = () => {
   const client = sessionStorage.getItem(CLIENT);
   return client ? `/ws?client=${encodeURIComponent(client)}` : "/ws";
 };
-app.socket = new Socket(known, { message: receive, binary: (...frame) => app.job.applyBinary(...frame), alive });
+app.socket = new Socket(known, {
+  message: receive,
+  binary: (...frame) => app.job.applyBinary(...frame),
+  alive,
+});

@@ -33,7 +33,8 @@ export async function call(method, path, body) {
     throw new Refused("The panel's server does not answer.", 0);
   }
   const found = await answer.json().catch(() => ({}));
-  if (!answer.ok) throw new Refused(found.error || `The server refused (${answer.status}).`, answer.status);
+  if (!answer.ok)
+    throw new Refused(found.error || `The server refused (${answer.status}).`, answer.status);
   return found;
 }
 

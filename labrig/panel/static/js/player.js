@@ -82,19 +82,61 @@ export class Transport {
     this.players = players;
     this.dragging = false;
     const [slider, list] = [newId("at"), newId("marks")];
-    this.play = h("button", { type: "button", class: "main", onclick: () => this.toggle() }, "Play");
+    this.play = h(
+      "button",
+      { type: "button", class: "main", onclick: () => this.toggle() },
+      "Play",
+    );
     this.time = h("output", { class: "transport-time", for: slider });
-    this.slider = h("input", { id: slider, type: "range", min: 0, max: 1, step: 0.05, value: 0, list, "aria-label": "place in the session, s", oninput: () => this.drag(), onchange: () => (this.dragging = false) });
+    this.slider = h("input", {
+      id: slider,
+      type: "range",
+      min: 0,
+      max: 1,
+      step: 0.05,
+      value: 0,
+      list,
+      "aria-label": "place in the session, s",
+      oninput: () => this.drag(),
+      onchange: () => (this.dragging = false),
+    });
     this.marks = h("datalist", { id: list });
     this.ticks = h("div", { class: "transport-ticks", "aria-hidden": "true" });
-    this.skip = h("input", { type: "checkbox", checked: true, onchange: () => players.forEach((one) => one.gaps(this.skip.checked)) });
-    this.speeds = SPEEDS.map((speed) => h("button", { type: "button", class: "small", "aria-pressed": "false", data: { speed }, onclick: () => players.forEach((one) => one.speed(speed)) }, `${speed}\u00D7`));
-    this.step = [-1, 1].map((way) => h("button", { type: "button", class: "small", onclick: () => this.toReading(way) }, way < 0 ? "\u25C0 reading" : "reading \u25B6"));
+    this.skip = h("input", {
+      type: "checkbox",
+      checked: true,
+      onchange: () => players.forEach((one) => one.gaps(this.skip.checked)),
+    });
+    this.speeds = SPEEDS.map((speed) =>
+      h(
+        "button",
+        {
+          type: "button",
+          class: "small",
+          "aria-pressed": "false",
+          data: { speed },
+          onclick: () => players.forEach((one) => one.speed(speed)),
+        },
+        `${speed}\u00D7`,
+      ),
+    );
+    this.step = [-1, 1].map((way) =>
+      h(
+        "button",
+        { type: "button", class: "small", onclick: () => this.toReading(way) },
+        way < 0 ? "\u25C0 reading" : "reading \u25B6",
+      ),
+    );
     this.fault = h("p", { class: "fault", role: "alert" });
     this.element = h(
-      "section", { class: "card transport", "aria-label": "replay" },
-      this.play, h("div", { class: "transport-speeds", role: "group", "aria-label": "speed" }, this.speeds), this.step, this.time,
-      h("label", {}, this.skip, " leave out waits"), this.fault,
+      "section",
+      { class: "card transport", "aria-label": "replay" },
+      this.play,
+      h("div", { class: "transport-speeds", role: "group", "aria-label": "speed" }, this.speeds),
+      this.step,
+      this.time,
+      h("label", {}, this.skip, " leave out waits"),
+      this.fault,
       h("div", { class: "transport-slider" }, this.slider, this.ticks, this.marks),
     );
     this.stops = players.map((one) => one.job.watch(() => this.update()));
@@ -129,14 +171,23 @@ export class Transport {
   /** To the reading before or after. */
   toReading(way) {
     const [first] = this.players;
-    const times = (first.job.replay?.marks ?? []).filter((mark) => mark.kind === "reading").map((mark) => mark.at_s);
+    const times = (first.job.replay?.marks ?? [])
+      .filter((mark) => mark.kind === "reading")
+      .map((mark) => mark.at_s);
     const at = first.at_s;
-    const found = way > 0 ? times.find((time) => time > at + 0.02) : times.findLast((time) => time < at - 0.02);
+    const found =
+      way > 0 ? times.find((time) => time > at + 0.02) : times.findLast((time) => time < at - 0.02);
     if (found !== undefined) this.seek(found);
   }
 
   update() {
-    say(this.fault, this.players.map((one) => one.fault).filter(Boolean).join(" "));
+    say(
+      this.fault,
+      this.players
+        .map((one) => one.fault)
+        .filter(Boolean)
+        .join(" "),
+    );
     const [first] = this.players;
     const { replay } = first.job;
     if (!replay) return;
@@ -144,15 +195,22 @@ export class Transport {
     this.slider.max = this.longest;
     if (!this.dragging) this.slider.value = replay.at_s;
     say(this.time, `${clock(replay.at_s)} of ${clock(this.longest)}`);
-    for (const button of this.speeds) button.setAttribute("aria-pressed", String(Number(button.dataset.speed) === replay.speed));
+    for (const button of this.speeds)
+      button.setAttribute("aria-pressed", String(Number(button.dataset.speed) === replay.speed));
     if (this.marked === replay.marks) return;
     this.marked = replay.marks;
     const runs = replay.marks.filter((mark) => mark.kind === "run");
-    put(this.marks, runs.map((mark) => h("option", { value: mark.at_s, label: mark.text })));
-    put(this.ticks, runs.map((mark) => {
-      const tick = h("i", { title: mark.text });
-      tick.style.left = `${(100 * mark.at_s) / Math.max(this.longest, 1e-9)}%`;
-      return tick;
-    }));
+    put(
+      this.marks,
+      runs.map((mark) => h("option", { value: mark.at_s, label: mark.text })),
+    );
+    put(
+      this.ticks,
+      runs.map((mark) => {
+        const tick = h("i", { title: mark.text });
+        tick.style.left = `${(100 * mark.at_s) / Math.max(this.longest, 1e-9)}%`;
+        return tick;
+      }),
+    );
   }
 }

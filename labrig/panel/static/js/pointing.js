@@ -13,9 +13,21 @@ export class Pointing {
     this.chosen = chosen;
     this.cross = null;
     this.marks = []; // { px, name, shape: "cross"|"dot"|"ring", line: [px, ...] }
-    this.picture = new Picture(job, (context, toScreen, ratio) => this.draw(context, toScreen, ratio));
-    this.lens = h("canvas", { class: "lens", width: 180, height: 180, hidden: true, "aria-hidden": "true" });
-    this.said = h("p", { class: "pointing-said", role: "status" }, "Click in the picture, or move the cross with the arrow keys (Shift: 10) and press Enter.");
+    this.picture = new Picture(job, (context, toScreen, ratio) =>
+      this.draw(context, toScreen, ratio),
+    );
+    this.lens = h("canvas", {
+      class: "lens",
+      width: 180,
+      height: 180,
+      hidden: true,
+      "aria-hidden": "true",
+    });
+    this.said = h(
+      "p",
+      { class: "pointing-said", role: "status" },
+      "Click in the picture, or move the cross with the arrow keys (Shift: 10) and press Enter.",
+    );
     const { canvas } = this.picture;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
@@ -54,7 +66,10 @@ export class Pointing {
   to([u, v]) {
     const size = this.picture.bitmap;
     if (!size) return;
-    this.cross = [Math.min(Math.max(u, 0), size.width - 1), Math.min(Math.max(v, 0), size.height - 1)];
+    this.cross = [
+      Math.min(Math.max(u, 0), size.width - 1),
+      Math.min(Math.max(v, 0), size.height - 1),
+    ];
     this.picture.draw();
     this.magnify();
   }
@@ -79,11 +94,19 @@ export class Pointing {
     if (!this.cross) return;
     const [x, y] = toScreen(this.cross);
     const { width, height } = context.canvas;
-    for (const [colour, wide] of [["rgba(0,0,0,0.6)", 3], ["#ffffff", 1]]) {
+    for (const [colour, wide] of [
+      ["rgba(0,0,0,0.6)", 3],
+      ["#ffffff", 1],
+    ]) {
       context.strokeStyle = colour;
       context.lineWidth = wide * ratio;
       context.beginPath();
-      for (const [ax, ay, bx, by] of [[0, y, x - 9 * ratio, y], [x + 9 * ratio, y, width, y], [x, 0, x, y - 9 * ratio], [x, y + 9 * ratio, x, height]]) {
+      for (const [ax, ay, bx, by] of [
+        [0, y, x - 9 * ratio, y],
+        [x + 9 * ratio, y, width, y],
+        [x, 0, x, y - 9 * ratio],
+        [x, y + 9 * ratio, x, height],
+      ]) {
         context.moveTo(ax, ay);
         context.lineTo(bx, by);
       }
@@ -116,7 +139,10 @@ function drawMark(context, toScreen, ratio, { px, name, shape = "cross", line })
   const [x, y] = toScreen(px);
   context.font = `600 ${13 * ratio}px sans-serif`;
   context.textAlign = "left";
-  for (const [colour, wide] of [["rgba(0,0,0,0.8)", 4], ["#7dff9b", 2]]) {
+  for (const [colour, wide] of [
+    ["rgba(0,0,0,0.8)", 4],
+    ["#7dff9b", 2],
+  ]) {
     context.strokeStyle = context.fillStyle = colour;
     context.lineWidth = wide * ratio;
     context.beginPath();

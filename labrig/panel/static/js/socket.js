@@ -58,7 +58,10 @@ export class Socket {
     if (performance.now() - this.heard < SILENT_MS) return;
     this.tell(false);
     // A socket that is open but silent is given up: the next one is told the whole story.
-    if (performance.now() - this.heard > 3 * SILENT_MS && this.socket.readyState !== WebSocket.CONNECTING) {
+    if (
+      performance.now() - this.heard > 3 * SILENT_MS &&
+      this.socket.readyState !== WebSocket.CONNECTING
+    ) {
       this.heard = performance.now();
       const old = this.socket;
       clearTimeout(this.again);

@@ -49,7 +49,10 @@
       return [`STOP: output ${word}${took}. ${answer.told || ""}`.trim(), "good"];
     }
     const by_hand = "Switch the amplifier off by hand.";
-    return [`STOP: output ${word} after ${(tookMs / 1000).toFixed(1)} s. ${by_hand} ${answer.told || ""}`.trim(), "bad"];
+    return [
+      `STOP: output ${word} after ${(tookMs / 1000).toFixed(1)} s. ${by_hand} ${answer.told || ""}`.trim(),
+      "bad",
+    ];
   }
 
   function press(why) {

@@ -7,15 +7,23 @@ export const SHAPES = {
   safe: "M4 4H36V36H4ZM10.500 20.500L17.500 27.500L30 12.500L26.500 9.500L17.200 20.800L13.800 17.200Z",
   armed: "M20 3L38 36H2ZM17.800 14V26H22.200V14ZM17.800 28.500V32.500H22.200V28.500Z",
   energised: "M23 1L6 23H17L14 39L34 16H22Z",
-  unknown: "M20 1L39 20L20 39L1 20ZM14.500 16H18C18 12.500 22.500 12.700 22.500 15.800C22.500 18.500 18.200 18.300 18.200 24H21.700C21.700 20.500 26 20.300 26 15.600C26 8.200 14.500 8.400 14.500 16ZM18 26.500V30.500H22V26.500Z",
+  unknown:
+    "M20 1L39 20L20 39L1 20ZM14.500 16H18C18 12.500 22.500 12.700 22.500 15.800C22.500 18.500 18.200 18.300 18.200 24H21.700C21.700 20.500 26 20.300 26 15.600C26 8.200 14.500 8.400 14.500 16ZM18 26.500V30.500H22V26.500Z",
   none: "M20 4A16 16 0 1 0 20 36A16 16 0 1 0 20 4ZM20 10A10 10 0 1 1 20 30A10 10 0 1 1 20 10Z",
 };
 
-const OUTPUT = { safe: "SAFE", armed: "ARMED", energised: "ENERGISED", unknown: "UNKNOWN", none: "NOT IN USE" };
+const OUTPUT = {
+  safe: "SAFE",
+  armed: "ARMED",
+  energised: "ENERGISED",
+  unknown: "UNKNOWN",
+  none: "NOT IN USE",
+};
 
 /** The output as the page may state it: what is not heard of any more is UNKNOWN. */
 export function outputOf(job) {
-  if (!job.alive && (job.alive === false || job.job)) return lamp("unknown", "no connection to the panel");
+  if (!job.alive && (job.alive === false || job.job))
+    return lamp("unknown", "no connection to the panel");
   if (job.job?.state === "lost") return lamp("unknown", "the run does not answer");
   if (job.output) return lamp(job.output.state, job.output.why);
   if (job.ended) return lamp(job.ended.output, job.ended.reason);
@@ -28,22 +36,32 @@ function lamp(state, why) {
 }
 
 const PHASES = {
-  idle: "IDLE", preparing: "PREPARING", leading_in: "LEADING IN", running: "RUNNING",
-  tailing: "FINISHING", stopping: "STOPPING", finished: "FINISHED", unknown: "UNKNOWN",
+  idle: "IDLE",
+  preparing: "PREPARING",
+  leading_in: "LEADING IN",
+  running: "RUNNING",
+  tailing: "FINISHING",
+  stopping: "STOPPING",
+  finished: "FINISHED",
+  unknown: "UNKNOWN",
 };
 const KINDS = { run: "run", preflight: "preflight", weighing: "weighing", camera: "camera" };
 
 /** The job in a word, and what it is at. */
 export function goingOf(job) {
   if (job.alive === false) return { word: "NOT HEARD", why: "trying to reach the panel again" };
-  if (job.replay) return { word: "REPLAY", why: `${job.replay.session ?? ""}` };
   if (!job.job) return { word: "NO RUN", why: "nothing is going on" };
   if (job.job.state === "lost") return { word: "LOST", why: "the run's process does not answer" };
   if (job.prompt) return { word: "WAITING", why: runName(job) || "for the operator" };
-  if (job.job.state === "starting" || (job.going && job.job.kind === "run" && job.state.state === "idle")) return { word: "STARTING", why: KINDS[job.job.kind] };
+  if (
+    job.job.state === "starting" ||
+    (job.going && job.job.kind === "run" && job.state.state === "idle")
+  )
+    return { word: "STARTING", why: KINDS[job.job.kind] };
   if (job.ended) return { word: job.ended.outcome.toUpperCase(), why: job.ended.reason };
   if (job.job.state === "ended") return { word: "ENDED", why: job.job.text ?? "" };
-  if (job.job.kind !== "run") return { word: KINDS[job.job.kind]?.toUpperCase() ?? "BUSY", why: "under way" };
+  if (job.job.kind !== "run")
+    return { word: KINDS[job.job.kind]?.toUpperCase() ?? "BUSY", why: "under way" };
   return { word: PHASES[job.state.state] ?? "UNKNOWN", why: runName(job) };
 }
 

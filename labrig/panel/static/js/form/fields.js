@@ -14,15 +14,22 @@ export function labelled(key, schema, control, { required = false } = {}) {
   control.dataset.key = key;
   if (required) control.setAttribute("aria-required", "true");
   const fault = h("span", { class: "field-fault", id: faultId });
-  const items = schema.type === "array" ? schema.items ?? {} : schema;
+  const items = schema.type === "array" ? (schema.items ?? {}) : schema;
   const each = schema.type === "array" ? "each " : "";
   const bounds = boundsOf(items, unit);
   const hint = [schema.description, bounds && `${each}${bounds}`].filter(Boolean).join("; ");
   const element = h(
-    "div", { class: "field" },
+    "div",
+    { class: "field" },
     h("label", { for: id }, label, required && h("span", { class: "muted" }, " (needed)")),
-    h("span", { class: "field-control" }, control, unit && h("span", { class: "field-unit" }, unit)),
-    h("span", { class: "field-hint", id: hintId }, hint), fault,
+    h(
+      "span",
+      { class: "field-control" },
+      control,
+      unit && h("span", { class: "field-unit" }, unit),
+    ),
+    h("span", { class: "field-hint", id: hintId }, hint),
+    fault,
   );
   const show = (faults) => {
     say(fault, faults.join(" "));
@@ -35,7 +42,13 @@ export function labelled(key, schema, control, { required = false } = {}) {
 
 /** A number; left empty it is not given. Text, since a wheel must not turn a voltage. */
 export function numberField(key, schema, value, required, changed) {
-  const input = h("input", { inputmode: "decimal", autocomplete: "off", value: value ?? "", oninput: changed, placeholder: schema.default ?? "" });
+  const input = h("input", {
+    inputmode: "decimal",
+    autocomplete: "off",
+    value: value ?? "",
+    oninput: changed,
+    placeholder: schema.default ?? "",
+  });
   const frame = labelled(key, schema, input, { required });
   return {
     element: frame.element,
@@ -51,16 +64,28 @@ export function numberField(key, schema, value, required, changed) {
 /** Numbers with commas or blanks between them. */
 export function numbersField(key, schema, value, required, changed) {
   const shown = (list) => list.join(", ");
-  const input = h("input", { class: "wide", autocomplete: "off", value: value ? shown(value) : "", oninput: changed, placeholder: shown(schema.default ?? []) });
+  const input = h("input", {
+    class: "wide",
+    autocomplete: "off",
+    value: value ? shown(value) : "",
+    oninput: changed,
+    placeholder: shown(schema.default ?? []),
+  });
   const frame = labelled(key, schema, input, { required });
-  const parse = () => input.value.split(/[,;\s]+/).filter(Boolean).map(parseNumber);
+  const parse = () =>
+    input.value
+      .split(/[,;\s]+/)
+      .filter(Boolean)
+      .map(parseNumber);
   return {
     element: frame.element,
     get: () => (input.value.trim() === "" ? undefined : parse()),
     faults: () => {
       const list = parse();
       if (!list.length && !required) return frame.show([]);
-      const faults = list.map((one) => faultOfNumber(one, schema.items ?? {}, frame.unit)).filter(Boolean);
+      const faults = list
+        .map((one) => faultOfNumber(one, schema.items ?? {}, frame.unit))
+        .filter(Boolean);
       return frame.show([...faults, faultOfCount(list.length, schema)].filter(Boolean).slice(0, 2));
     },
   };
@@ -83,7 +108,11 @@ export function choiceField(key, schema, value, options, empty, changed, require
 
 /** Yes or no. */
 export function flagField(key, schema, value, changed) {
-  const input = h("input", { type: "checkbox", checked: value ?? schema.default ?? false, onchange: changed });
+  const input = h("input", {
+    type: "checkbox",
+    checked: value ?? schema.default ?? false,
+    onchange: changed,
+  });
   const frame = labelled(key, schema, input);
   return { element: frame.element, get: () => input.checked, faults: () => frame.show([]) };
 }
@@ -93,7 +122,14 @@ export function textField(key, schema, value, required, changed, choices = []) {
   const list = choices.length ? newId("choices") : null;
   const input = h("input", { value: value ?? "", oninput: changed, autocomplete: "off", list });
   const frame = labelled(key, schema, input, { required });
-  if (list) frame.element.append(h("datalist", { id: list }, choices.map((choice) => h("option", { value: choice }))));
+  if (list)
+    frame.element.append(
+      h(
+        "datalist",
+        { id: list },
+        choices.map((choice) => h("option", { value: choice })),
+      ),
+    );
   return {
     element: frame.element,
     get: () => (input.value === "" ? undefined : input.value),

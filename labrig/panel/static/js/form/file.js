@@ -9,23 +9,43 @@ const CHECK_MS = 350; // after the last key
 /** `changed()` is called whenever text, errors or the file's name may have changed. */
 export class FileForm {
   constructor(kind, schema, { choices = () => ({}), changed = () => {} } = {}) {
-    Object.assign(this, { kind, schema, choices, changed, errors: [], text: null, touched: false, name: null });
+    Object.assign(this, {
+      kind,
+      schema,
+      choices,
+      changed,
+      errors: [],
+      text: null,
+      touched: false,
+      name: null,
+    });
     const id = newId("file");
     this.select = h("select", { id, onchange: () => this.load(this.select.value) });
     this.place = h("div");
     this.said = h("div", { class: "file-said", role: "status" });
     this.element = h(
-      "details", { class: "card file", open: kind === "protocol" },
-      h("summary", {}, h("strong", {}, kind === "protocol" ? "Protocol" : "Sheet"), " ", this.summary = h("span", { class: "muted" })),
+      "details",
+      { class: "card file", open: kind === "protocol" },
+      h(
+        "summary",
+        {},
+        h("strong", {}, kind === "protocol" ? "Protocol" : "Sheet"),
+        " ",
+        (this.summary = h("span", { class: "muted" })),
+      ),
       h("p", { class: "file-choose" }, h("label", { for: id }, "file "), this.select),
-      this.said, this.place,
+      this.said,
+      this.place,
     );
   }
 
   /** Offer the files of this kind and show the first. */
   async offer(files) {
     const names = files.filter((file) => file.kind === this.kind).map((file) => file.name);
-    put(this.select, names.map((name) => h("option", { value: name }, name)));
+    put(
+      this.select,
+      names.map((name) => h("option", { value: name }, name)),
+    );
     if (!names.length) {
       say(this.said, `There is no ${this.kind} file in the rig's folder.`);
       return;
@@ -38,7 +58,10 @@ export class FileForm {
     Object.assign(this, { name, text: file.text, errors: file.errors ?? [], touched: false });
     this.select.value = name;
     this.values = file.values ?? {};
-    this.form = new SchemaForm(this.schema, this.values, { choices: this.choices(), changed: () => this.edited() });
+    this.form = new SchemaForm(this.schema, this.values, {
+      choices: this.choices(),
+      changed: () => this.edited(),
+    });
     put(this.place, this.form.element);
     this.tell();
     this.changed();
@@ -59,7 +82,10 @@ export class FileForm {
     if (!this.errors.length) {
       const values = this.form.get();
       const asked = (this.asked = {});
-      const found = await post("/api/files/check", { kind: this.kind, values }).catch((error) => ({ ok: false, errors: [error.message] }));
+      const found = await post("/api/files/check", { kind: this.kind, values }).catch((error) => ({
+        ok: false,
+        errors: [error.message],
+      }));
       if (asked !== this.asked) return;
       this.errors = found.errors ?? [];
       this.text = found.ok ? found.text : null;
@@ -70,8 +96,14 @@ export class FileForm {
   }
 
   tell() {
-    say(this.summary, `${this.name}${this.touched ? ", changed" : ""}${this.errors.length ? ", with faults" : ""}`);
-    put(this.said, this.errors.map((error) => h("p", { class: "fault" }, error)));
+    say(
+      this.summary,
+      `${this.name}${this.touched ? ", changed" : ""}${this.errors.length ? ", with faults" : ""}`,
+    );
+    put(
+      this.said,
+      this.errors.map((error) => h("p", { class: "fault" }, error)),
+    );
   }
 
   get ready() {
@@ -80,9 +112,13 @@ export class FileForm {
 
   /** Write what the form says; the file's name. */
   async save(name) {
-    await send(`/api/files/${encodeURIComponent(name)}`, { kind: this.kind, values: this.form.get() });
+    await send(`/api/files/${encodeURIComponent(name)}`, {
+      kind: this.kind,
+      values: this.form.get(),
+    });
     Object.assign(this, { name, touched: false });
-    if (![...this.select.options].some((option) => option.value === name)) this.select.append(h("option", { value: name }, name));
+    if (![...this.select.options].some((option) => option.value === name))
+      this.select.append(h("option", { value: name }, name));
     this.select.value = name;
     this.tell();
     return name;

@@ -3,20 +3,34 @@
 import { plain } from "../format.js";
 
 const UNITS = {
-  mm: "mm", s: "s", V: "V", mN: "mN", deg: "\u00B0", hz: "Hz", N: "N", m: "m", kB: "kB", mA: "mA", days: "days",
+  mm: "mm",
+  s: "s",
+  V: "V",
+  mN: "mN",
+  deg: "\u00B0",
+  hz: "Hz",
+  N: "N",
+  m: "m",
+  kB: "kB",
+  mA: "mA",
+  days: "days",
 };
 
 /** A schema with its `$ref` followed and `null` taken out: { schema, nullable, variants }. */
 export function resolve(schema, root) {
   if (schema.$ref) {
-    const found = schema.$ref.split("/").slice(1).reduce((at, key) => at[key], root);
+    const found = schema.$ref
+      .split("/")
+      .slice(1)
+      .reduce((at, key) => at[key], root);
     return resolve({ ...found, ...without(schema, "$ref") }, root);
   }
   if (!schema.anyOf) return { schema, nullable: false, variants: null };
   const rest = schema.anyOf.filter((one) => one.type !== "null");
   const nullable = rest.length < schema.anyOf.length;
   const outer = without(schema, "anyOf");
-  if (rest.length > 1) return { schema: outer, nullable, variants: rest.map((one) => resolve(one, root).schema) };
+  if (rest.length > 1)
+    return { schema: outer, nullable, variants: rest.map((one) => resolve(one, root).schema) };
   const inner = resolve(rest[0], root);
   return { schema: { ...inner.schema, ...outer }, nullable, variants: inner.variants };
 }
@@ -40,10 +54,14 @@ export function nameOf(key) {
 /** 'more than 0, at most 3600 s': the bounds a schema states. */
 export function boundsOf(schema, unit = "") {
   const given = [
-    [schema.exclusiveMinimum, "more than"], [schema.minimum, "at least"],
-    [schema.exclusiveMaximum, "less than"], [schema.maximum, "at most"],
+    [schema.exclusiveMinimum, "more than"],
+    [schema.minimum, "at least"],
+    [schema.exclusiveMaximum, "less than"],
+    [schema.maximum, "at most"],
   ];
-  const parts = given.filter(([value]) => value != null).map(([value, words]) => `${words} ${plain(value)}`);
+  const parts = given
+    .filter(([value]) => value != null)
+    .map(([value, words]) => `${words} ${plain(value)}`);
   return parts.length ? `${parts.join(", ")}${unit ? ` ${unit}` : ""}` : "";
 }
 
@@ -61,7 +79,8 @@ export function faultOfNumber(value, schema, unit = "") {
 
 /** Why a list has too few or too many entries. */
 export function faultOfCount(count, schema) {
-  if (schema.minItems != null && count < schema.minItems) return `Give at least ${schema.minItems}.`;
+  if (schema.minItems != null && count < schema.minItems)
+    return `Give at least ${schema.minItems}.`;
   if (schema.maxItems != null && count > schema.maxItems) return `Give at most ${schema.maxItems}.`;
   return "";
 }

@@ -26,20 +26,38 @@ export class SchemaForm {
     const found = resolve(schema, this.root);
     if (found.variants) return this.variants(key, found, value, required);
     const inner = found.schema;
-    if (inner.type === "object") return found.nullable ? this.optional(key, inner, value) : this.object(key, inner, value ?? {}, required);
+    if (inner.type === "object")
+      return found.nullable
+        ? this.optional(key, inner, value)
+        : this.object(key, inner, value ?? {}, required);
     if (inner.type === "array") {
       const items = resolve(inner.items ?? {}, this.root).schema;
       if (items.type === "object") return this.list(key, inner, items, value ?? []);
       return numbersField(key, { ...inner, items }, value, required, this.changed);
     }
-    if (inner.enum) return choiceField(key, inner, value ?? inner.default, inner.enum.map((one) => ({ name: one, value: one })), null, this.changed);
-    if (inner.type === "boolean") return found.nullable ? this.threeWay(key, inner, value) : flagField(key, inner, value, this.changed);
-    if (inner.type === "number" || inner.type === "integer") return numberField(key, inner, value, required, this.changed);
+    if (inner.enum)
+      return choiceField(
+        key,
+        inner,
+        value ?? inner.default,
+        inner.enum.map((one) => ({ name: one, value: one })),
+        null,
+        this.changed,
+      );
+    if (inner.type === "boolean")
+      return found.nullable
+        ? this.threeWay(key, inner, value)
+        : flagField(key, inner, value, this.changed);
+    if (inner.type === "number" || inner.type === "integer")
+      return numberField(key, inner, value, required, this.changed);
     return textField(key, inner, value, required, this.changed, this.choices[key] ?? []);
   }
 
   threeWay(key, schema, value) {
-    const options = [{ name: "yes", value: true }, { name: "no", value: false }];
+    const options = [
+      { name: "yes", value: true },
+      { name: "no", value: false },
+    ];
     return choiceField(key, schema, value ?? undefined, options, "by the mode", this.changed);
   }
 
@@ -53,7 +71,13 @@ export class SchemaForm {
     const named = schema.additionalProperties ? this.tables(schema, values) : null;
     const body = [fields.map(({ field }) => field.element), named?.element];
     const element = key
-      ? h("fieldset", { class: "group", data: { key } }, h("legend", {}, nameOf(key).label), schema.description && h("p", { class: "field-hint" }, schema.description), body)
+      ? h(
+          "fieldset",
+          { class: "group", data: { key } },
+          h("legend", {}, nameOf(key).label),
+          schema.description && h("p", { class: "field-hint" }, schema.description),
+          body,
+        )
       : h("div", { class: "group" }, body);
     return {
       element,
@@ -86,12 +110,22 @@ export class SchemaForm {
   optional(key, schema, value) {
     const inner = this.object("", schema, value ?? {}, true);
     const box = h("input", { type: "checkbox", checked: value != null, data: { key } });
-    const body = h("div", { hidden: value == null }, schema.description && h("p", { class: "field-hint" }, schema.description), inner.element);
+    const body = h(
+      "div",
+      { hidden: value == null },
+      schema.description && h("p", { class: "field-hint" }, schema.description),
+      inner.element,
+    );
     box.addEventListener("change", () => {
       body.hidden = !box.checked;
       this.changed();
     });
-    const element = h("fieldset", { class: "group optional", data: { key } }, h("legend", {}, h("label", {}, box, ` ${nameOf(key).label}`)), body);
+    const element = h(
+      "fieldset",
+      { class: "group optional", data: { key } },
+      h("legend", {}, h("label", {}, box, ` ${nameOf(key).label}`)),
+      body,
+    );
     return {
       element,
       get: () => (box.checked ? inner.get() : undefined),
@@ -105,7 +139,11 @@ export class SchemaForm {
     const entries = [];
     const place = h("div", { class: "entries" });
     const fault = h("p", { class: "field-fault" });
-    const show = () => put(place, entries.map((entry) => entry.row));
+    const show = () =>
+      put(
+        place,
+        entries.map((entry) => entry.row),
+      );
     const add = (value) => {
       const field = this.object("", items, value, true);
       const entry = { field };
@@ -114,7 +152,12 @@ export class SchemaForm {
         show();
         this.changed();
       };
-      entry.row = h("div", { class: "entry", role: "group", "aria-label": name }, field.element, h("button", { type: "button", class: "small", onclick: drop }, "Remove"));
+      entry.row = h(
+        "div",
+        { class: "entry", role: "group", "aria-label": name },
+        field.element,
+        h("button", { type: "button", class: "small", onclick: drop }, "Remove"),
+      );
       entries.push(entry);
     };
     values.forEach(add);
@@ -125,14 +168,24 @@ export class SchemaForm {
       this.changed();
       entries.at(-1).row.querySelector("input, select")?.focus();
     };
-    const element = h("fieldset", { class: "group list", data: { key } }, h("legend", {}, name), place, fault, h("button", { type: "button", class: "small", onclick: more }, `Add to ${name}`));
+    const element = h(
+      "fieldset",
+      { class: "group list", data: { key } },
+      h("legend", {}, name),
+      place,
+      fault,
+      h("button", { type: "button", class: "small", onclick: more }, `Add to ${name}`),
+    );
     return {
       element,
       get: () => entries.map(({ field }) => field.get()),
       faults: () => {
         const count = faultOfCount(entries.length, schema);
         fault.textContent = count;
-        return [...(count ? [`${name}: ${count}`] : []), ...entries.flatMap(({ field }) => field.faults())];
+        return [
+          ...(count ? [`${name}: ${count}`] : []),
+          ...entries.flatMap(({ field }) => field.faults()),
+        ];
       },
     };
   }
@@ -143,17 +196,39 @@ export class SchemaForm {
     const known = new Set(Object.keys(schema.properties ?? {}));
     const entries = [];
     const place = h("div");
-    const show = () => put(place, entries.map((entry) => entry.row));
+    const show = () =>
+      put(
+        place,
+        entries.map((entry) => entry.row),
+      );
     const add = (name, value) => {
       const id = newId("name");
-      const title = h("input", { id, value: name, oninput: this.changed, autocomplete: "off", "aria-required": "true" });
+      const title = h("input", {
+        id,
+        value: name,
+        oninput: this.changed,
+        autocomplete: "off",
+        "aria-required": "true",
+      });
       const entry = { title, field: this.object("", inner, value, true) };
       const drop = () => {
         entries.splice(entries.indexOf(entry), 1);
         show();
         this.changed();
       };
-      entry.row = h("fieldset", { class: "group table" }, h("legend", {}, h("label", { for: id }, inner.title ?? "table", " "), title, " ", h("button", { type: "button", class: "small", onclick: drop }, "Remove")), entry.field.element);
+      entry.row = h(
+        "fieldset",
+        { class: "group table" },
+        h(
+          "legend",
+          {},
+          h("label", { for: id }, inner.title ?? "table", " "),
+          title,
+          " ",
+          h("button", { type: "button", class: "small", onclick: drop }, "Remove"),
+        ),
+        entry.field.element,
+      );
       entries.push(entry);
     };
     for (const [name, value] of Object.entries(values)) if (!known.has(name)) add(name, value);
@@ -164,26 +239,59 @@ export class SchemaForm {
       entries.at(-1).title.focus();
     };
     return {
-      element: h("div", {}, place, h("button", { type: "button", class: "small", onclick: more }, `Add a ${(inner.title ?? "table").toLowerCase()}`)),
-      get: () => Object.fromEntries(entries.map(({ title, field }) => [title.value.trim(), field.get()])),
+      element: h(
+        "div",
+        {},
+        place,
+        h(
+          "button",
+          { type: "button", class: "small", onclick: more },
+          `Add a ${(inner.title ?? "table").toLowerCase()}`,
+        ),
+      ),
+      get: () =>
+        Object.fromEntries(entries.map(({ title, field }) => [title.value.trim(), field.get()])),
       faults: () => {
         const names = entries.map(({ title }) => title.value.trim());
-        const wrong = names.some((name, at) => !name || names.indexOf(name) !== at || known.has(name));
-        return [...(wrong ? ["Every table needs a name of its own."] : []), ...entries.flatMap(({ field }) => field.faults())];
+        const wrong = names.some(
+          (name, at) => !name || names.indexOf(name) !== at || known.has(name),
+        );
+        return [
+          ...(wrong ? ["Every table needs a name of its own."] : []),
+          ...entries.flatMap(({ field }) => field.faults()),
+        ];
       },
     };
   }
 
   /** One of several kinds of value: choose the kind, then give it. */
   variants(key, { schema, variants, nullable }, value, required) {
-    const kinds = variants.map((one) => ({ name: one.const !== undefined ? String(one.const) : one.type === "object" ? (one.title ?? "table").toLowerCase() : `one ${one.type}`, value: one }));
+    const kinds = variants.map((one) => ({
+      name:
+        one.const !== undefined
+          ? String(one.const)
+          : one.type === "object"
+            ? (one.title ?? "table").toLowerCase()
+            : `one ${one.type}`,
+      value: one,
+    }));
     const start = value === undefined ? schema.default : value;
-    const kind = choiceField(key, schema, variants.find((one) => fits(start, one)), kinds, nullable ? "none" : null, () => choose());
+    const kind = choiceField(
+      key,
+      schema,
+      variants.find((one) => fits(start, one)),
+      kinds,
+      nullable ? "none" : null,
+      () => choose(),
+    );
     const place = h("div", { class: "variant" });
     let inner = null;
     const build = (initial) => {
       const one = kind.get();
-      inner = one && one.const === undefined ? this.make(`${key}`, { ...one, title: undefined }, initial, true) : null;
+      inner =
+        one && one.const === undefined
+          ? this.make(`${key}`, { ...one, title: undefined }, initial, true)
+          : null;
       put(place, inner?.element);
     };
     const choose = () => {

@@ -4,7 +4,14 @@ import { h, say } from "../dom.js";
 import { timeOf } from "../words.js";
 
 const MOST_LINES = 1000;
-const NAMES = { warning: "WARNING", output: "OUTPUT", prompt: "ASKED", marked: "MARKED", ended: "ENDED", action: "DONE BY" };
+const NAMES = {
+  warning: "WARNING",
+  output: "OUTPUT",
+  prompt: "ASKED",
+  marked: "MARKED",
+  ended: "ENDED",
+  action: "DONE BY",
+};
 
 /** A job's log lines. */
 export class Log {
@@ -12,7 +19,12 @@ export class Log {
     this.job = job;
     this.list = h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log" });
     this.count = h("span", { class: "muted" });
-    this.element = h("section", { class: "card log", "aria-label": "log" }, h("h2", {}, "Log ", this.count), this.list);
+    this.element = h(
+      "section",
+      { class: "card log", "aria-label": "log" },
+      h("h2", {}, "Log ", this.count),
+      this.list,
+    );
     this.drawn = 0;
     this.source = null;
   }
@@ -35,8 +47,11 @@ export class Log {
 
   line({ time_s, type, text }) {
     return h(
-      "li", { class: `log-${type}` },
-      h("time", {}, timeOf(time_s)), NAMES[type] && h("b", {}, NAMES[type]), h("span", {}, text),
+      "li",
+      { class: `log-${type}` },
+      h("time", {}, timeOf(time_s)),
+      NAMES[type] && h("b", {}, NAMES[type]),
+      h("span", {}, text),
     );
   }
 }

@@ -12,12 +12,19 @@ export class Picture {
     this.job = job;
     this.extra = extra;
     this.shown = 0; // pictures that have reached the screen
-    this.canvas = h("canvas", { class: "picture-canvas", role: "img", "aria-label": "live picture of the sheet" });
+    this.canvas = h("canvas", {
+      class: "picture-canvas",
+      role: "img",
+      "aria-label": "live picture of the sheet",
+    });
     this.caption = h("span", { class: "picture-said" });
     this.element = h(
-      "figure", { class: "picture card" }, this.canvas,
+      "figure",
+      { class: "picture card" },
+      this.canvas,
       h(
-        "figcaption", {},
+        "figcaption",
+        {},
         h("span", { class: "key key-measured" }, "neutral curve, measured"),
         h("span", { class: "key key-model" }, "model\u2019s prediction"),
         this.caption,
@@ -76,7 +83,8 @@ export class Picture {
     canvas.style.aspectRatio = `${size.width} / ${size.height}`;
     const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = Math.max(1, Math.round((width * size.height) / size.width));
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    if (canvas.width !== width || canvas.height !== height)
+      [canvas.width, canvas.height] = [width, height];
     context.setTransform(1, 0, 0, 1, 0, 0);
     if (!bitmap) {
       context.fillStyle = "#20252b";
@@ -117,7 +125,8 @@ export class Picture {
       return;
     }
     const width = 2.5 * ratio;
-    if (curve.model?.points_px?.length) this.line(curve.model.points_px, MODEL, width, [9 * ratio, 7 * ratio]);
+    if (curve.model?.points_px?.length)
+      this.line(curve.model.points_px, MODEL, width, [9 * ratio, 7 * ratio]);
     if (curve.points_px?.length) this.line(curve.points_px, MEASURED, width, []);
     const late = behind > 0 ? `, its curve ${behind} frames behind` : "";
     const why = curve.ok ? "" : ` \u2014 no curve: ${curve.why}`;
@@ -129,7 +138,10 @@ export class Picture {
     context.lineJoin = context.lineCap = "round";
     context.beginPath();
     for (const point of points) context.lineTo(...this.toScreen(point));
-    for (const [stroke, extra] of [["rgba(0,0,0,0.75)", 2 * (window.devicePixelRatio || 1)], [colour, 0]]) {
+    for (const [stroke, extra] of [
+      ["rgba(0,0,0,0.75)", 2 * (window.devicePixelRatio || 1)],
+      [colour, 0],
+    ]) {
       context.setLineDash(dash);
       context.strokeStyle = stroke;
       context.lineWidth = width + extra;
@@ -147,7 +159,10 @@ export class Picture {
     const [x, y] = [canvas.width - long - 14 * ratio, canvas.height - 16 * ratio];
     context.font = `600 ${13 * ratio}px sans-serif`;
     context.textAlign = "center";
-    for (const [colour, width] of [["rgba(0,0,0,0.8)", 5], ["#ffffff", 2.5]]) {
+    for (const [colour, width] of [
+      ["rgba(0,0,0,0.8)", 5],
+      ["#ffffff", 2.5],
+    ]) {
       context.strokeStyle = context.fillStyle = colour;
       context.lineWidth = width * ratio;
       context.beginPath();

@@ -9,17 +9,32 @@ export class PromptBar {
     this.may = may;
     this.text = h("p", { class: "prompt-text" });
     this.why = h("p", { class: "prompt-why" });
-    this.go = h("button", { class: "go", type: "button", onclick: () => this.send(true), "aria-keyshortcuts": "Control+Enter" },
-      "Go", h("kbd", {}, "Ctrl Enter"));
-    this.stop = h("button", { type: "button", onclick: () => this.send(false) }, "Stop the session");
+    this.go = h(
+      "button",
+      {
+        class: "go",
+        type: "button",
+        onclick: () => this.send(true),
+        "aria-keyshortcuts": "Control+Enter",
+      },
+      "Go",
+      h("kbd", {}, "Ctrl Enter"),
+    );
+    this.stop = h(
+      "button",
+      { type: "button", onclick: () => this.send(false) },
+      "Stop the session",
+    );
     this.element = h(
-      "section", { class: "prompt", hidden: true, role: "alert", "aria-label": "the run asks" },
+      "section",
+      { class: "prompt", hidden: true, role: "alert", "aria-label": "the run asks" },
       h("div", { class: "prompt-words" }, this.text, this.why),
       h("div", { class: "prompt-do" }, this.go, this.stop),
     );
     this.answer = answer;
     this.keys = (event) => {
-      if (event.key === "Enter" && event.ctrlKey && !this.element.hidden && !this.go.disabled) this.send(true);
+      if (event.key === "Enter" && event.ctrlKey && !this.element.hidden && !this.go.disabled)
+        this.send(true);
     };
     document.addEventListener("keydown", this.keys);
   }
@@ -39,7 +54,7 @@ export class PromptBar {
     const why = this.may();
     const busy = this.sent === prompt.prompt;
     this.go.disabled = this.stop.disabled = Boolean(why) || busy;
-    say(this.why, why || (busy ? "answer sent" : this.fault ?? "Check the rig, then press Go."));
+    say(this.why, why || (busy ? "answer sent" : (this.fault ?? "Check the rig, then press Go.")));
   }
 
   async send(done) {
@@ -62,12 +77,19 @@ export function preflightTable(preflight) {
   const rows = preflight.checks.map((check) => {
     const word = check.ok ? (check.warning ? "WARNING" : "OK") : "FAILED";
     return h(
-      "tr", { class: `check check-${word.toLowerCase()}` },
-      h("td", {}, h("span", { class: "verdict" }, word)), h("th", { scope: "row" }, check.name),
-      h("td", {}, check.found, typeof check.warning === "string" ? ` \u2014 ${check.warning}` : ""), h("td", {}, check.wanted),
+      "tr",
+      { class: `check check-${word.toLowerCase()}` },
+      h("td", {}, h("span", { class: "verdict" }, word)),
+      h("th", { scope: "row" }, check.name),
+      h("td", {}, check.found, typeof check.warning === "string" ? ` \u2014 ${check.warning}` : ""),
+      h("td", {}, check.wanted),
     );
   });
-  const head = h("tr", {}, ["result", "check", "found", "wanted"].map((name) => h("th", { scope: "col" }, name)));
+  const head = h(
+    "tr",
+    {},
+    ["result", "check", "found", "wanted"].map((name) => h("th", { scope: "col" }, name)),
+  );
   return h("table", { class: "checks" }, h("thead", {}, head), h("tbody", {}, rows));
 }
 
@@ -75,9 +97,19 @@ export function preflightTable(preflight) {
 export class Preflight {
   constructor(job, opened = false) {
     Object.assign(this, { job, opened });
-    this.body = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "preflight checks" });
+    this.body = h("div", {
+      class: "scroll",
+      tabindex: 0,
+      role: "region",
+      "aria-label": "preflight checks",
+    });
     this.verdict = h("strong");
-    this.element = h("details", { class: "card preflight", hidden: true }, h("summary", {}, h("h2", {}, "Preflight ", this.verdict)), this.body);
+    this.element = h(
+      "details",
+      { class: "card preflight", hidden: true },
+      h("summary", {}, h("h2", {}, "Preflight ", this.verdict)),
+      this.body,
+    );
   }
 
   update(dirty) {
@@ -87,7 +119,10 @@ export class Preflight {
     this.element.hidden = !preflight;
     if (!preflight) return;
     const warnings = preflight.checks.filter((check) => check.ok && check.warning).length;
-    say(this.verdict, preflight.ok ? `passed${warnings ? `, ${warnings} to look at` : ""}` : "FAILED");
+    say(
+      this.verdict,
+      preflight.ok ? `passed${warnings ? `, ${warnings} to look at` : ""}` : "FAILED",
+    );
     this.element.open = this.opened || !preflight.ok;
     put(this.body, preflightTable(preflight));
   }

@@ -5,27 +5,64 @@ import { h, newId, put, say } from "../dom.js";
 import { number, shapeOf, volts } from "../format.js";
 import { placeOf } from "../words.js";
 
-const REASONS = ["bubble under the sheet", "the sheet slipped in the clamp", "something touched the rig", "sheet too dry"];
+const REASONS = [
+  "bubble under the sheet",
+  "the sheet slipped in the clamp",
+  "something touched the rig",
+  "sheet too dry",
+];
 
 /** `mark(run, reading|null, why)` sends it; null in a replay. `may()`: why this page may not. */
 export class Readings {
   constructor(job, { mark = null, may = () => "" } = {}) {
     Object.assign(this, { job, mark, may, chosen: null, marking: null });
     this.cards = h("div", { class: "means" });
-    this.table = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "mean force of every run" });
-    this.single = h("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "single readings" });
+    this.table = h("div", {
+      class: "scroll",
+      tabindex: 0,
+      role: "region",
+      "aria-label": "mean force of every run",
+    });
+    this.single = h("div", {
+      class: "scroll",
+      tabindex: 0,
+      role: "region",
+      "aria-label": "single readings",
+    });
     this.singleName = h("h3");
     this.whole = h("div");
     this.element = h(
-      "section", { class: "card readings", "aria-label": "readings" },
-      h("h2", {}, "Readings ", h("span", { class: "muted" }, "force in mN, mean \u00B1 scatter of one reading")),
+      "section",
+      { class: "card readings", "aria-label": "readings" },
+      h(
+        "h2",
+        {},
+        "Readings ",
+        h("span", { class: "muted" }, "force in mN, mean \u00B1 scatter of one reading"),
+      ),
       this.cards,
-      h("div", { class: "readings-two" }, this.table, h("div", { class: "readings-single" }, h("div", { class: "readings-head" }, this.singleName, this.whole), this.single)),
+      h(
+        "div",
+        { class: "readings-two" },
+        this.table,
+        h(
+          "div",
+          { class: "readings-single" },
+          h("div", { class: "readings-head" }, this.singleName, this.whole),
+          this.single,
+        ),
+      ),
     );
   }
 
   update(dirty) {
-    if (this.built && !["story", "plan", "reading", "marked", "run_started", "run_stopped"].some((type) => dirty.has(type))) return;
+    if (
+      this.built &&
+      !["story", "plan", "reading", "marked", "run_started", "run_stopped"].some((type) =>
+        dirty.has(type),
+      )
+    )
+      return;
     this.built = true;
     if (dirty.has("story")) this.chosen = this.marking = null;
     this.showCards();
@@ -39,7 +76,8 @@ export class Readings {
 
   voltages() {
     const found = new Set();
-    for (const run of this.job.plan?.runs ?? []) for (const reading of run.readings) found.add(reading[2]);
+    for (const run of this.job.plan?.runs ?? [])
+      for (const reading of run.readings) found.add(reading[2]);
     return [...found].sort((a, b) => b - a);
   }
 
@@ -47,16 +85,32 @@ export class Readings {
     const { job } = this;
     const planned = job.planned(job.now_run);
     const means = new Map(job.means(job.now_run).map((mean) => [mean.voltage, mean]));
-    const wanted = (voltage) => planned?.readings.filter(([, , v, kind]) => v === voltage && kind !== "discarded").length ?? 0;
-    put(this.cards, this.voltages().filter(wanted).map((voltage) => {
-      const mean = means.get(voltage);
-      return h(
-        "div", { class: "mean" },
-        h("span", { class: `mean-volts sign-${Math.sign(voltage)}` }, `${shapeOf(voltage)} ${volts(voltage)}`),
-        h("strong", {}, number(mean?.mean, 3)),
-        h("span", { class: "mean-rest" }, `${mean?.scatter == null ? "" : `\u00B1 ${number(mean.scatter, 3)} mN \u00B7 `}${mean?.count ?? 0} of ${wanted(voltage)}`),
-      );
-    }));
+    const wanted = (voltage) =>
+      planned?.readings.filter(([, , v, kind]) => v === voltage && kind !== "discarded").length ??
+      0;
+    put(
+      this.cards,
+      this.voltages()
+        .filter(wanted)
+        .map((voltage) => {
+          const mean = means.get(voltage);
+          return h(
+            "div",
+            { class: "mean" },
+            h(
+              "span",
+              { class: `mean-volts sign-${Math.sign(voltage)}` },
+              `${shapeOf(voltage)} ${volts(voltage)}`,
+            ),
+            h("strong", {}, number(mean?.mean, 3)),
+            h(
+              "span",
+              { class: "mean-rest" },
+              `${mean?.scatter == null ? "" : `\u00B1 ${number(mean.scatter, 3)} mN \u00B7 `}${mean?.count ?? 0} of ${wanted(voltage)}`,
+            ),
+          );
+        }),
+    );
   }
 
   showTable() {
@@ -67,8 +121,27 @@ export class Readings {
       put(this.table, h("p", { class: "muted" }, "no readings yet"));
       return;
     }
-    const head = h("tr", {}, h("th", { scope: "col" }, "run"), columns.map((voltage) => h("th", { scope: "col", class: "num" }, `${shapeOf(voltage)} ${volts(voltage)}`)));
-    put(this.table, h("table", {}, h("thead", {}, head), h("tbody", {}, begun.map((run) => this.row(run, columns)))));
+    const head = h(
+      "tr",
+      {},
+      h("th", { scope: "col" }, "run"),
+      columns.map((voltage) =>
+        h("th", { scope: "col", class: "num" }, `${shapeOf(voltage)} ${volts(voltage)}`),
+      ),
+    );
+    put(
+      this.table,
+      h(
+        "table",
+        {},
+        h("thead", {}, head),
+        h(
+          "tbody",
+          {},
+          begun.map((run) => this.row(run, columns)),
+        ),
+      ),
+    );
   }
 
   row(run, columns) {
@@ -82,12 +155,35 @@ export class Readings {
       this.showSingle();
     };
     return h(
-      "tr", { class: run.run === this.run ? "chosen" : "" },
-      h("th", { scope: "row" }, h("button", { class: "link", type: "button", onclick: choose, "aria-pressed": String(run.run === this.run) }, `${run.run + 1} \u00B7 ${placeOf(run)}`),
-        record.invalid && h("span", { class: "verdict bad" }, "INVALID")),
+      "tr",
+      { class: run.run === this.run ? "chosen" : "" },
+      h(
+        "th",
+        { scope: "row" },
+        h(
+          "button",
+          {
+            class: "link",
+            type: "button",
+            onclick: choose,
+            "aria-pressed": String(run.run === this.run),
+          },
+          `${run.run + 1} \u00B7 ${placeOf(run)}`,
+        ),
+        record.invalid && h("span", { class: "verdict bad" }, "INVALID"),
+      ),
       columns.map((voltage) => {
         const mean = means.get(voltage);
-        return h("td", { class: "num" }, mean ? [number(mean.mean, 3), h("span", { class: "muted" }, ` \u00B1 ${number(mean.scatter, 3)}`)] : "\u2013");
+        return h(
+          "td",
+          { class: "num" },
+          mean
+            ? [
+                number(mean.mean, 3),
+                h("span", { class: "muted" }, ` \u00B1 ${number(mean.scatter, 3)}`),
+              ]
+            : "\u2013",
+        );
       }),
     );
   }
@@ -103,25 +199,64 @@ export class Readings {
       put(this.whole);
       return;
     }
-    const names = ["reading", "drive", "force, mN", "current, mA", "state", ...(this.mark ? ["mark"] : [])];
+    const names = [
+      "reading",
+      "drive",
+      "force, mN",
+      "current, mA",
+      "state",
+      ...(this.mark ? ["mark"] : []),
+    ];
     const readings = [...record.readings.values()].sort((a, b) => b.index - a.index);
-    put(this.whole, (this.mark || record.invalid) && this.marker(null, record.invalid, "Mark the whole run invalid"));
+    put(
+      this.whole,
+      (this.mark || record.invalid) &&
+        this.marker(null, record.invalid, "Mark the whole run invalid"),
+    );
     put(
       this.single,
-      h("table", {}, h("thead", {}, h("tr", {}, names.map((name) => h("th", { scope: "col" }, name)))), h("tbody", {}, readings.map((reading) => this.reading(reading)))),
+      h(
+        "table",
+        {},
+        h(
+          "thead",
+          {},
+          h(
+            "tr",
+            {},
+            names.map((name) => h("th", { scope: "col" }, name)),
+          ),
+        ),
+        h(
+          "tbody",
+          {},
+          readings.map((reading) => this.reading(reading)),
+        ),
+      ),
     );
   }
 
   reading(reading) {
-    const word = !reading.valid ? h("span", { class: "verdict bad" }, "INVALID") : reading.kind === "kept" ? "" : reading.kind.replace("_", " ");
+    const word = !reading.valid
+      ? h("span", { class: "verdict bad" }, "INVALID")
+      : reading.kind === "kept"
+        ? ""
+        : reading.kind.replace("_", " ");
     return h(
-      "tr", { class: reading.valid ? "" : "invalid" },
+      "tr",
+      { class: reading.valid ? "" : "invalid" },
       h("th", { scope: "row" }, String(reading.index + 1)),
       h("td", {}, `${shapeOf(reading.voltage_V)} ${volts(reading.voltage_V)}`),
       h("td", { class: "num" }, number(reading.force_mN, 3)),
       h("td", { class: "num" }, number(reading.current_mA, 1)),
       h("td", {}, word, reading.why && h("span", { class: "why" }, ` ${reading.why}`)),
-      this.mark && h("td", {}, reading.valid && this.marker(reading.index, null, `Mark reading ${reading.index + 1} invalid`)),
+      this.mark &&
+        h(
+          "td",
+          {},
+          reading.valid &&
+            this.marker(reading.index, null, `Mark reading ${reading.index + 1} invalid`),
+        ),
     );
   }
 
@@ -129,7 +264,15 @@ export class Readings {
   marker(reading, invalid, name) {
     if (invalid) return h("p", { class: "verdict bad" }, `run INVALID: ${invalid}`);
     const place = h("div", { class: "marker" });
-    const closed = () => put(place, h("button", { class: "small", type: "button", "aria-label": name, onclick: open }, reading === null ? name : "Mark\u2026"));
+    const closed = () =>
+      put(
+        place,
+        h(
+          "button",
+          { class: "small", type: "button", "aria-label": name, onclick: open },
+          reading === null ? name : "Mark\u2026",
+        ),
+      );
     const open = () => {
       this.marking = reading ?? "run";
       put(place, this.reasonForm(reading, name, close));
@@ -146,7 +289,14 @@ export class Readings {
 
   reasonForm(reading, name, close) {
     const list = newId("reasons");
-    const field = h("input", { required: true, maxlength: 200, list, placeholder: "reason", "aria-label": `${name}: reason`, autocomplete: "off" });
+    const field = h("input", {
+      required: true,
+      maxlength: 200,
+      list,
+      placeholder: "reason",
+      "aria-label": `${name}: reason`,
+      autocomplete: "off",
+    });
     const fault = h("span", { class: "fault", role: "alert" });
     const { run } = this;
     const send = async (event) => {
@@ -161,10 +311,17 @@ export class Readings {
       }
     };
     return h(
-      "form", { class: "marker-form", onsubmit: send },
-      field, h("datalist", { id: list }, REASONS.map((reason) => h("option", { value: reason }))),
+      "form",
+      { class: "marker-form", onsubmit: send },
+      field,
+      h(
+        "datalist",
+        { id: list },
+        REASONS.map((reason) => h("option", { value: reason })),
+      ),
       h("button", { class: "small", type: "submit" }, "Mark invalid"),
-      h("button", { class: "small quiet", type: "button", onclick: close }, "Cancel"), fault,
+      h("button", { class: "small quiet", type: "button", onclick: close }, "Cancel"),
+      fault,
     );
   }
 }

@@ -12,7 +12,14 @@ const NUMERAL_MS = 180; // numerals that change faster cannot be read
 const ROWS = [
   { key: "drive_V", name: "Drive", unit: "V", decimals: 2, least: 0.5, colour: "--trace-drive" },
   { key: "force_mN", name: "Force", unit: "mN", decimals: 3, least: 0.2, colour: "--trace-force" },
-  { key: "current_mA", name: "Current", unit: "mA", decimals: 1, least: 1, colour: "--trace-current" },
+  {
+    key: "current_mA",
+    name: "Current",
+    unit: "mA",
+    decimals: 1,
+    least: 1,
+    colour: "--trace-current",
+  },
 ];
 
 /** Three charts under one another on one time axis. */
@@ -21,7 +28,11 @@ export class Strips {
     this.job = job;
     this.points = 0; // moments that have reached the charts
     this.lines = ROWS.map((row, index) => this.line(row, index));
-    this.element = h("div", { class: "strips card", role: "group", "aria-label": "strip charts" }, this.lines.map((line) => line.element));
+    this.element = h(
+      "div",
+      { class: "strips card", role: "group", "aria-label": "strip charts" },
+      this.lines.map((line) => line.element),
+    );
     this.seen = new ResizeObserver(() => this.resize());
     this.seen.observe(this.element);
     this.themed = () => this.lines.forEach((line) => this.repaint(line));
@@ -40,9 +51,11 @@ export class Strips {
     const value = h("strong", { class: "numeral-value" }, "\u2013");
     const plot = h("div", { class: "strip-plot" });
     const element = h(
-      "div", { class: "strip", data: { row: row.key } },
+      "div",
+      { class: "strip", data: { row: row.key } },
       h(
-        "div", { class: "numeral" },
+        "div",
+        { class: "numeral" },
         h("span", { class: "numeral-name" }, row.name),
         value,
         h("span", { class: "numeral-unit" }, row.unit),
@@ -89,15 +102,29 @@ export class Strips {
       font: `12px ${getComputedStyle(document.body).fontFamily}`,
     };
     const options = {
-      width, height,
+      width,
+      height,
       padding: [8, 18, line.last ? 0 : 4, 0],
       legend: { show: false },
       cursor: { show: false },
-      scales: { x: { time: false, range: () => this.window() }, y: { range: (_, low, high) => this.range(line, low, high) } },
-      series: [{}, { stroke, width: 1.25, points: { show: false } }, { stroke, width: 1.25, points: { show: false } }],
+      scales: {
+        x: { time: false, range: () => this.window() },
+        y: { range: (_, low, high) => this.range(line, low, high) },
+      },
+      series: [
+        {},
+        { stroke, width: 1.25, points: { show: false } },
+        { stroke, width: 1.25, points: { show: false } },
+      ],
       bands: [{ series: [2, 1], fill: stroke }],
       axes: [
-        { ...axis, show: true, size: line.last ? 24 : 4, gap: 2, values: (_, ticks) => ticks.map((t) => (line.last ? `${t} s` : "")) },
+        {
+          ...axis,
+          show: true,
+          size: line.last ? 24 : 4,
+          gap: 2,
+          values: (_, ticks) => ticks.map((t) => (line.last ? `${t} s` : "")),
+        },
         { ...axis, size: 46, gap: 4, space: 26, values: (_, ticks) => ticks.map(plain) },
       ],
       hooks: { draw: [(plot) => this.drawMarks(plot, line)] },
@@ -117,7 +144,12 @@ export class Strips {
   range(line, low, high) {
     if (line.row.key === "drive_V") {
       const steps = this.job.planned(this.job.signals.run)?.steps ?? [];
-      const most = Math.max(1, ...steps.map(([, volts]) => Math.abs(volts)), Math.abs(low ?? 0), Math.abs(high ?? 0));
+      const most = Math.max(
+        1,
+        ...steps.map(([, volts]) => Math.abs(volts)),
+        Math.abs(low ?? 0),
+        Math.abs(high ?? 0),
+      );
       return [-1.2 * most, 1.2 * most];
     }
     if (low == null) return [-1.2, 1.2];
@@ -127,7 +159,9 @@ export class Strips {
   }
 
   update(dirty) {
-    const asked = ["signals", "reading", "marked", "plan", "story", "run_started"].some((type) => dirty.has(type));
+    const asked = ["signals", "reading", "marked", "plan", "story", "run_started"].some((type) =>
+      dirty.has(type),
+    );
     if (asked) this.showSoon();
   }
 
@@ -135,18 +169,25 @@ export class Strips {
   showSoon() {
     if (this.due) return;
     const wait = CHART_MS - (performance.now() - (this.drawn ?? -Infinity));
-    this.due = setTimeout(() => {
-      this.due = null;
-      this.drawn = performance.now();
-      this.show();
-    }, Math.max(0, wait));
+    this.due = setTimeout(
+      () => {
+        this.due = null;
+        this.drawn = performance.now();
+        this.show();
+      },
+      Math.max(0, wait),
+    );
   }
 
   show() {
     const { signals } = this.job;
     for (const line of this.lines) {
       const { key } = line.row;
-      line.plot?.setData([signals.column("run_s"), signals.column(`${key}_least`), signals.column(`${key}_most`)]);
+      line.plot?.setData([
+        signals.column("run_s"),
+        signals.column(`${key}_least`),
+        signals.column(`${key}_most`),
+      ]);
     }
     this.points = signals.count;
     // The first change shows at once, those after it together, the last one always.
@@ -163,7 +204,10 @@ export class Strips {
     const { signals } = this.job;
     for (const { row, value } of this.lines) {
       const newest = signals.newest(row.key);
-      say(value, row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals));
+      say(
+        value,
+        row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals),
+      );
     }
   }
 

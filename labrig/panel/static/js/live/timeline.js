@@ -18,8 +18,12 @@ export class Timeline {
     this.wave = svg("svg", { class: "timeline-wave", role: "img", height: WAVE_HIGH });
     this.said = h("p", { class: "timeline-said" }, "no schedule yet");
     this.element = h(
-      "section", { class: "timeline card", "aria-label": "schedule" },
-      h("h2", {}, "Schedule"), this.said, this.runs, this.wave,
+      "section",
+      { class: "timeline card", "aria-label": "schedule" },
+      h("h2", {}, "Schedule"),
+      this.said,
+      this.runs,
+      this.wave,
     );
     this.seen = new ResizeObserver(() => this.build());
     this.seen.observe(this.element);
@@ -30,7 +34,16 @@ export class Timeline {
   }
 
   update(dirty) {
-    const anew = ["story", "plan", "run_started", "run_stopped", "reading", "marked", "ended", "state"];
+    const anew = [
+      "story",
+      "plan",
+      "run_started",
+      "run_stopped",
+      "reading",
+      "marked",
+      "ended",
+      "state",
+    ];
     if (anew.some((type) => dirty.has(type))) this.build();
     else if (this.job.plan) this.move();
   }
@@ -57,21 +70,47 @@ export class Timeline {
     this.x = (seconds) => LEFT + ((width - LEFT - RIGHT) * seconds) / whole;
     const cells = plan.runs.map((run, index) => {
       const before = index ? plan.runs[index - 1].starts_s + plan.runs[index - 1].duration_s : 0;
-      const [from, start, end] = [this.x(before), this.x(run.starts_s), this.x(run.starts_s + run.duration_s)];
+      const [from, start, end] = [
+        this.x(before),
+        this.x(run.starts_s),
+        this.x(run.starts_s + run.duration_s),
+      ];
       const state = this.stateOf(run);
       const room = end - from;
       const name = run.position_mm == null ? "free" : `${run.position_mm}`.replace("-", "\u2212");
       return svg(
-        "g", { class: `cell cell-${state}` },
+        "g",
+        { class: `cell cell-${state}` },
         svg("title", {}, `run ${run.run + 1}: ${placeOf(run)}, ${state}`),
-        svg("rect", { class: "cell-wait", x: from + 0.5, y: 32, width: Math.max(start - from - 1, 0), height: 22 }),
-        svg("rect", { class: "cell-run", x: start + 0.5, y: 32, width: Math.max(end - start - 1, 1.5), height: 22 }),
-        room > 7 * name.length + 4 && svg("text", { x: (from + end) / 2, y: 26, "text-anchor": "middle" }, name),
-        state === "done" && room > 14 && svg("path", { class: "cell-tick", d: `M${end - 13} 43l4 4l6 -9` }),
+        svg("rect", {
+          class: "cell-wait",
+          x: from + 0.5,
+          y: 32,
+          width: Math.max(start - from - 1, 0),
+          height: 22,
+        }),
+        svg("rect", {
+          class: "cell-run",
+          x: start + 0.5,
+          y: 32,
+          width: Math.max(end - start - 1, 1.5),
+          height: 22,
+        }),
+        room > 7 * name.length + 4 &&
+          svg("text", { x: (from + end) / 2, y: 26, "text-anchor": "middle" }, name),
+        state === "done" &&
+          room > 14 &&
+          svg("path", { class: "cell-tick", d: `M${end - 13} 43l4 4l6 -9` }),
       );
     });
     this.now = svg("path", { class: "now" });
-    put(this.runs, svg("text", { x: 0, y: 26, class: "unit" }, "mm"), this.groups(plan), cells, this.now);
+    put(
+      this.runs,
+      svg("text", { x: 0, y: 26, class: "unit" }, "mm"),
+      this.groups(plan),
+      cells,
+      this.now,
+    );
     this.runs.setAttribute("width", width);
     const done = plan.runs.filter((run) => this.stateOf(run) === "done").length;
     this.runs.setAttribute("aria-label", `${done} of ${plan.runs.length} runs are complete`);
@@ -83,7 +122,12 @@ export class Timeline {
       const before = plan.runs[index - 1];
       if (before?.configuration === run.configuration) return null;
       const x = this.x(before ? before.starts_s + before.duration_s : 0);
-      return svg("g", {}, svg("path", { class: "group-line", d: `M${x} 0V56` }), svg("text", { x: x + 4, y: 11, class: "group-name" }, run.configuration));
+      return svg(
+        "g",
+        {},
+        svg("path", { class: "group-line", d: `M${x} 0V56` }),
+        svg("text", { x: x + 4, y: 11, class: "group-name" }, run.configuration),
+      );
     });
   }
 
@@ -105,7 +149,8 @@ export class Timeline {
     if (!run) return;
     const most = Math.max(1e-9, ...run.steps.map(([, value]) => Math.abs(value)));
     const middle = WAVE_HIGH / 2;
-    this.waveX = (seconds) => LEFT + ((width - LEFT - RIGHT) * seconds) / Math.max(run.duration_s, 1e-9);
+    this.waveX = (seconds) =>
+      LEFT + ((width - LEFT - RIGHT) * seconds) / Math.max(run.duration_s, 1e-9);
     const y = (value) => middle - (value / most) * (middle - 14);
     let path = `M${this.waveX(0)} ${y(run.steps[0]?.[1] ?? 0)}`;
     for (const [run_s, value] of run.steps) path += `H${this.waveX(run_s)}V${y(value)}`;
@@ -113,7 +158,13 @@ export class Timeline {
     const taken = this.job.runs.get(run.run)?.readings ?? new Map();
     const marks = run.readings.map(([index, run_s, value, kind]) => {
       const reading = taken.get(index);
-      const state = !reading ? "planned" : !reading.valid ? "invalid" : kind === "discarded" ? "discarded" : "taken";
+      const state = !reading
+        ? "planned"
+        : !reading.valid
+          ? "invalid"
+          : kind === "discarded"
+            ? "discarded"
+            : "taken";
       return svgMark(value, this.waveX(run_s), y(value), 4, state);
     });
     const levels = [...new Set([most, 0, -most])];
@@ -122,10 +173,15 @@ export class Timeline {
       this.wave,
       levels.map((level) => svg("text", { class: "unit", x: 0, y: y(level) + 4 }, volts(level))),
       svg("path", { class: "zero-line", d: `M${LEFT} ${y(0)}H${width - RIGHT}` }),
-      svg("path", { class: "wave", d: path }), marks, this.waveNow,
+      svg("path", { class: "wave", d: path }),
+      marks,
+      this.waveNow,
     );
     this.wave.setAttribute("width", width);
-    this.wave.setAttribute("aria-label", `run ${run.run + 1}: ${taken.size} of ${run.readings.length} readings are taken`);
+    this.wave.setAttribute(
+      "aria-label",
+      `run ${run.run + 1}: ${taken.size} of ${run.readings.length} readings are taken`,
+    );
   }
 
   /** Only 'now' moves. */

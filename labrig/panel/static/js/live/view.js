@@ -21,7 +21,12 @@ export class LiveView {
     if (acts) main.unshift(new PromptBar(job, acts));
     this.parts = [...main, ...side];
     const elements = (parts) => parts.map((part) => part.element);
-    this.element = h("div", { class: "live" }, elements(main), h("div", { class: "live-side" }, elements(side)));
+    this.element = h(
+      "div",
+      { class: "live" },
+      elements(main),
+      h("div", { class: "live-side" }, elements(side)),
+    );
     this.stop = job.watch((dirty) => this.update(dirty));
     this.update(new Set(["story", "picture"]));
   }

@@ -17,8 +17,14 @@ export function mount(place, app, asked) {
   const transport = new Transport(players);
   const sides = players.map((player, index) => side(player, index ? "B" : "A"));
   place.append(
-    h("h1", {}, "A ", link(a), " beside B ", link(b)), tables,
-    transport.element, h("div", { class: "compare-live" }, sides.map((one) => one.element)),
+    h("h1", {}, "A ", link(a), " beside B ", link(b)),
+    tables,
+    transport.element,
+    h(
+      "div",
+      { class: "compare-live" },
+      sides.map((one) => one.element),
+    ),
   );
   get(`/api/library/compare?${query({ a, b })}`).then(
     (found) => put(tables, facts(found), forces(found)),
@@ -44,7 +50,12 @@ function side(player, letter) {
     picture.update(dirty);
     strips.update(dirty);
     const run = player.job.planned(player.job.now_run);
-    say(head.lastChild, run ? `run ${run.run + 1}, ${run.configuration}${run.position_mm == null ? ", free" : `, ${plain(run.position_mm)} mm`}` : "");
+    say(
+      head.lastChild,
+      run
+        ? `run ${run.run + 1}, ${run.configuration}${run.position_mm == null ? ", free" : `, ${plain(run.position_mm)} mm`}`
+        : "",
+    );
   });
   return {
     element: h("div", { class: "compare-side" }, head, picture.element, strips.element),
@@ -59,28 +70,85 @@ function side(player, letter) {
 function facts({ a, b }) {
   const [of_a, of_b] = [new Map(factsOf(a)), new Map(factsOf(b))];
   const names = [...new Set([...of_a.keys(), ...of_b.keys()])];
-  const rows = names.map((name) => h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, of_a.get(name) ?? "\u2013"), h("td", {}, of_b.get(name) ?? "\u2013")));
-  const head = h("tr", {}, h("th", { scope: "col" }, "what"), h("th", { scope: "col" }, `A ${a.name}`), h("th", { scope: "col" }, `B ${b.name}`));
-  return h("section", { class: "card scroll", tabindex: 0, role: "region", "aria-label": "both sessions" }, h("table", {}, h("thead", {}, head), h("tbody", {}, rows)));
+  const rows = names.map((name) =>
+    h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, name),
+      h("td", {}, of_a.get(name) ?? "\u2013"),
+      h("td", {}, of_b.get(name) ?? "\u2013"),
+    ),
+  );
+  const head = h(
+    "tr",
+    {},
+    h("th", { scope: "col" }, "what"),
+    h("th", { scope: "col" }, `A ${a.name}`),
+    h("th", { scope: "col" }, `B ${b.name}`),
+  );
+  return h(
+    "section",
+    { class: "card scroll", tabindex: 0, role: "region", "aria-label": "both sessions" },
+    h("table", {}, h("thead", {}, head), h("tbody", {}, rows)),
+  );
 }
 
 function forces({ rows }) {
   const configurations = [...new Set(rows.map((row) => row.configuration))];
-  return h("section", { class: "card" }, h("h2", {}, "Mean force over position ", h("span", { class: "muted" }, "filled A, hollow B; bars: scatter of one reading")),
-    h("div", { class: "plots" }, configurations.map((name) => chart(name, rows.filter((row) => row.configuration === name)))),
-    h("div", { class: "scroll compare-forces", tabindex: 0, role: "region", "aria-label": "mean forces" }, table(rows)));
+  return h(
+    "section",
+    { class: "card" },
+    h(
+      "h2",
+      {},
+      "Mean force over position ",
+      h("span", { class: "muted" }, "filled A, hollow B; bars: scatter of one reading"),
+    ),
+    h(
+      "div",
+      { class: "plots" },
+      configurations.map((name) =>
+        chart(
+          name,
+          rows.filter((row) => row.configuration === name),
+        ),
+      ),
+    ),
+    h(
+      "div",
+      { class: "scroll compare-forces", tabindex: 0, role: "region", "aria-label": "mean forces" },
+      table(rows),
+    ),
+  );
 }
 
 function chart(name, rows) {
   const levels = [...new Set(rows.map((row) => row.voltage_V))].sort((x, y) => y - x);
-  const series = levels.flatMap((level) => ["a", "b"].map((which) => ({
-    name: `${which.toUpperCase()}, ${volts(level)}`,
-    className: `sign-${Math.sign(level)} of-${which}`,
-    shape: level > 0 ? "up" : level < 0 ? "down" : "dot",
-    line: true,
-    points: rows.filter((row) => row.voltage_V === level && row[which]).map((row) => [row.position_mm ?? 0, row[which].force_mN, row[which].scatter_mN]),
-  })));
-  return h("figure", {}, h("figcaption", {}, name), plot({ series, x: "position, mm", y: "force, mN", zero: true, width: 340, height: 230, label: `mean forces of the ${name} sheet` }));
+  const series = levels.flatMap((level) =>
+    ["a", "b"].map((which) => ({
+      name: `${which.toUpperCase()}, ${volts(level)}`,
+      className: `sign-${Math.sign(level)} of-${which}`,
+      shape: level > 0 ? "up" : level < 0 ? "down" : "dot",
+      line: true,
+      points: rows
+        .filter((row) => row.voltage_V === level && row[which])
+        .map((row) => [row.position_mm ?? 0, row[which].force_mN, row[which].scatter_mN]),
+    })),
+  );
+  return h(
+    "figure",
+    {},
+    h("figcaption", {}, name),
+    plot({
+      series,
+      x: "position, mm",
+      y: "force, mN",
+      zero: true,
+      width: 340,
+      height: 230,
+      label: `mean forces of the ${name} sheet`,
+    }),
+  );
 }
 
 function table(rows) {
@@ -89,11 +157,37 @@ function table(rows) {
     const { a, b } = row;
     const off = a && b ? b.force_mN - a.force_mN : null;
     const scatter = a && b ? Math.hypot(a.scatter_mN ?? 0, b.scatter_mN ?? 0) : 0;
-    return h("tr", {}, h("th", { scope: "row" }, row.configuration),
+    return h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, row.configuration),
       h("td", { class: "num" }, row.position_mm == null ? "free" : `${plain(row.position_mm)} mm`),
       h("td", {}, `${shapeOf(row.voltage_V)} ${volts(row.voltage_V)}`),
-      [a, b].map((mean) => h("td", { class: "num" }, mean ? `${number(mean.force_mN, 3)} \u00B1 ${number(mean.scatter_mN, 3)}` : "\u2013")),
-      h("td", { class: "num" }, number(off, 3)), h("td", { class: "num" }, scatter ? number(off / scatter, 1) : "\u2013"));
+      [a, b].map((mean) =>
+        h(
+          "td",
+          { class: "num" },
+          mean ? `${number(mean.force_mN, 3)} \u00B1 ${number(mean.scatter_mN, 3)}` : "\u2013",
+        ),
+      ),
+      h("td", { class: "num" }, number(off, 3)),
+      h("td", { class: "num" }, scatter ? number(off / scatter, 1) : "\u2013"),
+    );
   });
-  return h("table", {}, h("thead", {}, h("tr", {}, head.map((one, index) => h("th", { scope: "col", class: index > 2 || index === 1 ? "num" : "" }, one)))), h("tbody", {}, cells));
+  return h(
+    "table",
+    {},
+    h(
+      "thead",
+      {},
+      h(
+        "tr",
+        {},
+        head.map((one, index) =>
+          h("th", { scope: "col", class: index > 2 || index === 1 ? "num" : "" }, one),
+        ),
+      ),
+    ),
+    h("tbody", {}, cells),
+  );
 }

@@ -8,29 +8,77 @@ const PAGE = 100;
 const TYPED_MS = 250;
 const COLUMNS = [
   { key: "started", name: "date", show: (s) => when(s.started) },
-  { key: "name", name: "session", show: (s) => h("a", { href: `#/session?name=${encodeURIComponent(s.name)}` }, s.name) },
+  {
+    key: "name",
+    name: "session",
+    show: (s) => h("a", { href: `#/session?name=${encodeURIComponent(s.name)}` }, s.name),
+  },
   { key: "sheet", name: "sheet", show: (s) => (s.sheet ?? []).join(", ") },
   { key: "outcome", name: "outcome", show: (s) => outcome(s) },
-  { key: "readings", name: "readings", num: true, show: (s) => `${s.readings ?? "\u2013"}${s.invalid ? ` (${s.invalid} invalid)` : ""}` },
+  {
+    key: "readings",
+    name: "readings",
+    num: true,
+    show: (s) => `${s.readings ?? "\u2013"}${s.invalid ? ` (${s.invalid} invalid)` : ""}`,
+  },
   { key: "duration_s", name: "length", num: true, show: (s) => clock(s.duration_s) },
-  { key: "largest_force_mN", name: "largest, mN", num: true, show: (s) => number(s.largest_force_mN, 2) },
-  { key: "B", name: "B, \u00B5N\u00B7m\u00B2", num: true, show: (s) => fitted(s, (fit) => digits(1e6 * fit.B_Nm2, 4)) },
-  { key: "EIBM", name: "EIBM, \u00B5N\u00B7m", num: true, show: (s) => fitted(s, (fit) => Object.entries(fit.EIBM_Nm ?? {}).map(([, value]) => digits(1e6 * value, 4)).join(" / ")) },
+  {
+    key: "largest_force_mN",
+    name: "largest, mN",
+    num: true,
+    show: (s) => number(s.largest_force_mN, 2),
+  },
+  {
+    key: "B",
+    name: "B, \u00B5N\u00B7m\u00B2",
+    num: true,
+    show: (s) => fitted(s, (fit) => digits(1e6 * fit.B_Nm2, 4)),
+  },
+  {
+    key: "EIBM",
+    name: "EIBM, \u00B5N\u00B7m",
+    num: true,
+    show: (s) =>
+      fitted(s, (fit) =>
+        Object.entries(fit.EIBM_Nm ?? {})
+          .map(([, value]) => digits(1e6 * value, 4))
+          .join(" / "),
+      ),
+  },
   { key: "bytes", name: "size", num: true, show: (s) => bytes(s.bytes) },
 ];
 const OUTCOMES = ["completed", "aborted", "failed", "crashed", "running"];
 
 /** The outcome as a word with a mark of its own. */
 export function outcome(session) {
-  if (session.error) return h("span", { class: "verdict bad", title: session.error }, "\u2715 DAMAGED");
-  const mark = { completed: "\u2713", aborted: "\u25A0", failed: "\u2715", crashed: "\u2715", running: "\u25B6" }[session.outcome] ?? "?";
-  const kind = session.outcome === "completed" ? "good" : session.outcome === "running" || session.outcome === "aborted" ? "" : "bad";
-  return h("span", { class: `verdict ${kind}`, title: session.reason ?? "" }, `${mark} ${session.outcome}`);
+  if (session.error)
+    return h("span", { class: "verdict bad", title: session.error }, "\u2715 DAMAGED");
+  const mark =
+    {
+      completed: "\u2713",
+      aborted: "\u25A0",
+      failed: "\u2715",
+      crashed: "\u2715",
+      running: "\u25B6",
+    }[session.outcome] ?? "?";
+  const kind =
+    session.outcome === "completed"
+      ? "good"
+      : session.outcome === "running" || session.outcome === "aborted"
+        ? ""
+        : "bad";
+  return h(
+    "span",
+    { class: `verdict ${kind}`, title: session.reason ?? "" },
+    `${mark} ${session.outcome}`,
+  );
 }
 
 function fitted(session, show) {
   const fits = Object.entries(session.fit ?? {});
-  return fits.length ? fits.map(([name, fit]) => h("span", { class: "per-sheet" }, h("i", {}, name), " ", show(fit))) : "\u2013";
+  return fits.length
+    ? fits.map(([name, fit]) => h("span", { class: "per-sheet" }, h("i", {}, name), " ", show(fit)))
+    : "\u2013";
 }
 
 /** Show the library. */
@@ -43,10 +91,23 @@ export function mount(place) {
 
 class Library {
   constructor() {
-    this.asked = { sort: "started", down: 1, text: "", outcome: "", sheet: "", limit: PAGE, offset: 0 };
+    this.asked = {
+      sort: "started",
+      down: 1,
+      text: "",
+      outcome: "",
+      sheet: "",
+      limit: PAGE,
+      offset: 0,
+    };
     this.chosen = new Set();
     this.said = h("p", { class: "muted", role: "status" }, "looking\u2026");
-    this.body = h("div", { class: "scroll library-table", tabindex: 0, role: "region", "aria-label": "sessions" });
+    this.body = h("div", {
+      class: "scroll library-table",
+      tabindex: 0,
+      role: "region",
+      "aria-label": "sessions",
+    });
     this.compare = h("a", { class: "button", "aria-disabled": "true" }, "Compare two");
     this.pages = h("div", { class: "buttons" });
     const typed = (key) => (event) => {
@@ -58,13 +119,33 @@ class Library {
       return h("label", { for: control.id }, name, " ", control);
     };
     this.element = h(
-      "div", {},
+      "div",
+      {},
       h("h1", {}, "Sessions"),
-      h("section", { class: "card filters" },
-        field("find", h("input", { type: "search", oninput: typed("text"), placeholder: "name, sheet, protocol" })),
-        field("outcome", h("select", { onchange: typed("outcome") }, h("option", { value: "" }, "any"), OUTCOMES.map((one) => h("option", {}, one)))),
+      h(
+        "section",
+        { class: "card filters" },
+        field(
+          "find",
+          h("input", {
+            type: "search",
+            oninput: typed("text"),
+            placeholder: "name, sheet, protocol",
+          }),
+        ),
+        field(
+          "outcome",
+          h(
+            "select",
+            { onchange: typed("outcome") },
+            h("option", { value: "" }, "any"),
+            OUTCOMES.map((one) => h("option", {}, one)),
+          ),
+        ),
         field("sheet", h("input", { oninput: typed("sheet"), placeholder: "any" })),
-        this.compare, this.said),
+        this.compare,
+        this.said,
+      ),
       h("section", { class: "card" }, this.body, this.pages),
     );
     this.showChosen();
@@ -89,19 +170,60 @@ class Library {
   show({ sessions, total, damaged }) {
     const { offset, sort, down } = this.asked;
     const last = Math.min(offset + sessions.length, total);
-    say(this.said, `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}`);
-    const head = h("tr", {}, h("th", { scope: "col" }, h("span", { class: "visually-hidden" }, "choose")), COLUMNS.map((column) => this.heading(column, sort, down)));
-    put(this.body, h("table", {}, h("thead", {}, head), h("tbody", {}, sessions.map((session) => this.row(session)))));
-    const page = (name, to, able) => h("button", { type: "button", disabled: !able, onclick: () => this.ask({ offset: to }) }, name);
-    put(this.pages, total > PAGE && [page("Earlier page", Math.max(0, offset - PAGE), offset > 0), page("Later page", offset + PAGE, last < total)]);
+    say(
+      this.said,
+      `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}`,
+    );
+    const head = h(
+      "tr",
+      {},
+      h("th", { scope: "col" }, h("span", { class: "visually-hidden" }, "choose")),
+      COLUMNS.map((column) => this.heading(column, sort, down)),
+    );
+    put(
+      this.body,
+      h(
+        "table",
+        {},
+        h("thead", {}, head),
+        h(
+          "tbody",
+          {},
+          sessions.map((session) => this.row(session)),
+        ),
+      ),
+    );
+    const page = (name, to, able) =>
+      h(
+        "button",
+        { type: "button", disabled: !able, onclick: () => this.ask({ offset: to }) },
+        name,
+      );
+    put(
+      this.pages,
+      total > PAGE && [
+        page("Earlier page", Math.max(0, offset - PAGE), offset > 0),
+        page("Later page", offset + PAGE, last < total),
+      ],
+    );
   }
 
   heading({ key, name, num }, sort, down) {
     const sorted = key === sort;
     const press = () => this.ask({ sort: key, down: sorted ? Number(!down) : 1, offset: 0 });
     return h(
-      "th", { scope: "col", class: num ? "num" : "", "aria-sort": sorted ? (down ? "descending" : "ascending") : "none" },
-      h("button", { type: "button", class: "link", onclick: press }, name, sorted ? (down ? " \u25BC" : " \u25B2") : ""),
+      "th",
+      {
+        scope: "col",
+        class: num ? "num" : "",
+        "aria-sort": sorted ? (down ? "descending" : "ascending") : "none",
+      },
+      h(
+        "button",
+        { type: "button", class: "link", onclick: press },
+        name,
+        sorted ? (down ? " \u25BC" : " \u25B2") : "",
+      ),
     );
   }
 
@@ -112,8 +234,18 @@ class Library {
       this.showChosen();
     };
     return h(
-      "tr", {},
-      h("td", {}, h("input", { type: "checkbox", checked: this.chosen.has(session.name), onchange: choose, "aria-label": `choose ${session.name}` })),
+      "tr",
+      {},
+      h(
+        "td",
+        {},
+        h("input", {
+          type: "checkbox",
+          checked: this.chosen.has(session.name),
+          onchange: choose,
+          "aria-label": `choose ${session.name}`,
+        }),
+      ),
       COLUMNS.map((column) => h("td", { class: column.num ? "num" : "" }, column.show(session))),
     );
   }

@@ -10,9 +10,22 @@ export function mount(place) {
   place.append(h("h1", {}, "Log of actions"), h("section", { class: "card" }, body));
   get("/api/log?limit=500").then(
     ({ actions }) => {
-      const rows = actions.toReversed().map(({ wall, who, what }) => h("tr", {}, h("td", {}, when(wall)), h("td", {}, who), h("td", {}, what)));
-      const head = h("tr", {}, ["when", "who", "what"].map((name) => h("th", { scope: "col" }, name)));
-      put(body, rows.length ? h("table", {}, h("thead", {}, head), h("tbody", {}, rows)) : h("p", { class: "muted" }, "Nothing was done yet."));
+      const rows = actions
+        .toReversed()
+        .map(({ wall, who, what }) =>
+          h("tr", {}, h("td", {}, when(wall)), h("td", {}, who), h("td", {}, what)),
+        );
+      const head = h(
+        "tr",
+        {},
+        ["when", "who", "what"].map((name) => h("th", { scope: "col" }, name)),
+      );
+      put(
+        body,
+        rows.length
+          ? h("table", {}, h("thead", {}, head), h("tbody", {}, rows))
+          : h("p", { class: "muted" }, "Nothing was done yet."),
+      );
     },
     (error) => put(body, h("p", { class: "fault" }, error.message)),
   );

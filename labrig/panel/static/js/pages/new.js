@@ -25,24 +25,70 @@ class NewRun {
     this.fault = h("p", { class: "fault", role: "alert" });
     this.files = h("div", { class: "new-files" });
     this.facts = h("dl", { class: "facts" });
-    this.session = h("input", { id: newId("session"), value: suggested(), autocomplete: "off", class: "wide" });
+    this.session = h("input", {
+      id: newId("session"),
+      value: suggested(),
+      autocomplete: "off",
+      class: "wide",
+    });
     this.keep = h("input", { id: newId("keep"), autocomplete: "off", class: "wide" });
-    this.keepRow = h("div", { class: "field", hidden: true }, h("label", { for: this.keep.id }, "save the changed protocol as"), this.keep);
-    this.clock = h("select", { id: newId("clock") }, h("option", { value: "real" }, "real time"), h("option", { value: "virtual" }, "as fast as it can"));
-    this.check = h("button", { type: "button", onclick: () => this.act(() => this.tryRig()) }, "Check the rig");
-    this.start = h("button", { type: "button", class: "main", onclick: () => this.act(() => this.run()) }, "Start the run");
+    this.keepRow = h(
+      "div",
+      { class: "field", hidden: true },
+      h("label", { for: this.keep.id }, "save the changed protocol as"),
+      this.keep,
+    );
+    this.clock = h(
+      "select",
+      { id: newId("clock") },
+      h("option", { value: "real" }, "real time"),
+      h("option", { value: "virtual" }, "as fast as it can"),
+    );
+    this.check = h(
+      "button",
+      { type: "button", onclick: () => this.act(() => this.tryRig()) },
+      "Check the rig",
+    );
+    this.start = h(
+      "button",
+      { type: "button", class: "main", onclick: () => this.act(() => this.run()) },
+      "Start the run",
+    );
     this.element = h(
-      "div", { class: "new" },
+      "div",
+      { class: "new" },
       h("h1", {}, "New run"),
-      h("div", { class: "new-two" }, this.files, h("div", { class: "new-do" },
-        h("section", { class: "card" }, h("h2", {}, "What it will be"), this.facts, this.fault),
-        this.timeline.element,
-        h("section", { class: "card new-start" },
-          h("div", { class: "field" }, h("label", { for: this.session.id }, "session file"), this.session),
-          this.keepRow,
-          app.status?.simulated && h("div", { class: "field" }, h("label", { for: this.clock.id }, "simulated rig\u2019s clock"), this.clock),
-          h("div", { class: "buttons" }, this.check, this.start)),
-        this.preflight.element)),
+      h(
+        "div",
+        { class: "new-two" },
+        this.files,
+        h(
+          "div",
+          { class: "new-do" },
+          h("section", { class: "card" }, h("h2", {}, "What it will be"), this.facts, this.fault),
+          this.timeline.element,
+          h(
+            "section",
+            { class: "card new-start" },
+            h(
+              "div",
+              { class: "field" },
+              h("label", { for: this.session.id }, "session file"),
+              this.session,
+            ),
+            this.keepRow,
+            app.status?.simulated &&
+              h(
+                "div",
+                { class: "field" },
+                h("label", { for: this.clock.id }, "simulated rig\u2019s clock"),
+                this.clock,
+              ),
+            h("div", { class: "buttons" }, this.check, this.start),
+          ),
+          this.preflight.element,
+        ),
+      ),
     );
     const stops = [
       this.preview.watch((dirty) => this.timeline.update(dirty)),
@@ -60,10 +106,12 @@ class NewRun {
 
   async begin() {
     const [schemas, { files }] = await Promise.all([get("/api/schemas"), get("/api/files")]);
-    const configurations = () => Object.keys(this.sheet?.values ?? {}).filter((key) => key !== "arc");
+    const configurations = () =>
+      Object.keys(this.sheet?.values ?? {}).filter((key) => key !== "arc");
     this.sheet = new FileForm("sheet", schemas.sheet, { changed: () => this.changed() });
     this.protocol = new FileForm("protocol", schemas.protocol, {
-      choices: () => ({ configuration: configurations() }), changed: () => this.changed(),
+      choices: () => ({ configuration: configurations() }),
+      changed: () => this.changed(),
     });
     put(this.files, this.protocol.element, this.sheet.element);
     await this.sheet.offer(files);
@@ -103,14 +151,20 @@ class NewRun {
   factsOf(plan) {
     if (!plan) return fact("schedule", "none yet");
     const { limits, runs } = plan;
-    const most = Math.max(0, ...runs.flatMap((run) => run.steps.map(([, volts]) => Math.abs(volts))));
+    const most = Math.max(
+      0,
+      ...runs.flatMap((run) => run.steps.map(([, volts]) => Math.abs(volts))),
+    );
     const under = Math.max(0, ...runs.map((run) => run.under_voltage_s));
     const readings = runs.reduce((sum, run) => sum + run.readings.length, 0);
     return [
       fact("takes", `${about(plan.estimate_s)}, of it ${about(plan.running_s)} running`),
       fact("runs", `${runs.length}, ${readings} readings`),
       fact("voltage", `up to ${plain(most)} V of ${plain(limits.sheet_voltage_V)} V allowed`),
-      fact("under voltage", `up to ${number(under, 1)} s of ${plain(limits.time_under_voltage_s)} s allowed in one run`),
+      fact(
+        "under voltage",
+        `up to ${number(under, 1)} s of ${plain(limits.time_under_voltage_s)} s allowed in one run`,
+      ),
     ];
   }
 
@@ -126,7 +180,8 @@ class NewRun {
   /** Files that were changed are saved first: what runs is what stands in a file. */
   async saved() {
     if (this.sheet.touched) await this.sheet.save(this.sheet.name);
-    if (this.protocol.touched) await this.protocol.save(this.keep.value.trim() || this.protocol.name);
+    if (this.protocol.touched)
+      await this.protocol.save(this.keep.value.trim() || this.protocol.name);
     return { protocol: this.protocol.name, sheet: this.sheet.name };
   }
 

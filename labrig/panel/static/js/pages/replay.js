@@ -19,11 +19,19 @@ export function mount(place, app, asked) {
     recorded.dataset.state = output.state;
   });
   place.append(
-    h("div", { class: "runbar" }, h("h1", {}, "Replay ", h("a", { href: `#/session?${query({ name: session })}` }, session)), h("span", { class: "runbar-gap" }), recorded),
-    transport.element, view.element,
+    h(
+      "div",
+      { class: "runbar" },
+      h("h1", {}, "Replay ", h("a", { href: `#/session?${query({ name: session })}` }, session)),
+      h("span", { class: "runbar-gap" }),
+      recorded,
+    ),
+    transport.element,
+    view.element,
   );
   return {
-    view, player,
+    view,
+    player,
     destroy() {
       stop();
       transport.destroy();

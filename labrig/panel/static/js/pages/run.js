@@ -30,13 +30,15 @@ export function mount(place, app) {
 
 /** Choose a name, also one that is not among the files. */
 function chosenModel(select, name) {
-  if (![...select.options].some((option) => option.value === name)) select.append(h("option", { value: name }, name));
+  if (![...select.options].some((option) => option.value === name))
+    select.append(h("option", { value: name }, name));
   select.value = name;
 }
 
 /** How the job ended, in full; empty while it goes on. */
 function endOf({ job, ended }) {
-  if (job?.state === "lost") return "The run\u2019s process does not answer. Press STOP, then look at the amplifier.";
+  if (job?.state === "lost")
+    return "The run\u2019s process does not answer. Press STOP, then look at the amplifier.";
   if (job?.state !== "ended") return "";
   const told = ended?.reason && ended.reason !== job.text ? `${ended.reason} ` : "";
   const code = job.code ? ` (code ${job.code})` : "";
@@ -47,8 +49,16 @@ function endOf({ job, ended }) {
 function runBar({ job, control }) {
   const name = h("strong", { class: "runbar-name" });
   const fault = h("span", { class: "fault", role: "alert" });
-  const gentle = h("button", { type: "button", onclick: () => act(() => post("/api/stop_after_pulse")) }, "Stop after this pulse");
-  const model = h("select", { onchange: () => act(() => post("/api/model", { name: model.value || null })) }, h("option", { value: "" }, "none"));
+  const gentle = h(
+    "button",
+    { type: "button", onclick: () => act(() => post("/api/stop_after_pulse")) },
+    "Stop after this pulse",
+  );
+  const model = h(
+    "select",
+    { onchange: () => act(() => post("/api/model", { name: model.value || null })) },
+    h("option", { value: "" }, "none"),
+  );
   const begin = h("a", { class: "button", href: "#/new" }, "New run");
   const replay = h("a", { class: "button" }, "Replay it");
   const act = async (work) => {
@@ -56,13 +66,23 @@ function runBar({ job, control }) {
     if (fault.textContent) return;
     await control.act(work).catch((error) => say(fault, error.message));
   };
-  get("/api/files").then(({ files }) => {
-    for (const file of files) if (file.kind === "model") model.append(h("option", { value: file.name }, file.name));
-    update();
-  }).catch(() => {});
+  get("/api/files")
+    .then(({ files }) => {
+      for (const file of files)
+        if (file.kind === "model") model.append(h("option", { value: file.name }, file.name));
+      update();
+    })
+    .catch(() => {});
   const element = h(
-    "div", { class: "runbar" }, name, h("span", { class: "runbar-gap" }), fault,
-    h("label", {}, "Model drawn ", model), gentle, begin, replay,
+    "div",
+    { class: "runbar" },
+    name,
+    h("span", { class: "runbar-gap" }),
+    fault,
+    h("label", {}, "Model drawn ", model),
+    gentle,
+    begin,
+    replay,
   );
   const notice = h("p", { class: "notice card", role: "status", hidden: true });
   const update = () => {
@@ -71,7 +91,14 @@ function runBar({ job, control }) {
     say(notice, how);
     const run = job.job?.kind === "run" || job.plan;
     const session = job.plan?.session ?? job.job?.session;
-    say(name, !run ? "No run yet" : [session, job.plan?.protocol, job.plan?.simulated ? "SIMULATED RIG" : null].filter(Boolean).join(" \u00B7 "));
+    say(
+      name,
+      !run
+        ? "No run yet"
+        : [session, job.plan?.protocol, job.plan?.simulated ? "SIMULATED RIG" : null]
+            .filter(Boolean)
+            .join(" \u00B7 "),
+    );
     gentle.hidden = !(job.going && job.job.kind === "run");
     begin.hidden = job.going;
     replay.hidden = job.going || !session || !job.started;

@@ -23,11 +23,20 @@ export function factsOf(session) {
     ["scatter of one reading", `${number(session.scatter_mN, 3)} mN`],
   ];
   for (const [name, fit] of Object.entries(session.fit ?? {})) {
-    facts.push([`B, ${name}`, `${digits(1e6 * fit.B_Nm2, 4)} \u00B1 ${digits(1e6 * fit.B_sigma, 2)} \u00B5N\u00B7m\u00B2`]);
+    facts.push([
+      `B, ${name}`,
+      `${digits(1e6 * fit.B_Nm2, 4)} \u00B1 ${digits(1e6 * fit.B_sigma, 2)} \u00B5N\u00B7m\u00B2`,
+    ]);
     for (const [volts, value] of Object.entries(fit.EIBM_Nm ?? {})) {
-      facts.push([`EIBM, ${name}, ${volts} V`, `${digits(1e6 * value, 4)} \u00B1 ${digits(1e6 * fit.EIBM_sigma?.[volts], 2)} \u00B5N\u00B7m`]);
+      facts.push([
+        `EIBM, ${name}, ${volts} V`,
+        `${digits(1e6 * value, 4)} \u00B1 ${digits(1e6 * fit.EIBM_sigma?.[volts], 2)} \u00B5N\u00B7m`,
+      ]);
     }
-    facts.push([`RMSE, ${name}`, `${digits(fit.rmse_force_mN, 3)} mN, ${digits(fit.rmse_curve_mm, 3)} mm`]);
+    facts.push([
+      `RMSE, ${name}`,
+      `${digits(fit.rmse_force_mN, 3)} mN, ${digits(fit.rmse_curve_mm, 3)} mm`,
+    ]);
   }
   return facts;
 }
@@ -48,18 +57,32 @@ export function mount(place, app, asked) {
       say(fault, error.message);
     }
   };
-  const tables = () => fetched(file("csv"), `${name.replace(/\.[^.]*$/, "")}.zip`).then(() => say(fault, ""), (error) => say(fault, error.message));
+  const tables = () =>
+    fetched(file("csv"), `${name.replace(/\.[^.]*$/, "")}.zip`).then(
+      () => say(fault, ""),
+      (error) => say(fault, error.message),
+    );
   place.append(
     h("h1", {}, name),
-    h("div", { class: "buttons session-do" },
+    h(
+      "div",
+      { class: "buttons session-do" },
       link("Replay", `#/replay?${query({ session: name })}`),
       h("button", { type: "button", onclick: () => tables() }, "Export tables (CSV)"),
-      link("Download the file", file("h5"), { download: "" }), resume, link("All sessions", "#/library")),
-    fault, body,
+      link("Download the file", file("h5"), { download: "" }),
+      resume,
+      link("All sessions", "#/library"),
+    ),
+    fault,
+    body,
   );
   get(`/api/library/session?${query({ name })}`).then(
     (session) => {
-      resume.hidden = app.status?.mode !== "rig" || session.runs == null || session.runs_complete >= session.runs || session.outcome === "running";
+      resume.hidden =
+        app.status?.mode !== "rig" ||
+        session.runs == null ||
+        session.runs_complete >= session.runs ||
+        session.outcome === "running";
       put(body, facts(session), log(session));
     },
     (error) => put(body, h("p", { class: "fault" }, error.message)),
@@ -70,18 +93,46 @@ export function mount(place, app, asked) {
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
 async function fetched(address, name) {
   const answer = await fetch(address, { credentials: "same-origin" });
-  if (!answer.ok) throw new Refused((await answer.json().catch(() => ({}))).error ?? "It cannot be had.", answer.status);
+  if (!answer.ok)
+    throw new Refused(
+      (await answer.json().catch(() => ({}))).error ?? "It cannot be had.",
+      answer.status,
+    );
   const url = URL.createObjectURL(await answer.blob());
   h("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
 function facts(session) {
-  return h("section", { class: "card" }, session.error && h("p", { class: "fault" }, session.error),
-    h("dl", { class: "facts" }, factsOf(session).map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])));
+  return h(
+    "section",
+    { class: "card" },
+    session.error && h("p", { class: "fault" }, session.error),
+    h(
+      "dl",
+      { class: "facts" },
+      factsOf(session).map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+    ),
+  );
 }
 
 function log(session) {
-  const lines = (session.log ?? []).map((line) => h("li", {}, typeof line === "string" ? line : [h("time", {}, line.time_s != null ? clock(line.time_s) : ""), h("span", {}, line.text ?? line.log ?? "")]));
-  return h("section", { class: "card log" }, h("h2", {}, "Log"), h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log of the session" }, lines));
+  const lines = (session.log ?? []).map((line) =>
+    h(
+      "li",
+      {},
+      typeof line === "string"
+        ? line
+        : [
+            h("time", {}, line.time_s != null ? clock(line.time_s) : ""),
+            h("span", {}, line.text ?? line.log ?? ""),
+          ],
+    ),
+  );
+  return h(
+    "section",
+    { class: "card log" },
+    h("h2", {}, "Log"),
+    h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log of the session" }, lines),
+  );
 }
