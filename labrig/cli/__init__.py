@@ -7,6 +7,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
 
-from labrig.cli.main import main  # noqa: E402
+from labrig.cli.main import main
 
 __all__ = ["main"]
