@@ -1,4 +1,4 @@
-"""From the search's turns to a verdict: what is named, how surely, and what it may be confused with."""
+"""From the search's turns to names: which, how surely, and what they may be confused with."""
 
 from __future__ import annotations
 
@@ -7,17 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.score import Projected
 from model.discrepancy.search import Contender, Outcome, Turn, rank, refine_best
 from model.discrepancy.settle import Fitted, settle
-from model.discrepancy.slots import unknowns
 from model.effects.interface import Effect
 
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
 SURE = 0.02  # posterior below which an alternative is not mentioned
 LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
 SLOT_MARGIN = 6.0  # ln of the Bayes factor by which a free form must be better than a name
-CLASS_PRIOR = -3.0  # ln of the prior of a free form against a name's
 
 
 @dataclass(frozen=True)
@@ -31,57 +28,54 @@ class Choice:
 
 
 def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
-    """Of the names, given that one of them is it; free forms count as one more name each."""
-    names, values = [], []
-    for one in ranking:
-        if one.name.startswith("outlier"):
-            continue
-        names.append(one.name)
-        values.append(one.gain / TEMPER + (0.0 if one.known else CLASS_PRIOR))
-    if not values:
+    """Of the catalogue's effects in a ranking, given that one of them is it."""
+    known = [c for c in ranking if c.known]
+    if not known:
         return {}
-    weights = np.exp(np.array(values) - max(values))
-    return dict(zip(names, (weights / weights.sum()).tolist(), strict=True))
+    gains = np.array([c.gain for c in known]) / TEMPER
+    weights = np.exp(gains - np.max(gains))
+    return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
 
 
-def choice(turn: Turn) -> Choice:
-    """What a turn chose, and how surely."""
-    assert turn.chosen is not None and turn.chosen.score.candidate.effect is not None
-    chances = posterior([c for c in turn.ranking if c.known])
-    own = chances.get(turn.chosen.name, 0.0)
+def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
+    """What was chosen from a ranking, and how surely."""
+    effect = chosen.score.candidate.effect
+    if effect is None:
+        raise TypeError(f"{chosen.name} is no effect of the catalogue")
+    chances = posterior(ranking)
+    own = chances.get(chosen.name, 0.0)
     others = sorted(
-        ((n, p) for n, p in chances.items() if n != turn.chosen.name and p > SURE),
+        ((n, p) for n, p in chances.items() if n != chosen.name and p > SURE),
         key=lambda item: -item[1],
     )
-    return Choice(turn.chosen.score.candidate.effect, own, tuple(others), turn.chosen.gain)
+    return Choice(effect, own, tuple(others), chosen.gain)
 
 
 def choices(
     outcome: Outcome, effects: Sequence[Effect], threshold: float
 ) -> tuple[list[Choice], Fitted]:
-    """Every effect of the final model, each against its alternatives with the others in place.
+    """Every effect that was found, each against its alternatives with the others in place.
 
-    An effect that the others make superfluous is taken out again.
+    An effect that the others make superfluous is taken out again; what the model had before the
+    search stays.
     """
     turns = [t for t in outcome.turns if t.chosen is not None]
-    final = outcome.final
-    if len(turns) <= 1:
-        return [choice(t) for t in turns], final
+    final, first = outcome.final, len(outcome.base.found)
     result = []
-    for i, one in enumerate(final.found):
-        last = i == len(final.found) - 1
-        if last:
-            result.append(choice(turns[-1]))
+    for i, turn in enumerate(turns):
+        if turn.chosen is None:
             continue
-        rest = tuple(f for j, f in enumerate(final.found) if j != i)
+        if i == len(turns) - 1:
+            result.append(choice(turn.chosen, turn.ranking))
+            continue
+        rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
         without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
-        gain = 0.5 * (without.deviance - final.deviance)
-        if gain < threshold:
+        if 0.5 * (without.deviance - final.deviance) < threshold:
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold)
         ranking = refine_best(without, rank(without, effects, slots=False))
-        own = next((c for c in ranking if c.name == one.effect.name), None)
-        result.append(choice(Turn(without, ranking, own)) if own else choice(turns[i]))
+        own = next((c for c in ranking if c.name == turn.chosen.name), None)
+        result.append(choice(own, ranking) if own else choice(turn.chosen, turn.ranking))
     return result, final
 
 
@@ -118,20 +112,3 @@ def leftover(outcome: Outcome, final: Fitted, effects: Sequence[Effect]) -> Left
     gain = rest.gain if rest is not None else 0.0
     total = max(best.gain, explained + max(gain, 0.0))
     return Leftover(gain, total, best.name.split(":")[1], best, rest)
-
-
-def projected(fitted: Fitted) -> Projected:
-    """For scoring at a fitted model."""
-    return Projected.of(fitted.problem.study, fitted.linear, fitted.solution)
-
-
-__all__ = [
-    "Choice",
-    "Leftover",
-    "choice",
-    "choices",
-    "leftover",
-    "posterior",
-    "projected",
-    "unknowns",
-]

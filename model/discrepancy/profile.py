@@ -1,4 +1,4 @@
-"""The inferred form: of an effect beside the catalogue's, or of something unknown, with its band."""
+"""The inferred form of an effect, or of something unknown, with its band."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
+from model.discrepancy.features import Index
+from model.discrepancy.gaps import variance
 from model.discrepancy.linear import with_columns
+from model.discrepancy.point import Step
 from model.discrepancy.result import FormCurve, Unknown
 from model.discrepancy.search import Contender
 from model.discrepancy.settle import Fitted
 from model.discrepancy.slots import UNITS, Shape, shapes
-from model.discrepancy.tolerance import FORM, whole_step
+from model.discrepancy.tolerance import FORM, WAVES_S, cosine, whole_step
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.noise import weigh
 from model.setup import ActiveEffect, Profile
 
 POINTS = 51
-SHARES = (0.75, 0.5, 0.43)  # of the waves along the sheet, as in `tolerance`
 
 
 def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
@@ -27,30 +29,35 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     found = shapes(fitted, slot)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
-    log_sigma = (
-        fitted.solution.log_sigma if contender.solution is None else contender.solution.log_sigma
-    )
-    solution = weigh(linear.data, log_sigma)
+    known = fitted.solution if contender.solution is None else contender.solution
+    solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
     if slot == "camera":
         return _seen_wrong(fitted, found, beta, C)
-    best, strength = ("", ""), -1.0
-    for key in dict.fromkeys((s.configuration, s.along) for s in found):
-        use = np.array([(s.configuration, s.along) == key and s.wave is not None for s in found])
-        rows = columns[:, use] @ beta[use]
-        weighed = float(np.sum(rows**2 / _typical(fitted)))
-        if use.any() and weighed > strength:
-            best, strength = key, weighed
-    name, along = best
-    use = np.array([(s.configuration, s.along) == best and s.wave is not None for s in found])
+    name, along = _strongest(fitted, found, columns, beta)
+    waves = [s.wave if (s.configuration, s.along) == (name, along) else None for s in found]
+    use = np.array([w is not None for w in waves])
     t = np.linspace(0.0, 1.0, POINTS)
-    by = np.stack([_value(s, t) for s, u in zip(found, use, strict=True) if u], axis=1)
-    unit, factor = UNITS[slot], _factor(slot)
+    by = np.stack([w(t) for w in waves if w is not None], axis=1)
+    factor = _factor(slot)
     values = factor * by @ beta[use]
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     at = t * _span(fitted, name, along)
-    return Unknown(slot, name, at, values, band, unit, along, _depends(slot, along))
+    return Unknown(slot, name, at, values, band, UNITS[slot], along, _depends(slot, along))
+
+
+def _strongest(
+    fitted: Fitted, found: list[Shape], columns: FloatArray, beta: FloatArray
+) -> tuple[str, str]:
+    """The configuration and the coordinate along which the waves explain most."""
+    noise = variance(fitted)
+
+    def weight(key: tuple[str, str]) -> float:
+        use = [(s.configuration, s.along) == key and s.wave is not None for s in found]
+        return float(np.sum((columns[:, use] @ beta[use]) ** 2 / noise))
+
+    return max({(s.configuration, s.along): None for s in found if s.wave}, key=weight)
 
 
 def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatArray) -> Unknown:
@@ -80,21 +87,9 @@ def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
     )  # fmt: skip
 
 
-def _value(shape: Shape, t: FloatArray) -> FloatArray:
-    assert shape.wave is not None
-    return shape.wave(t)
-
-
 def _factor(slot: Slot) -> float:
     return {"rest_curvature": 5.0, "even_moment": 0.3, "position": 1e3, "load_cell": 1e3,
             "camera": 1e3}.get(slot, 1.0)  # fmt: skip
-
-
-def _typical(fitted: Fitted) -> FloatArray:
-    layout = fitted.problem.study.layout
-    V = np.linalg.inv(fitted.solution.weights)
-    diagonal: FloatArray = np.einsum("rii->ri", V)[layout.run_of, layout.row_of]
-    return diagonal
 
 
 def _span(fitted: Fitted, name: str, along: str) -> float:
@@ -135,43 +130,47 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
 
 
 def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
-    """How much of an effect is deviation from the catalogue's form, and the form along the sheet."""
+    """How much of an effect is deviation from its form, and the form along the sheet."""
     one, span = fitted.found[index], fitted.spans[index]
-    knobs = len(one.knobs())
-    first = span.start + knobs
-    beta, C = fitted.solution.beta, fitted.solution.covariance
-    columns = fitted.linear.columns
-    typical = _typical(fitted)
-    study, theta = fitted.problem.study, fitted.theta
-    others = tuple(a for i, a in enumerate(fitted.active) if i != index)
-    steps, whole = [], []
+    study, others = fitted.problem.study, tuple(
+        a for i, a in enumerate(fitted.active) if i != index
+    )  # fmt: skip
+    first = span.start + len(one.knobs())
+    steps: list[tuple[int, Step]] = []
     for c, name in enumerate(study.names):
         if name in one.values:
-            base = fitted.problem.bases.beam(study, c, theta)
-            step = whole_step(study, c, fitted.linear.states[c], base, others, one.active)
-            steps.append((c, step))
-            whole.append(study.rows_of(c, fitted.linear.states[c], step))
-    deviation = columns[:, first : span.stop] @ beta[first : span.stop]
-    share = _share_of_form(fitted, np.stack(whole, axis=1), deviation) if whole else 0.0
-    if "s" not in one.effect.tolerance or not steps:
+            base = fitted.problem.bases.beam(study, c, fitted.theta)
+            state = fitted.linear.states[c]
+            steps.append((c, whole_step(study, c, state, base, others, one.active)))
+    if not steps:
+        return 0.0, None
+    rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
+    deviation = (
+        fitted.linear.columns[:, first : span.stop] @ fitted.solution.beta[first : span.stop]
+    )
+    share = _share_of_form(fitted, np.stack(rows, axis=1), deviation)
+    # the waves along the sheet come first, behind what may differ between configurations
+    first += len(study.names) > 1 and not one.effect.by_configuration
+    places = np.arange(first, min(first + len(WAVES_S), span.stop))
+    if one.effect.tolerance[:1] != ("s",) or not len(places):
         return share, None
-    c, step = steps[0]
-    scene = study.scenes[c]
+    return share, _form_curve(fitted, *steps[0], places)
+
+
+def _form_curve(fitted: Fitted, c: int, step: Step, places: Index) -> FormCurve:
+    """An effect along the sheet where it is largest, without and with its deviation."""
+    scene, solution = fitted.problem.study.scenes[c], fitted.solution
     G = scene.count
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]
-    k = int(np.argmax(np.max(np.abs(along), axis=1)))
-    values = along[k]
-    # the deviations along the sheet come last but for those by voltage: find them by their waves
-    offset = 1 if len(study.names) > 1 and not one.effect.by_configuration else 0
-    places = np.arange(first + offset, min(first + offset + 3, span.stop))
+    values = along[int(np.argmax(np.max(np.abs(along), axis=1)))]
     t = scene.s_m / scene.length
-    waves = np.stack(
-        [FORM * s * np.sqrt(2.0) * np.cos(j * np.pi * t) for j, s in enumerate(SHARES, 1)], axis=1
-    )[:, : len(places)]
-    factor = 1.0 + waves @ beta[places]
-    sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C[np.ix_(places, places)], waves))
+    waves = np.stack([FORM * share * cosine(j, t) for j, share in WAVES_S], axis=1)
+    waves = waves[:, : len(places)]
+    C = solution.covariance[np.ix_(places, places)]
+    factor = 1.0 + waves @ solution.beta[places]
+    sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))
     scale = np.max(np.abs(values)) or 1.0
-    return share, FormCurve(
+    return FormCurve(
         "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
         np.abs(values) * sigma / scale, "what the effect adds, relative",
     )  # fmt: skip
@@ -179,7 +178,7 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
 
 def _share_of_form(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
     """Of what an effect does, how much no choice of its size in each configuration would do."""
-    by = 1.0 / np.sqrt(_typical(fitted))
+    by = 1.0 / np.sqrt(variance(fitted))
     own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
     total = own.sum(axis=1) + (deviation - _on_base(fitted, deviation)) * by
     size = np.linalg.lstsq(own, total, rcond=1e-9)[0]

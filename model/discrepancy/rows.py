@@ -46,8 +46,9 @@ class Part:
     def bin_mean(self, values: FloatArray) -> FloatArray:
         """Mean over the pulses: (m,) to (b,)."""
         count = np.bincount(self.bin_at, minlength=len(self.bin_of))
-        total: FloatArray = np.bincount(self.bin_at, values, len(self.bin_of))
-        return np.asarray(total / np.maximum(count, 1), dtype=np.float64)
+        total = np.bincount(self.bin_at, values, len(self.bin_of))
+        mean: FloatArray = total / np.maximum(count, 1)
+        return mean
 
 
 class Layout:

@@ -101,17 +101,28 @@ class Scene:
         shape = (self.K, longest)
         self.curve_s, self.curve_x, self.curve_y = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         self.project = np.zeros((self.K, self.modes, longest))
+        self.points = np.zeros(self.K, dtype=np.int64)
         for k, curve in enumerate(curves):
             if curve is None:
                 continue
             use = curve.s_m <= end * 1.001
             s = np.minimum(curve.s_m[use], end)
-            n = len(s)
+            self.points[k] = n = len(s)
             self.curve_s[k, n:] = s[-1]
             self.curve_s[k, :n] = s
             self.curve_x[k, :n], self.curve_y[k, :n] = curve.x_m[use], curve.y_m[use]
             self.project[k, :, :n] = projection(s, self.modes)
         self._grid_s = np.broadcast_to(self.s_m, (self.K, self.count))
+
+    def measured(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """s, x and y of a condition's curve as far as the sheet goes, m; empty: none."""
+        n = int(self.points[k])
+        return self.curve_s[k, :n], self.curve_x[k, :n], self.curve_y[k, :n]
+
+    def along(self, k: int, modes: FloatArray) -> FloatArray:
+        """Distance at each point of the padded curve (S,) that has these modes (M,), m."""
+        result: FloatArray = np.linalg.pinv(self.project[k]) @ modes
+        return result
 
     def beam(
         self, stiffness: float, eibm: dict[float, float], rest: FloatArray | None = None

@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.gaps import predictive_gains
+from model.discrepancy.left_out import predictive_gains
 from model.discrepancy.outliers import numbers_of, outlier_candidates, without
 from model.discrepancy.score import (
-    Candidate,
     Projected,
     Score,
     allowed,
@@ -23,7 +22,7 @@ from model.discrepancy.settle import Fitted, Problem, settle
 from model.discrepancy.slots import unknowns
 from model.discrepancy.tolerance import Found
 from model.effects.interface import Effect
-from model.measurements import ModelError
+from model.measurements import FloatArray, ModelError
 from model.noise import Solution
 
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
@@ -101,12 +100,13 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
 
 def refined(fitted: Fitted, contender: Contender) -> Contender:
     """With the effect in the model, its values fitted and everything linearised there."""
-    candidate = contender.score.candidate
-    assert candidate.effect is not None
-    values = unit_values(candidate.effect, candidate.values, contender.score.amplitude)
+    candidate, effect = contender.score.candidate, contender.score.candidate.effect
+    if effect is None:
+        raise TypeError(f"{candidate.name} is no effect of the catalogue")
+    values = unit_values(effect, candidate.values, contender.score.amplitude)
     names = fitted.problem.study.names
     width = max(3.0, 2.0 * abs(contender.score.amplitude))
-    one = Found(candidate.effect, {name: dict(values) for name in names}, width)
+    one = Found(effect, {name: dict(values) for name in names}, width)
     try:
         best = settle(
             fitted.problem, fitted.theta, (*fitted.found, one),
@@ -151,34 +151,39 @@ def search(
     """Add effects while the data ask for them."""
     fitted = settle(problem, theta, found)
     outcome, rounds_of_outliers = Outcome(fitted, [], fitted), 0
-    while len(outcome.turns) < most + MOST_OUTLIERS + 1:
-        ranking = rank(fitted, effects)
-        turn = Turn(fitted, ranking)
-        outcome.turns.append(turn)
-        if not ranking or ranking[0].gain < threshold:
+    while len(outcome.turns) < most + 1:
+        turn = Turn(fitted, rank(fitted, effects))
+        if not turn.ranking or turn.ranking[0].gain < threshold:
+            outcome.turns.append(turn)
             break
-        outlier = ranking[0].score.candidate
-        if outlier.slot == "outlier" and rounds_of_outliers < MOST_OUTLIERS:
-            numbers = numbers_of(outlier.name)
-            outcome.outliers += numbers
+        first = turn.ranking[0].score.candidate
+        if first.slot == "outlier" and rounds_of_outliers < MOST_OUTLIERS:
             rounds_of_outliers += 1
-            fitted = settle(without(fitted.problem, numbers), fitted.theta, fitted.found)
-            if not fitted.found:
-                outcome.base = fitted
-            outcome.turns.pop()
+            fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
-        turn.ranking = refine_best(fitted, ranking)
-        best = next((c for c in turn.ranking if c.known), None)
-        if best is None or best.gain < threshold or best.fitted is None:
+        outcome.turns.append(turn)
+        turn.ranking = refine_best(fitted, turn.ranking)
+        turn.chosen = _worth(turn, threshold) if len(outcome.turns) <= most else None
+        if turn.chosen is None or turn.chosen.fitted is None:
             break
-        if not supported(fitted, best.fitted):
-            break
-        if len(fitted.found) >= most:
-            break
-        turn.chosen = best
-        fitted = best.fitted
+        fitted = turn.chosen.fitted
     outcome.final = fitted
     return outcome
 
 
-__all__ = ["Candidate", "Contender", "Outcome", "Turn", "rank", "refine_best", "refined", "search"]
+def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
+    """The model without these conditions; the base is fitted without them, too."""
+    outcome.outliers += numbers
+    problem, base = without(fitted.problem, numbers), outcome.base
+    again = settle(problem, fitted.theta, fitted.found)
+    nothing_new = len(fitted.found) == len(base.found)
+    outcome.base = again if nothing_new else settle(problem, base.theta, base.found)
+    return again
+
+
+def _worth(turn: Turn, threshold: float) -> Contender | None:
+    """The best effect of the catalogue, if the data ask for it."""
+    best = next((c for c in turn.ranking if c.known), None)
+    if best is None or best.gain < threshold or best.fitted is None:
+        return None
+    return best if supported(turn.before, best.fitted) else None

@@ -83,7 +83,7 @@ def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> 
         elif along == "position":
             u = unit(scene.stated_m)
             for j, share in WAVES:
-                yield _weighed(study, c, step, _cosine(j, u)), FORM * share
+                yield _weighed(study, c, step, cosine(j, u)), FORM * share
         elif along == "voltage":
             driven = np.sign(scene.voltage_V)
             for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
@@ -93,7 +93,7 @@ def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> 
         elif along == "place":
             u = scene.curve_s / np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
             for j, share in WAVES:
-                points = step.points_m * _cosine(j, u)
+                points = step.points_m * cosine(j, u)
                 yield replace(study.no_step(c), points_m=points), FORM * share
 
 
@@ -104,8 +104,8 @@ def _along_sheet(
     G = study.scenes[c].count
     for j, share in waves:
         beam = np.zeros_like(step.beam)
-        beam[:, :G] = step.beam[:, :G] * _cosine(j, u)
-        beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * _cosine(j, u)
+        beam[:, :G] = step.beam[:, :G] * cosine(j, u)
+        beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * cosine(j, u)
         yield replace(study.no_step(c), beam=beam), FORM * share
 
 
@@ -114,7 +114,7 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
     part = study.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
     for j in (1, 2, 3):
-        wave, bins = (_cosine(j, a / PULSE_S) for a in (at, in_bin))
+        wave, bins = (cosine(j, a / PULSE_S) for a in (at, in_bin))
         bins = part.bin_mean(bins)
         yield replace(
             study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
@@ -128,7 +128,7 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
         if np.ptp(t) == 0.0 or not any(half):
             continue
         for j in (1, 2, 3):
-            wave = _cosine(j, t)
+            wave = cosine(j, t)
             if name == "pulse":
                 wave = wave * driven
             yield replace(
@@ -137,7 +137,7 @@ def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
             ), 0.6 * FORM / j  # fmt: skip
 
 
-def _cosine(j: int, t: FloatArray) -> FloatArray:
+def cosine(j: int, t: FloatArray) -> FloatArray:
     """A wave of unit mean square on a coordinate 0 .. 1."""
     result: FloatArray = np.sqrt(2.0) * np.cos(j * np.pi * np.clip(t, 0.0, 1.0))
     return result
@@ -160,7 +160,8 @@ def unit(values: FloatArray) -> FloatArray:
     span = float(np.ptp(good)) if len(good) else 0.0
     if span == 0.0:
         return np.full_like(values, 0.5)
-    return np.nan_to_num((values - good.min()) / span, nan=0.5)
+    share: FloatArray = np.nan_to_num((values - good.min()) / span, nan=0.5)
+    return share
 
 
 def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step]) -> FloatArray:

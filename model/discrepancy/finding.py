@@ -1,0 +1,197 @@
+"""From how the search went to what is told: names, verdict, gaps, and what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from model.discrepancy import gaps
+from model.discrepancy.decide import LEFT, SLOT_MARGIN, Choice, Leftover, choices, leftover
+from model.discrepancy.fitted_model import base_parameters, parameters_of, sheet_model
+from model.discrepancy.left_out import left_out, position_groups
+from model.discrepancy.menu import next_measurement
+from model.discrepancy.outliers import condition_name
+from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
+from model.discrepancy.profile import form_of, unknown_of, with_free_form
+from model.discrepancy.result import (
+    BeforeAfter,
+    Diagnosis,
+    Named,
+    Next,
+    Ranked,
+    Row,
+    Signatures,
+    Unknown,
+    Verdict,
+)
+from model.discrepancy.scatter import ASSUMED
+from model.discrepancy.score import Candidate, candidates
+from model.discrepancy.search import Contender, Outcome
+from model.discrepancy.settle import Fitted
+from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.where import places
+from model.discrepancy.words import notes, sentence
+from model.effects.interface import Effect
+from model.measurements import Measurements
+from model.noise import weigh
+
+SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
+MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
+RIVALS = 6  # best names among which the choice is repeated with each position left out
+
+
+@dataclass(frozen=True)
+class _Decision:
+    """What the search comes to."""
+
+    named: list[Choice]
+    known: Fitted  # with the effects that are named
+    unknown: Unknown | None
+    final: Fitted  # with the free form of what is unknown, too
+
+
+@dataclass(frozen=True)
+class _LeftOut:
+    """How base and final model do on positions that were left out."""
+
+    gap: BeforeAfter
+    closed: float
+    chosen: list[str]  # with each position left out
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A search that is over, and what it was asked."""
+
+    measurements: Measurements
+    options: Options
+    ready: Prepared
+    outcome: Outcome
+    effects: Sequence[Effect]  # that were considered
+    threshold: float
+    threshold_from: str
+
+    @cached_property
+    def diagnosis(self) -> Diagnosis:
+        """Everything that is told."""
+        base, decision = self.outcome.base, self._decision()
+        pool = candidates(base, self.effects)
+        seen = self._signatures(pool, decision)
+        unseen = invisible(base, seen, {e.name: e for e in self.effects})
+        named = tuple(_named(c, decision.known, seen) for c in decision.named)
+        verdict = self._verdict(named, decision.unknown)
+        apart = self._left_out(pool, decision)
+        noise, where = gaps.variance(decision.final), gaps.cells(base)
+        fitted = BeforeAfter(
+            *(gaps.gap(gaps.refitted(f), noise, where) for f in (base, decision.final))
+        )
+        outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
+        first = decision.named[0].effect.name if decision.named else ""
+        model = sheet_model(
+            decision.known, decision.unknown, self.measurements, self.options, fitted.after
+        )
+        return Diagnosis(
+            verdict, sentence(verdict, named, decision.unknown, apart.gap, setups(self.ready)),
+            named, unseen, decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
+            self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
+            classes(seen, unseen), apart.rows,
+            dict(zip(ASSUMED, np.exp(base.solution.log_sigma).tolist(), strict=False)), outliers,
+            (*self.ready.notes, *notes(named, outliers, apart.chosen, first)), model,
+            base=base_parameters(decision.known),
+        )  # fmt: skip
+
+    @property
+    def _enough(self) -> bool:
+        return setups(self.ready) >= FEWEST_SETUPS
+
+    def _decision(self) -> _Decision:
+        """Names, or what is unknown, or both."""
+        base = self.outcome.base
+        named, known = choices(self.outcome, self.effects, self.threshold)
+        rest = leftover(self.outcome, known, self.effects)
+        if rest is None or not self._enough:
+            return _Decision(named, known, None, known)
+        if rest.gain < self.threshold + SLOT_MARGIN or rest.share < LEFT:
+            return _Decision(named, known, None, known)
+        if _alone(rest, base, known):
+            named, known = [], base
+        free = rest.first if known is base or rest.last is None else rest.last
+        at = base if free is rest.first else known
+        return _Decision(named, known, unknown_of(at, free), with_free_form(known, free))
+
+    def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
+        """What could be seen of the base model, with the noise as it is once the finding is in."""
+        base = self.outcome.base
+        solution = weigh(base.linear.data, decision.final.solution.log_sigma)
+        chosen = (t.chosen for t in self.outcome.turns if t.chosen is not None)
+        sizes = {c.name: c.score.amplitude for c in chosen}
+        return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
+
+    def _verdict(self, named: Sequence[Named], unknown: Unknown | None) -> Verdict:
+        if not self._enough:
+            return "cannot_tell"
+        if unknown is not None:
+            return "unknown_effect"
+        if not named:
+            return "nothing_missing"
+        if any(n.confusable_with and n.confidence < SURE for n in named):
+            return "indistinguishable"
+        return "effect_named"
+
+    def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
+        base, final = self.outcome.base, decision.final
+        noise, where = gaps.variance(final), gaps.cells(base)
+        rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][:RIVALS]
+        names = {*rivals, *(c.effect.name for c in decision.named)}
+        few = [c for c in pool if c.name in names]
+        before, after, chosen = left_out(base, final, few, position_groups(base))
+        both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
+        closed = np.nan if final is base else gaps.closed_share(both, gaps.floor(noise, where))
+        return _LeftOut(both, closed, chosen, gaps.table(base, final, before, after))
+
+    def _next(self, named: Sequence[Named]) -> Next | None:
+        """What would tell a name from the first one that it may be confused with."""
+        pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
+        ranked = {c.name: c for t in self.outcome.turns for c in t.ranking if c.known}
+        effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
+        if pair is None or any(p not in effects or p not in ranked for p in pair):
+            return None
+        both = [ranked[p].score for p in pair]
+        return next_measurement(
+            self.outcome.base, [effects[p] for p in pair],
+            [dict(s.candidate.values) for s in both], [abs(s.amplitude) for s in both],
+        )  # fmt: skip
+
+    def _ranking(self, seen: Signatures) -> tuple[Ranked, ...]:
+        lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
+        first: Sequence[Contender] = self.outcome.turns[0].ranking if self.outcome.turns else []
+        return tuple(
+            Ranked(
+                c.name, c.score.candidate.slot, c.gain, c.score.amplitude,
+                lengths.get(c.name, c.score.length),
+            )
+            for c in first if c.score.candidate.slot != "outlier"
+        )  # fmt: skip
+
+
+def _alone(rest: Leftover, base: Fitted, known: Fitted) -> bool:
+    """Whether one free form explains more than all the names together."""
+    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
+    return rest.first.gain * (1.0 - LEFT) > explained + SLOT_MARGIN
+
+
+def _named(one: Choice, final: Fitted, seen: Signatures) -> Named:
+    effect = one.effect
+    place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
+    found, (share, form) = final.found[place], form_of(final, place)
+    near = class_of(effect.name, seen)
+    confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
+    own = {name: parameters_of(found, name, final) for name in found.values}
+    return Named(
+        effect.name, effect.slot, next(iter(own.values())),
+        own if effect.by_configuration else {}, one.confidence, confusable, share, form,
+    )  # fmt: skip

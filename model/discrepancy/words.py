@@ -1,0 +1,71 @@
+"""What was found, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from model.discrepancy.prepare import FEWEST_SETUPS
+from model.discrepancy.result import BeforeAfter, Named, Unknown, Verdict
+
+OWN_FORM = 0.5  # share of form from which on an effect is told not to be the catalogue's
+
+
+def sentence(
+    verdict: Verdict,
+    named: Sequence[Named],
+    unknown: Unknown | None,
+    left_out: BeforeAfter,
+    setups: int,
+) -> str:
+    """The answer."""
+    if verdict == "cannot_tell":
+        return (
+            f"These data cannot tell what is missing: there are {setups} set-ups of the load cell,"
+            " too few to know how much one set-up differs from the next; measure at least"
+            f" {FEWEST_SETUPS} positions, or set three of them anew."
+        )
+    if verdict == "nothing_missing":
+        return "Nothing is missing that these data could show: what is left is noise and scatter."
+    names = " and ".join(n.name for n in named)
+    if unknown is not None:
+        more = f", beside {names}," if named else ""
+        unit = "s" if unknown.along == "time" else "mm"
+        return (
+            f"Something is missing{more} that is none of the known effects: it acts on"
+            f" {unknown.slot.replace('_', ' ')}, {unknown.depends}, most of all at"
+            f" {unknown.peak_mm:.0f} {unit}."
+        )
+    gap = _gap(left_out)
+    if verdict == "indistinguishable":
+        also = " or ".join(sorted({c for n in named for c in n.confusable_with}))
+        return f"{names} is missing, or {also}, which these data cannot tell apart; {gap}."
+    return f"{names} {'are' if len(named) > 1 else 'is'} missing: with it {gap}."
+
+
+def _gap(left_out: BeforeAfter) -> str:
+    before, after = left_out.before, left_out.after
+    return (
+        f"the gap on left-out positions goes from {before.force_rmse_mN:.3f} to"
+        f" {after.force_rmse_mN:.3f} mN and from {before.curve_rmse_mm:.3f} to"
+        f" {after.curve_rmse_mm:.3f} mm"
+    )
+
+
+def notes(
+    named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str], first: str
+) -> Iterator[str]:
+    """What to know besides; `chosen`: names with each position left out, `first`: with all data."""
+    if outliers:
+        yield f"left out, since nothing else is like it: {', '.join(outliers)}"
+    other = sorted({c for c in chosen if c and c != first})
+    if named and other:
+        times = sum(c in other for c in chosen)
+        yield (
+            f"with a position left out, {', '.join(other)} was chosen {times} of"
+            f" {len(chosen)} times"
+        )
+    for n in named:
+        if n.form_share > OWN_FORM:
+            yield (
+                f"{n.name}: its form differs from the catalogue's; take the family, not the formula"
+            )
