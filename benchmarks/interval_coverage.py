@@ -102,7 +102,8 @@ def main(arguments: list[str]) -> None:
     first = int(arguments[2]) if len(arguments) > 2 else 1000
     start = time.perf_counter()
     found = tally(world, range(first, first + count))
-    print(f"{count} sessions from seed {first} on, {(time.perf_counter() - start) / count:.2f} s each")
+    each = (time.perf_counter() - start) / count
+    print(f"{count} sessions from seed {first} on, {each:.2f} s each")
     print(f"{'':18} {'bias %':>7} {'scatter %':>9} {'stated %':>8} {'covered':>8} {'width %':>8}")
     for i, name in enumerate(found.names):
         share = float(np.mean(found.inside[:, i]))

@@ -7,6 +7,10 @@ user would write it.
 
 from __future__ import annotations
 
+import benchmarks._one_thread  # noqa: F401  (before numpy)
+
+# isort: split
+
 import csv
 import json
 import subprocess

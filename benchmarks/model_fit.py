@@ -7,6 +7,10 @@ CPU times of one process.
 
 from __future__ import annotations
 
+import benchmarks._one_thread  # noqa: F401  (before numpy)
+
+# isort: split
+
 import numpy as np
 
 from benchmarks.model_equilibrium import R, by_scipy, cpu

@@ -78,6 +78,8 @@ def problems(
     """A batch from fields: one free curvature k* for each angle, or one for all."""
     angles = np.asarray(angle_rad, dtype=float).reshape(-1)
     fields = [kappa] if isinstance(kappa, Field) else kappa
+    if not fields:
+        raise ModelError("a batch of problems needs at least one free curvature")
     length = fields[0].length_m
     _check(fields, softness, angles, radius_m, elongation_m)
     first = fields[0].breaks_m
@@ -326,10 +328,23 @@ def _check(
         raise ModelError("a position on the arc is not a finite number")
     if len(fields) not in (1, len(angles)):
         raise ModelError(f"{len(fields)} free curvatures were given for {len(angles)} positions")
-    if any(f.length_m != length for f in fields) or not length > 0.0:
+    if not (isfinite(length) and length > 0.0):
+        raise ModelError(f"the sheet's free length must be positive, not {length * 1e3:g} mm")
+    if any(f.length_m != length for f in fields):
         raise ModelError("all quantities along the sheet must end where its free length ends")
     for field in fields:
         if not isfinite(field.largest):
             raise ModelError("the sheet's free curvature is not finite everywhere")
-    if softness is not None and np.min(softness(np.linspace(0.0, length, 201))) <= 0.0:
+    if softness is not None:
+        check_softness(softness, length)
+
+
+def check_softness(softness: Field, length_m: float) -> None:
+    """Refuse a B/B(s) that ends elsewhere than the sheet, or is not positive everywhere."""
+    if softness.length_m != length_m:
+        raise ModelError("all quantities along the sheet must end where its free length ends")
+    breaks = softness.breaks_m
+    inside = np.linspace(0.0, 1.0, 41)[:-1]  # of each panel: none is too narrow to be seen
+    s = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * inside).ravel(), length_m)
+    if not np.min(softness(s)) > 0.0:  # nor not a number
         raise ModelError("the bending stiffness must be positive along the whole sheet")

@@ -10,8 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.force_map import ForceMap, force_map, known_voltages, propagate, resized, section
-from model.measurements import FloatArray, ModelError
+from model.force_map import (
+    ForceMap,
+    force_map,
+    known_voltages,
+    propagate,
+    reached,
+    resized,
+    section,
+)
+from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet_model import SheetModel
 from model.solved import sampled_s
@@ -41,7 +49,7 @@ def best_line(
     p = section(low_m, high_m)
 
     def question(changed: SheetModel) -> list[float]:
-        force = _reached(force_map(changed, configuration, p, voltage_V)).tangential_N[:, 0]
+        force = reached(force_map(changed, configuration, p, voltage_V)).tangential_N[:, 0]
         slope, start = np.polyfit(p, force, 1)
         return [slope, start, float(np.sqrt(np.mean((slope * p + start - force) ** 2)))]
 
@@ -70,7 +78,7 @@ def shape_difference(
     ends = (float(volts[0]), float(volts[-1]))
 
     def apart(changed: SheetModel) -> tuple[FloatArray, FloatArray]:
-        found = _reached(force_map(changed, configuration, p, ends))
+        found = reached(force_map(changed, configuration, p, ends))
         s = sampled_s(found.setups[0])
         shapes = found.solved.shapes(s)
         x, y = (a.reshape(len(p), 2, len(s)) for a in (shapes.x_m, shapes.y_m))
@@ -108,9 +116,7 @@ def shortest_sheet(model: SheetModel, configuration: str, low_m: float, high_m: 
         return resized(changed, configuration, plenty, 0.0)
 
     def question(changed: SheetModel) -> list[float]:
-        return [
-            float(np.max(_reached(force_map(longer(changed), configuration, p, volts)).s_hat_m))
-        ]
+        return [float(np.max(reached(force_map(longer(changed), configuration, p, volts)).s_hat_m))]
 
     (length,) = propagate(model, configuration, question, ("m",))
     s_hat = force_map(longer(model), configuration, p, volts).s_hat_m
@@ -141,7 +147,7 @@ def largest_forces(
         return [found.tangential_N, -found.tangential_N, found.normal_N, -found.normal_N]
 
     def question(changed: SheetModel) -> list[float]:
-        found = _reached(force_map(changed, configuration, p, volts))
+        found = reached(force_map(changed, configuration, p, volts))
         return [float(np.max(v)) for v in values(found)]
 
     sizes = propagate(model, configuration, question, ("N",) * 4)
@@ -168,7 +174,7 @@ def force_both_ways(model: SheetModel, configuration: str, low_m: float, high_m:
     p, volts = section(low_m, high_m), known_voltages(model, configuration)
 
     def possible(changed: SheetModel) -> FloatArray:
-        force = _reached(force_map(changed, configuration, p, volts)).tangential_N
+        force = reached(force_map(changed, configuration, p, volts)).tangential_N
         return np.stack([force.max(axis=1), -force.min(axis=1)])
 
     (size,) = propagate(
@@ -177,14 +183,3 @@ def force_both_ways(model: SheetModel, configuration: str, low_m: float, high_m:
     both = possible(model)
     i, j = np.unravel_index(int(np.argmin(both)), both.shape)
     return BothWays(size, float(p[j]), bool(i == 0))
-
-
-def _reached(found: ForceMap) -> ForceMap:
-    """The map, or an error where part of it is not reachable."""
-    if not found.all_reachable():
-        i, j = np.argwhere(~found.reachable)[0]
-        raise ModelError(
-            f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
-            f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"
-        )
-    return found

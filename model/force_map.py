@@ -55,6 +55,17 @@ def force_map(
     )  # fmt: skip
 
 
+def reached(found: ForceMap) -> ForceMap:
+    """The map, or an error where part of it is not reachable."""
+    if not found.all_reachable():
+        i, j = np.argwhere(~found.reachable)[0]
+        raise ModelError(
+            f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
+            f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"
+        )
+    return found
+
+
 def section(low_m: float, high_m: float, count: int = 61) -> FloatArray:
     """Positions of a working section."""
     if not (np.isfinite(low_m) and np.isfinite(high_m) and low_m < high_m):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.force_map import force_map, known_voltages, propagate, section
+from model.force_map import force_map, known_voltages, propagate, reached, section
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 from model.sheet_model import SheetModel
@@ -78,10 +78,7 @@ def fit_linear(
     )
 
     def question(changed: SheetModel) -> list[float]:
-        found = force_map(changed, configuration, p, V)
-        if not found.all_reachable():
-            raise ModelError("the working section is not reachable everywhere at every voltage")
-        F = found.tangential_N.ravel()
+        F = reached(force_map(changed, configuration, p, V)).tangential_N.ravel()
         c = np.linalg.lstsq(A, F, rcond=None)[0]
         return [*(float(v) for v in c), float(np.sqrt(np.mean((A @ c - F) ** 2)))]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from model.beam import Equilibria, Problems, Status, solve
 from model.gauss import rule
-from model.measurements import FloatArray
+from model.measurements import FloatArray, ModelError
 
 WIDEST_RAD = 2.4  # positions beyond are never meant
 SAME = 1e-3
@@ -55,6 +55,8 @@ def places_for_force(
 
     `force_per_m2`: F/B along the arc's tangent, or N/B along the sheet's normal.
     """
+    if not np.isfinite(force_per_m2):
+        raise ModelError("a contact force must be a finite number")
     angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)
 
     def excess(found: Equilibria) -> FloatArray:

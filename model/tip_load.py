@@ -12,7 +12,7 @@ from math import cos, hypot, isfinite, sin
 
 import numpy as np
 
-from model.beam import finer
+from model.beam import check_softness, finer
 from model.field import Field, merged_breaks
 from model.gauss import rule
 from model.measurements import FloatArray, ModelError
@@ -55,14 +55,18 @@ def tip_load(
         raise ModelError(
             f"a tip load of {size * length**2:.3g} B/l^2 is beyond any sheet: at most {LARGEST:g}"
         )
-    breaks = kappa.breaks_m
+    if not isfinite(kappa.largest):
+        raise ModelError("the sheet's free curvature is not finite everywhere")
+    breaks, bend = kappa.breaks_m, size * length
     if softness is not None:
+        check_softness(softness, length)
+        bend *= softness.largest
         breaks = merged_breaks([breaks, softness.breaks_m])
     # a load that keeps its direction turns the sheet into it and no further
-    breaks = finer(breaks, kappa.largest + (1.0 if follows else 0.4) * size * length, length)
+    breaks = finer(breaks, kappa.largest + (1.0 if follows else 0.4) * bend, length)
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
     out = np.zeros((3, (len(breaks) - 1) * NODES + 1))
-    first = min(1.0, STEP / max(size * length**2, 1e-300))
+    first = min(1.0, STEP / max(bend * length, 1e-300))
     good, tip = grow(
         breaks, kappa.on(breaks).coefficients, soft, rule(NODES), along, across, follows, first, out
     )
