@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from model.discrepancy.gaps import refitted
 from model.discrepancy.score import Candidate, Projected, Score, score
 from model.discrepancy.settle import Fitted
 from model.measurements import FloatArray
-from model.noise import inverse_symmetric
+from model.noise import inverse_symmetric, weigh
 
 
 def left_out(
@@ -25,13 +26,14 @@ def left_out(
     model's columns predict what was left out.
     """
     before, after = refitted(base).copy(), refitted(final).copy()
-    study, chosen = base.problem.study, []
     new = final.found[len(base.found) :]
-    own = new[0].effect.name if new else ""
+    own, chosen = new[0].effect.name if new else "", []
+    # with the base model's own noise, scatter would pass for what an effect does in every set-up
+    judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
     for runs in groups:
-        rows = np.flatnonzero(np.isin(study.layout.run_of, runs))
+        rows = np.flatnonzero(np.isin(base.problem.study.layout.run_of, runs))
         before[rows] = _predicted(base, base.linear.columns, runs)[rows]
-        best = _best_without(base, pool, runs) if own and pool else None
+        best = _best_without(judge, pool, runs) if own and pool else None
         name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
         if final is base or (own and not name):
             after[rows] = before[rows]
@@ -40,7 +42,7 @@ def left_out(
         else:
             columns = np.concatenate([base.linear.columns, best.candidate.columns], axis=1)
             extra = np.full(best.candidate.columns.shape[1], best.scale**-2.0)
-            after[rows] = _predicted(base, columns, runs, extra)[rows]
+            after[rows] = _predicted(judge, columns, runs, extra)[rows]
         chosen.append(name)
     return before, after, chosen
 

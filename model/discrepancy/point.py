@@ -47,7 +47,10 @@ class Step:
 class State:
     """One configuration, solved."""
 
-    beam: Beam
+    base: (
+        Beam  # as the effects found it: EIBM and stiffness in the mean of each condition's readings
+    )
+    beam: Beam  # as they left it
     solved: Solved
     answers: Answers
     by_eibm: FloatArray  # (K,) dF / d ln Me
@@ -91,7 +94,9 @@ class Study:
         modes_by = np.einsum("kmg,kg->km", answers.modes[:, :, :G], beam.eibm * beam.soft)
         weighed = self._weighed(c, beam, solved)
         response = self._response(c, beam, inner)
-        state = State(beam, solved, answers, by_eibm, modes_by, response, weighed, np.zeros(0))
+        state = State(
+            base, beam, solved, answers, by_eibm, modes_by, response, weighed, np.zeros(0)
+        )
         return replace(state, residual=self._residual(c, state, inner))
 
     def _timed(self, c: int, base: Beam, inner: list[tuple[Effect, Values]]) -> Beam:

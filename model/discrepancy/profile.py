@@ -139,7 +139,7 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
     steps: list[tuple[int, Step]] = []
     for c, name in enumerate(study.names):
         if name in one.values:
-            base = fitted.problem.bases.beam(study, c, fitted.theta)
+            base = fitted.linear.states[c].base
             state = fitted.linear.states[c]
             steps.append((c, whole_step(study, c, state, base, others, one.active)))
     if not steps:

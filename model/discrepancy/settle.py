@@ -94,9 +94,7 @@ def _linear(
     active = tuple(f.active for f in found)
     linear, spans = linearise(problem.study, problem.bases, problem.noise, theta, active), []
     for one in found:
-        columns, precision, away = effect_columns(
-            problem.study, problem.bases, theta, linear, one, active
-        )
+        columns, precision, away = effect_columns(problem.study, linear, one, active)
         first = linear.columns.shape[1]
         linear = with_columns(problem.study, linear, columns, precision, away)
         spans.append(slice(first, linear.columns.shape[1]))

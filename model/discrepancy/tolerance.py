@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.linear import Bases, Linear
+from model.discrepancy.linear import Linear
 from model.discrepancy.point import Active, State, Step, Study
 from model.effects.interface import Beam, Effect, Held, Knob
 from model.measurements import FloatArray
@@ -185,8 +185,6 @@ def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[S
 
 def effect_columns(
     study: Study,
-    bases: Bases,
-    theta: FloatArray,
     linear: Linear,
     one: Found,
     active: tuple[Active, ...],
@@ -197,7 +195,7 @@ def effect_columns(
     """
     columns, precision, away = [], [], []
     places = {name: c for c, name in enumerate(study.names)}
-    bent = [bases.beam(study, c, theta) for c in range(len(study.names))]
+    bent = [state.base for state in linear.states]
     for knob, names in one.knobs():
         column = np.zeros(study.layout.size)
         for name in names:
