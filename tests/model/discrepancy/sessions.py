@@ -1,0 +1,36 @@
+"""Sessions with something hidden in them, and what a diagnosis of them says; each made once."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
+from model.discrepancy import Diagnosis, DiagnoseOptions, diagnose
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.settle import Fitted, settle
+from model.measurements import Measurements
+
+NOTHING = case(seed=1)
+FALLING = Case((Hiding("nonuniform_eibm"),), seed=2)
+
+
+@cache
+def session(of: Case = NOTHING) -> Measurements:
+    """What the rig handed over."""
+    return hidden_session(of).measurements
+
+
+@cache
+def base_fit(of: Case = NOTHING, options: Options = Options()) -> Fitted:  # noqa: B008 - frozen
+    """The base model, settled."""
+    ready = prepare(session(of), options)
+    return settle(ready.problem, ready.theta, ready.found)
+
+
+@cache
+def diagnosed(of: Case = NOTHING, options: DiagnoseOptions = DiagnoseOptions()) -> Diagnosis:  # noqa: B008
+    """What is found."""
+    return diagnose(session(of), options)
+
+
+__all__ = ["FALLING", "NOTHING", "Case", "Extras", "Hiding", "base_fit", "diagnosed", "session"]

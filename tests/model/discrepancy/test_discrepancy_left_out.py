@@ -1,0 +1,99 @@
+"""What is predicted of a position comes from the others alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.gaps import closed_share, refitted, variance
+from model.discrepancy.left_out import left_out, position_groups, predictive_gains
+from model.discrepancy.prepare import Options
+from model.discrepancy.result import BeforeAfter, Gap
+from model.noise import inverse_symmetric
+from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed
+
+SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)
+
+
+def test_residuals_of_a_position_are_those_of_a_fit_without_its_runs():
+    base = base_fit()
+    layout, linear = base.problem.study.layout, base.linear
+    runs = position_groups(base)[2]
+    before, after, chosen = left_out(base, base, [], [runs])
+    V = np.linalg.inv(base.solution.weights)
+    information, pull = np.diag(linear.data.precision), -linear.data.precision * linear.data.away
+    for r in range(len(layout.runs)):  # run by run with plain least squares of whitened rows
+        if r not in runs:
+            rows = np.flatnonzero(layout.run_of == r)
+            own = layout.row_of[rows]
+            white = np.linalg.inv(np.linalg.cholesky(V[r][np.ix_(own, own)]))
+            X, y = white @ linear.columns[rows], white @ linear.residual[rows]
+            information, pull = information + X.T @ X, pull + X.T @ y
+    beta = inverse_symmetric(information) @ pull
+    out = np.isin(layout.run_of, runs)
+    wanted = (linear.residual - linear.columns @ beta)[out]
+    np.testing.assert_allclose(before[out], wanted, rtol=1e-5, atol=1e-5 * np.std(wanted))
+    np.testing.assert_array_equal(before[out], after[out])
+    np.testing.assert_array_equal(before[~out], refitted(base)[~out])
+    assert chosen == [""]
+
+
+def test_a_position_is_left_out_of_both_sheets_and_free_shapes_of_none():
+    groups = position_groups(base_fit())
+    runs = base_fit().problem.study.layout.runs
+    assert [{runs[r][1] for r in g} for g in groups] == [{k * 5e-3} for k in range(7)]
+    assert all({runs[r][0] for r in g} == {"long", "short"} for g in groups)
+
+
+def test_a_model_is_not_more_likely_than_itself():
+    base = base_fit()
+    np.testing.assert_allclose(predictive_gains(base, base), 0.0, atol=1e-9)
+
+
+def gap(force: float, curve: float = 0.01) -> Gap:
+    return Gap(force, curve, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "share"),
+    [
+        (gap(0.5), gap(0.03), 1.0),  # down to the noise
+        (gap(0.5), gap(0.5), 0.0),
+        (gap(0.5), gap(0.02), 1.0),  # no better than the noise
+        (gap(0.5), gap(0.25), 1.0 - (0.25**2 - 0.03**2) / (0.5**2 - 0.03**2)),
+        (gap(0.1, 0.4), gap(0.1, 0.01), 1.0),  # of the curves, which stand out more
+        (gap(0.02, 0.009), gap(0.02, 0.009), np.nan),  # there was no gap
+    ],
+)
+def test_the_share_of_the_gap_that_is_closed(before, after, share):
+    found = closed_share(BeforeAfter(before, after), gap(0.03))
+    assert found == pytest.approx(share, nan_ok=True)
+
+
+def test_variances_are_those_of_noise_and_scatter_together():
+    base = base_fit()
+    layout, data = base.problem.study.layout, base.linear.data
+    sigma2 = np.exp(2.0 * base.solution.log_sigma)
+    groups = sum(s * np.sum(Z**2, axis=2) for s, Z in zip(sigma2, data.groups, strict=False))
+    masks = sum(s * m for s, m in zip(sigma2[len(data.groups) :], data.masks, strict=True))
+    whole = (data.fixed + groups + masks)[layout.run_of, layout.row_of]
+    np.testing.assert_allclose(variance(base), whole, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_an_effect_that_scatter_could_swallow_is_still_chosen_without_each_position():
+    """Its size from set-up to set-up would be an EIBM that scatters, had it no name."""
+    found = diagnosed(SYMMETRIC, Options(symmetric=True))
+    assert [e.name for e in found.effects] == ["eibm_asymmetry"]
+    assert found.closed > 0.9
+    assert not any("with a position left out" in note for note in found.notes)
+    before, after = found.held_out.before, found.held_out.after
+    assert after.force_rmse_mN < 0.4 * before.force_rmse_mN
+
+
+def test_without_its_positions_nothing_else_changes():
+    base = base_fit()
+    none = left_out(base, replace(base), [], [])
+    np.testing.assert_array_equal(none[0], refitted(base))
