@@ -79,7 +79,7 @@ export function numbersField(key, schema, value, required, changed) {
       .map(parseNumber);
   return {
     element: frame.element,
-    get: () => (input.value.trim() === "" ? undefined : parse()),
+    get: () => (input.value.trim() === "" && !required ? undefined : parse()),
     faults: () => {
       const list = parse();
       if (!list.length && !required) return frame.show([]);
