@@ -80,7 +80,7 @@ def measure() -> Report:
         figures,
         (
             "pictures/s and moments/s: of the client that got fewest",
-            "server, curves, run: share of one core; curves finds the neutral curve beside the server",
+            "server, curves, run: share of one core; curves: what finds the sheet in the pictures",
             "to the screen: from the picture's time stamp until it is drawn; of receivers nothing",
             note,
         ),
@@ -104,7 +104,7 @@ def _receivers(world: RigWorld, clients: int) -> Seen:
                 pages[0].ask("POST", "/api/answer", {"prompt": prompt["prompt"], "done": True})
         _wait(0.1)
     had = [(len(page.pictures), _moments(page)) for page in pages]
-    with _cpu(world) as used:
+    with _cpu() as used:
         began_s = time.perf_counter()
         _wait(MEASURED_S)
         took_s = time.perf_counter() - began_s
@@ -146,7 +146,7 @@ def _browsers(world: RigWorld, clients: int) -> Seen:
         for page in pages:
             page.evaluate(_LISTEN)
         had = [page.evaluate("[performance.now(), labrig.job.signals.count]") for page in pages]
-        with _cpu(world) as used:
+        with _cpu() as used:
             pages[0].wait_for_timeout(1e3 * MEASURED_S)
         rates, points, late = [], [], []
         for page, (then_ms, count) in zip(pages, had, strict=True):
@@ -163,7 +163,7 @@ def _browsers(world: RigWorld, clients: int) -> Seen:
 
 
 @contextmanager
-def _cpu(world: RigWorld) -> Iterator[dict[str, float]]:
+def _cpu() -> Iterator[dict[str, float]]:
     """Share of a core that the panel's processes use inside the block (Linux)."""
     found: dict[str, float] = {}
     kinds = {"curve_process": "curves", "labrig.panel.job": "run", "labrig panel": "server"}
