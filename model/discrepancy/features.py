@@ -153,7 +153,9 @@ def _curves(
     curve = None if condition.curve is None else checked_curve(condition.curve, name)
     if curve is None and alike:
         curve = _mean_curve(own)
-    return curve, own if alike and len(own) == len(readings) > 1 else ()
+    if curve is None or not alike or not len(own) == len(readings) > 1:
+        return curve, ()
+    return curve, own if len(own[0].s_m) == len(curve.s_m) else ()
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
-from model.discrepancy import Diagnosis, DiagnoseOptions, diagnose
+from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.settle import Fitted, settle
 from model.measurements import Measurements
@@ -20,11 +21,25 @@ def session(of: Case = NOTHING) -> Measurements:
     return hidden_session(of).measurements
 
 
-@cache
-def base_fit(of: Case = NOTHING, options: Options = Options()) -> Fitted:  # noqa: B008 - frozen
+def means_of(m: Measurements) -> Measurements:
+    """The same as readings alone: no times, no curves of single readings, no series."""
+    bare = {"time_s": None, "session_s": None, "wetted_s": None, "curve": None}
+    conditions = [
+        replace(c, readings=tuple(replace(r, **bare) for r in c.readings)) for c in m.conditions
+    ]
+    return replace(m, conditions=tuple(conditions), series=())
+
+
+def fitted(m: Measurements, options: Options = Options()) -> Fitted:  # noqa: B008 - frozen
     """The base model, settled."""
-    ready = prepare(session(of), options)
+    ready = prepare(m, options)
     return settle(ready.problem, ready.theta, ready.found)
+
+
+@cache
+def base_fit(of: Case = NOTHING) -> Fitted:
+    """That of a session."""
+    return fitted(session(of))
 
 
 @cache
@@ -33,4 +48,15 @@ def diagnosed(of: Case = NOTHING, options: DiagnoseOptions = DiagnoseOptions()) 
     return diagnose(session(of), options)
 
 
-__all__ = ["FALLING", "NOTHING", "Case", "Extras", "Hiding", "base_fit", "diagnosed", "session"]
+__all__ = [
+    "FALLING",
+    "NOTHING",
+    "Case",
+    "Extras",
+    "Hiding",
+    "base_fit",
+    "diagnosed",
+    "fitted",
+    "means_of",
+    "session",
+]

@@ -1,0 +1,313 @@
+"""From measurements to a name, to 'nothing', to 'unknown'; and one sentence for what cannot be."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import ModelError, SheetGeometry
+from model.discrepancy import DiagnoseOptions, diagnose, next_measurement
+from model.discrepancy.prepare import Options, prepare, setups
+from tests.model.discrepancy.sessions import (
+    FALLING,
+    NOTHING,
+    Case,
+    Hiding,
+    diagnosed,
+    means_of,
+    session,
+)
+
+OTHER_FORM = Case((Hiding("nonuniform_eibm", "cosh"),), seed=4)
+PAIR = Case((Hiding("gravity"), Hiding("eibm_drift")), seed=3)
+OUTSIDE = Case((Hiding("local_eibm"),), seed=5)
+BADLY_SET = Case((Hiding("nonuniform_eibm"),), seed=6, outlier=True)
+KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
+        "sentence", "notes"}  # fmt: skip
+NAMED_KEYS = {"name", "slot", "parameters", "interval90", "by_configuration", "confidence",
+              "confusable_with", "form_share"}  # fmt: skip
+UNKNOWN_KEYS = {"slot", "s_mm", "profile", "band", "unit", "along", "configuration", "depends"}
+
+
+def names(found) -> list[str]:
+    return [e.name for e in found.effects]
+
+
+# ---------------------------------------------------------------------------- findings
+
+
+@pytest.mark.slow
+def test_where_nothing_is_hidden_nothing_is_found():
+    found = diagnosed(NOTHING)
+    assert (found.verdict, names(found), found.unknown) == ("nothing_missing", [], None)
+    assert np.isnan(found.closed)
+    assert found.fitted.before == found.fitted.after
+    assert 0.7 < found.fitted.after.chi2_per_dof < 1.3
+    assert found.model.effects == ()
+    assert found.outliers == ()
+    assert len(found.rows) == 42
+    B = found.model.sheets["long"].B
+    assert abs(B.value - 1.27e-6) < 4.0 * B.sigma
+
+
+@pytest.mark.slow
+def test_a_falling_eibm_is_named_also_in_another_form():
+    found = diagnosed(OTHER_FORM)
+    assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_eibm"])
+    one = found.effects[0]
+    assert one.confidence > 0.9
+    assert one.form is not None
+    assert np.all(one.form.band >= 0.0)
+    assert found.closed > 0.9
+    assert found.held_out.after.force_rmse_mN < 0.2 * found.held_out.before.force_rmse_mN
+    assert found.where
+    assert [e.name for e in found.model.effects] == ["nonuniform_eibm"]
+    best = next(r for r in found.ranking if not r.name.startswith("unknown"))
+    assert best.name == "nonuniform_eibm"
+
+
+@pytest.mark.slow
+def test_two_effects_are_both_named_each_with_its_own_values():
+    found = diagnosed(PAIR)
+    assert sorted(names(found)) == ["eibm_drift", "gravity"]
+    parameters = {e.name: set(e.parameters) for e in found.effects}
+    assert parameters["gravity"] == {"load_N_per_m"}
+    assert "relative_change" in parameters["eibm_drift"]
+
+
+@pytest.mark.slow
+def test_what_no_catalogue_has_is_unknown_with_its_slot_and_place():
+    found = diagnosed(OUTSIDE)
+    assert found.verdict == "unknown_effect"
+    assert found.unknown is not None
+    assert found.unknown.slot == "eibm"
+    assert found.unknown.configuration == "long"
+    assert 22.0 - 10.0 <= found.unknown.peak_mm <= 38.0 + 10.0
+    assert len(found.unknown.s_mm) == len(found.unknown.profile) == len(found.unknown.band)
+    assert [e.name for e in found.model.effects][-1] == "unknown"
+    assert "none of the known effects" in found.sentence
+
+
+@pytest.mark.slow
+def test_an_effect_taken_from_the_catalogue_is_never_replaced_with_confidence():
+    found = diagnosed(FALLING, DiagnoseOptions(exclude=("nonuniform_eibm",)))
+    assert "nonuniform_eibm" not in {*names(found), *(r.name for r in found.ranking)}
+    sure = [e for e in found.effects if e.confidence > 0.95 and not e.confusable_with]
+    assert found.verdict == "unknown_effect" or not sure
+    assert found.verdict != "nothing_missing"
+
+
+@pytest.mark.slow
+def test_a_run_set_up_badly_is_left_out_beside_an_effect():
+    found = diagnosed(BADLY_SET)
+    assert names(found) == ["nonuniform_eibm"]
+    assert len(found.outliers) == 3
+    assert len({name.rsplit(",", 1)[0] for name in found.outliers}) == 1
+    assert found.closed > 0.9
+    assert any("left out, since nothing else is like it" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_a_model_that_has_the_effect_already_is_missing_nothing_more():
+    first = diagnosed(FALLING)
+    again = diagnose(session(FALLING), DiagnoseOptions(model=first.model))
+    assert (again.verdict, names(again)) == ("nothing_missing", [])
+    assert [e.name for e in again.model.effects] == ["nonuniform_eibm"]
+    one, two = (m.effects[0].parameters["decay_length_mm"] for m in (first.model, again.model))
+    assert two.value == pytest.approx(one.value, rel=0.05)
+
+
+@pytest.mark.slow
+def test_what_a_model_lacks_beside_what_it_has_is_named_with_its_own_values():
+    """Findings are not mistaken for what the model had before."""
+    given = diagnosed(PAIR).model
+    alone = replace(given, effects=tuple(e for e in given.effects if e.name == "eibm_drift"))
+    found = diagnose(session(PAIR), DiagnoseOptions(model=alone))
+    assert names(found) == ["gravity"]
+    assert set(found.effects[0].parameters) == {"load_N_per_m"}
+    assert sorted(e.name for e in found.model.effects) == ["eibm_drift", "gravity"]
+    assert found.closed > 0.5
+
+
+@pytest.mark.slow
+def test_a_position_held_out_is_neither_fitted_nor_told():
+    found = diagnose(session(FALLING), DiagnoseOptions(hold_out=(("", 0.015),)))
+    assert names(found) == ["nonuniform_eibm"]
+    assert len(found.rows) == 36
+    assert all(row.position_m != 0.015 for row in found.rows)
+    assert found.model.held_out == ("all, 15 mm",)
+
+
+@pytest.mark.slow
+def test_the_same_data_give_the_same_answer_and_the_threshold_may_be_simulated():
+    found = diagnose(session(NOTHING), DiagnoseOptions(calibrate=5))
+    assert found.threshold_from == "5 simulated sessions with nothing missing"
+    assert found.verdict == "nothing_missing"
+    a, b = diagnose(session(NOTHING)), diagnosed(NOTHING)
+    assert json.dumps(a.to_json()) == json.dumps(b.to_json())
+
+
+# -------------------------------------------------------------------------------- JSON
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("of", [NOTHING, FALLING, OUTSIDE], ids=["nothing", "named", "unknown"])
+def test_json_has_these_keys_and_nothing_that_is_no_number(of: Case):
+    told = json.loads(json.dumps(diagnosed(of).to_json(), allow_nan=False))
+    assert set(told) == KEYS
+    assert all(set(e) == NAMED_KEYS for e in told["effects"])
+    assert told["unknown"] is None or set(told["unknown"]) == UNKNOWN_KEYS
+    for w in told["where"]:
+        assert set(w) - {"detail"} == {
+            "observable", "configuration", "voltage_V", "position_mm", "s_mm", "z"
+        }  # fmt: skip
+    assert set(told["gap"]) == {"fitted", "held_out"}
+    for part in told["gap"].values():
+        assert set(part) == {"before", "after"}
+        assert set(part["after"]) == {"force_rmse_mN", "curve_rmse_mm", "chi2_per_dof"}
+    assert told["next_measurement"] is None or {"why", "protocol"} == set(told["next_measurement"])
+
+
+# ----------------------------------------------------------------- what data do not allow
+
+
+def kept(m, condition):
+    return replace(m, conditions=tuple(c for c in m.conditions if condition(c)))
+
+
+def test_few_set_ups_name_nothing_and_say_why():
+    few = means_of(kept(session(), lambda c: c.configuration == "long" and c.position_m < 0.012))
+    found = diagnose(few)
+    assert found.verdict == "cannot_tell"
+    assert "3 set-ups of the load cell, too few" in found.sentence
+    assert (names(found), found.unknown, found.threshold) == ([], None, np.inf)
+
+
+def test_one_position_is_few_set_ups_too():
+    found = diagnose(means_of(kept(session(), lambda c: c.position_m == 0.01)))
+    assert found.verdict == "cannot_tell"
+    assert "2 set-ups" in found.sentence
+
+
+def test_zero_volts_alone_are_refused():
+    with pytest.raises(ModelError, match="measured at 0 V alone: that fixes B, but says nothing"):
+        prepare(kept(session(), lambda c: c.voltage_V == 0.0), Options())
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"),
+    [
+        (lambda c: c.voltage_V >= 0.0, "was driven at one voltage"),
+        (lambda c: c.voltage_V != 0.0, "was not measured at 0 V"),
+    ],
+)
+def test_what_voltages_do_not_allow_is_said(condition, said: str):
+    notes = prepare(kept(session(), condition), Options()).notes
+    assert any(said in note for note in notes), notes
+
+
+def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_lack():
+    bare = means_of(session())
+    forces = replace(bare, conditions=tuple(replace(c, curve=None) for c in bare.conditions))
+    ready = prepare(forces, Options())
+    assert setups(ready) == 14
+    assert any("has no curves" in note for note in ready.notes)
+    single = replace(
+        bare, conditions=tuple(replace(c, readings=c.readings[-1:]) for c in bare.conditions)
+    )
+    assert any("has means alone" in note for note in prepare(single, Options()).notes)
+
+
+def test_identical_repeats_are_noted():
+    m = means_of(session())
+    same = tuple(
+        replace(c, readings=tuple(replace(r, force_N=c.readings[-1].force_N) for r in c.readings))
+        for c in m.conditions
+    )
+    notes = prepare(replace(m, conditions=same), Options()).notes
+    assert any("are identical: they are taken as one reading each" in note for note in notes)
+
+
+def test_nothing_valid_is_refused_with_the_reason():
+    m = session()
+    broken = tuple(
+        replace(c, readings=tuple(replace(r, valid=False, why="overload") for r in c.readings))
+        for c in m.conditions
+    )
+    with pytest.raises(ModelError, match=r"no valid readings at all \(overload\)"):
+        prepare(replace(m, conditions=broken), Options())
+
+
+def test_no_conditions_are_refused():
+    with pytest.raises(ModelError, match="there are no measurements"):
+        prepare(replace(session(), conditions=()), Options())
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(value: float):
+    m = session()
+    c = m.conditions[1]
+    bad = replace(c, readings=(*c.readings[:-1], replace(c.readings[-1], force_N=value)))
+    odd = replace(m, conditions=(m.conditions[0], bad, *m.conditions[2:]))
+    said = "a force of condition long, 0 mm, +2 V is not a finite number; mark it invalid"
+    ready = prepare(odd, Options())
+    assert f"left out: {said}" in ready.notes
+    assert ready.problem.study.names == ["short"]
+    with pytest.raises(ModelError) as refused:  # where no other sheet is left
+        prepare(kept(odd, lambda c: c.configuration == "long"), Options())
+    assert str(refused.value) == said
+
+
+def test_a_sheet_that_was_not_measured_is_left_out():
+    ready = prepare(kept(session(), lambda c: c.configuration == "short"), Options())
+    assert ready.problem.study.names == ["short"]
+
+
+def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
+    m = session()
+    broken = tuple(
+        replace(c, readings=tuple(replace(r, valid=False, why="dry") for r in c.readings))
+        if c.configuration == "short" else c for c in m.conditions
+    )  # fmt: skip
+    ready = prepare(replace(m, conditions=broken), Options())
+    assert ready.problem.study.names == ["long"]
+    assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
+
+
+def test_a_model_of_another_sheet_is_refused(truth):
+    m = session()
+    other: SheetGeometry = replace(m.sheets["long"], free_length_m=0.045)
+    longer = replace(m, sheets={**m.sheets, "long": other})
+    with pytest.raises(ModelError, match="a free length of 50 mm, these data are of one with 45"):
+        prepare(longer, Options(model=truth))
+
+
+def test_a_position_that_was_not_measured_cannot_be_held_out():
+    with pytest.raises(ModelError, match=r"at the position to be held out \(12 mm\)"):
+        prepare(session(), Options(hold_out=(("long", 0.012),)))
+
+
+def test_an_effect_that_does_not_exist_cannot_be_excluded():
+    with pytest.raises(ModelError, match="there is no effect called 'gravitty'"):
+        diagnose(session(), DiagnoseOptions(exclude=("gravitty",)))
+
+
+# ------------------------------------------------------------------- what to measure next
+
+
+@pytest.mark.slow
+def test_what_tells_two_effects_apart_is_on_the_menu():
+    found = next_measurement(means_of(session()), ("gravity", "clamp_angle"))
+    assert found.expected > found.separation
+    assert found.minutes > 0.0
+    assert set(found.protocol) == {"extras"}
+    assert "gravity" in found.why
+    assert "clamp_angle" in found.why
+
+
+def test_one_effect_cannot_be_told_apart():
+    with pytest.raises(ModelError, match="name two effects to be told apart"):
+        next_measurement(means_of(session()), ("gravity",))

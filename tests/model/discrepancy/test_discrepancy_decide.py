@@ -1,0 +1,195 @@
+"""From gains to names: posteriors, thresholds, outliers, what is left; and rough beginnings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.decide import SURE, TEMPER, Leftover, choice, posterior
+from model.discrepancy.nulls import FALSE_NAMES, null_gains, threshold
+from model.discrepancy.outliers import (
+    condition_name,
+    condition_runs,
+    numbers_of,
+    outlier_candidates,
+    without,
+)
+from model.discrepancy.score import Candidate, Score, candidates
+from model.discrepancy.search import Contender, search
+from model.discrepancy.settle import settle
+from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.slots import unknowns
+from model.effects import catalogue, effect
+from model.measurements import Reading
+from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
+
+
+def contender(name: str, gain: float) -> Contender:
+    known = effect(name) if ":" not in name else None
+    candidate = Candidate(name, {}, np.zeros((1, 1)), (1.0,), known, "")
+    return Contender(Score(candidate, gain, 1.0, 1.0, 1.0), gain)
+
+
+def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
+    ranking = [contender("gravity", 20.0), contender("outlier:3", 50.0),
+               contender("unknown:time", 30.0), contender("clamp_angle", 17.0)]  # fmt: skip
+    found = posterior(ranking)
+    assert list(found) == ["gravity", "clamp_angle"]
+    assert sum(found.values()) == pytest.approx(1.0)
+    assert found["gravity"] / found["clamp_angle"] == pytest.approx(np.exp(3.0 / TEMPER))
+    assert posterior([contender("unknown:time", 3.0)]) == {}
+
+
+def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
+    gains = {"gravity": 20.0, "roll_offset": 18.0, "clamp_angle": 19.0}
+    gains["frame_delay"] = 20.0 + 2.0 * TEMPER * np.log(SURE)
+    ranking = [contender(name, gain) for name, gain in gains.items()]
+    one = choice(ranking[0], ranking)
+    assert one.effect.name == "gravity"
+    assert [name for name, _ in one.alternatives] == ["clamp_angle", "roll_offset"]
+    assert 0.4 < one.confidence < 0.9
+
+
+def test_a_free_form_cannot_be_chosen_as_a_name():
+    with pytest.raises(TypeError, match="unknown:time is no effect"):
+        choice(contender("unknown:time", 3.0), [])
+
+
+@pytest.mark.parametrize(("gain", "total", "share"), [(5.0, 50.0, 0.1), (-1.0, 50.0, 0.0)])
+def test_what_is_left_is_a_share_of_all_there_was(gain, total, share):
+    first = contender("unknown:time", total)
+    assert Leftover(gain, total, "time", first, first).share == pytest.approx(share)
+
+
+# ------------------------------------------------------------------------------- nulls
+
+
+def test_the_threshold_is_exceeded_by_one_in_a_hundred():
+    random = np.random.default_rng(0)
+    found = np.array([threshold(3.0 + random.exponential(2.0, 300)) for _ in range(40)])
+    exact = 3.0 - 2.0 * np.log(FALSE_NAMES)
+    assert np.mean(found) == pytest.approx(exact, rel=0.05)
+    assert np.std(found) < 0.12 * exact
+    assert threshold(np.full(30, -4.0)) == 2.0  # never so low that anything would do
+
+
+@pytest.mark.slow
+def test_nulls_are_drawn_as_noise_and_scatter_are_and_repeat_with_their_seed():
+    base = base_fit()
+    pool = [*candidates(base, [effect("gravity"), effect("force_offset")]), *unknowns(base)]
+    told = []
+    gains = null_gains(base, pool, 3, 3, lambda what, share: told.append((what, share)))
+    assert np.all(np.isfinite(gains))
+    assert np.max(gains) < 10.0
+    np.testing.assert_array_equal(gains, null_gains(base, pool, 3, 3))
+    assert not np.array_equal(gains[:1], null_gains(base, pool, 1, 4))
+    assert told[-1] == ("simulating sessions with nothing missing", 1.0)
+
+
+# ---------------------------------------------------------------------------- outliers
+
+
+def test_each_condition_and_each_set_up_may_be_an_outlier():
+    base = base_fit()
+    found = [numbers_of(c.name) for c in outlier_candidates(base)]
+    assert sorted(n[0] for n in found if len(n) == 1) == list(range(42))
+    runs = condition_runs(base.problem)
+    for numbers in (n for n in found if len(n) > 1):
+        assert len({runs[i] for i in numbers}) == 1
+        assert len(numbers) == 3
+    assert condition_name(base.problem, 0) == "long, 0 mm, +0 V"
+    assert condition_name(base.problem, 41) == "short, 30 mm, -2 V"
+
+
+def test_a_condition_left_out_has_no_say():
+    base = base_fit()
+    k = 4
+    problem = without(base.problem, [k])
+    rows = base.problem.study.part(0).trend_rows[base.problem.study.part(0).trend_of == k]
+    changed = np.flatnonzero(problem.noise.fixed != base.problem.noise.fixed)
+    assert set(rows) < set(changed)
+    part = base.problem.study.part(0)
+    modes = set(part.mode_rows[k])
+    assert set(changed) == set(rows) | modes
+
+
+@pytest.mark.slow
+def test_a_slip_of_one_reading_s_force_is_left_out_and_nothing_else():
+    m = session()
+    odd = replace(m.conditions[4], readings=tuple(
+        replace(r, force_N=r.force_N + 6e-4) for r in m.conditions[4].readings))  # fmt: skip
+    slipped = means_of(replace(m, conditions=(*m.conditions[:4], odd, *m.conditions[5:])))
+    base = fitted(slipped)
+    outcome = search(base.problem, base.theta, [effect("gravity"), effect("force_offset")], 6.0)
+    assert [condition_name(base.problem, n) for n in outcome.outliers] == ["long, 5 mm, +2 V"]
+    assert outcome.final.found == ()
+    clean = fitted(means_of(m))
+    known = [0, 1, 2, 4, 5, 6]  # B and EIBM; what lies between the nodes of k0 hardly shows
+    np.testing.assert_allclose(outcome.base.theta[known], clean.theta[known], rtol=2e-3)
+
+
+# -------------------------------------------------------------------------- signatures
+
+
+@pytest.fixture(scope="module")
+def seen():
+    base = base_fit()
+    pool = forms(candidates(base, list(catalogue().values())), {})
+    return base, pool, signatures(base, pool, {})
+
+
+def test_an_effect_is_no_distance_from_itself_and_parallel_to_itself(seen):
+    _, pool, found = seen
+    assert found.names == tuple(catalogue())
+    np.testing.assert_allclose(np.diag(found.distance), 0.0)
+    strong = found.detectability > 0.1
+    np.testing.assert_allclose(np.diag(found.cosine)[strong], 1.0)
+    assert np.max(np.abs(found.cosine[np.ix_(strong, strong)])) <= 1.0 + 1e-9
+    assert len(pool) == 28
+
+
+def test_what_the_base_model_has_already_cannot_be_seen(seen):
+    base, _, found = seen
+    at = found.names.index("eibm_asymmetry")
+    assert found.detectability[at] < 0.3 * np.median(found.detectability)
+    told = invisible(base, found, catalogue())
+    assert set(told) == {n for n, d in zip(found.names, found.detectability, strict=True)
+                         if 3.0 * d < 4.0}  # fmt: skip
+    assert all(told.values())
+
+
+def test_classes_are_of_effects_closer_than_four_sigma_and_an_effect_is_in_one_at_most(seen):
+    _, _, found = seen
+    groups = classes(found, {})
+    names = [n for group in groups for n in group]
+    assert len(names) == len(set(names))
+    for first, *others in groups:
+        at = found.names.index(first)
+        for other in others:
+            to = found.names.index(other)
+            assert min(found.distance[at, to], found.distance[to, at]) < 4.0
+    assert class_of("nothing of the kind", found) == ()
+
+
+# ------------------------------------------------------------------------------ settle
+
+
+def test_a_fit_ends_where_a_second_one_begins():
+    base = base_fit()
+    again = settle(base.problem, base.theta, (), base.solution.log_sigma)
+    sigma = np.sqrt(np.diag(base.solution.covariance))
+    assert np.max(np.abs(again.theta - base.theta) / sigma) < 0.06
+    assert again.deviance == pytest.approx(base.deviance, abs=0.05)
+
+
+def test_parameters_are_found_whatever_the_readings_order():
+    m = session()
+    mixed = tuple(
+        replace(c, readings=tuple(sorted(c.readings, key=lambda r: -r.index))) for c in m.conditions
+    )
+    assert isinstance(mixed[0].readings[0], Reading)
+    np.testing.assert_allclose(
+        fitted(replace(m, conditions=mixed)).theta, base_fit().theta, rtol=1e-9
+    )

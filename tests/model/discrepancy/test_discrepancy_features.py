@@ -1,0 +1,189 @@
+"""Readings become means and trends, series parts of pulses, curves modes; each with its limits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import ModelError, TimeSeries
+from model.discrepancy.features import look, trends
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.pulses import BINS_S, parts_of_pulses
+from tests.model.discrepancy.sessions import base_fit, means_of, session
+
+
+def study():
+    return base_fit().problem.study
+
+
+# ---------------------------------------------------------------------------- readings
+
+
+def test_a_mean_and_three_trends_stand_for_the_readings_of_a_condition():
+    seen = look(session(), "long").seen[1]
+    T = trends(seen.clock)
+    n = len(seen.force_N)
+    assert T.shape == (4, n)
+    assert T[0] @ seen.force_N == pytest.approx(np.mean(seen.force_N))
+    np.testing.assert_allclose(T[1:] @ T[1:].T, np.eye(3), atol=1e-12)  # as noisy as one reading
+    np.testing.assert_allclose(T[1:] @ np.ones(n), 0.0, atol=1e-12)
+    rising = T @ (seen.clock.run_s - np.mean(seen.clock.run_s))
+    assert rising[1] > 0.0
+    np.testing.assert_allclose(rising[[0, 2, 3]], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_few_readings_have_fewer_trends(n: int):
+    clock = look(session(), "long").seen[1].clock
+    few = replace(clock, **{k: v[:n] for k, v in vars(clock).items()})
+    assert trends(few).shape == (n, n)
+
+
+def test_readings_without_times_are_spaced_by_the_pulses():
+    m = session()
+    timed, plain = (look(each, "long").seen[2].clock for each in (m, means_of(m)))
+    np.testing.assert_allclose(plain.run_s, timed.run_s, atol=0.05)
+    np.testing.assert_array_equal(plain.pulse, timed.pulse)
+    assert np.ptp(plain.session) == 0.0  # when in the session nobody knows
+    assert np.ptp(timed.session) > 0.0
+
+
+def test_pulses_are_counted_from_the_first_that_is_driven():
+    clocks = {s.voltage_V: s.clock for s in look(session(), "long").seen[:3]}
+    assert np.all(clocks[0.0].pulse == -1.0)
+    both = np.sort(np.concatenate([clocks[2.0].pulse, clocks[-2.0].pulse]))
+    np.testing.assert_array_equal(both, np.arange(2.0, 22.0))  # two are discarded
+    up, down = clocks[2.0].opposite, clocks[-2.0].opposite
+    np.testing.assert_allclose(up, -0.8, atol=0.08)  # before +2 V there was -2 V
+    np.testing.assert_allclose(up * down, 1.0)
+
+
+def test_identical_readings_are_one_reading():
+    m = session()
+    c = m.conditions[1]
+    same = replace(c, readings=tuple(replace(r, force_N=1e-3) for r in c.readings))
+    seen = look(replace(m, conditions=(m.conditions[0], same, *m.conditions[2:])), "long").seen[1]
+    assert seen.identical
+    assert seen.force_N.tolist() == [1e-3]
+    assert trends(seen.clock).tolist() == [[1.0]]
+
+
+def test_readings_that_are_not_valid_do_not_count():
+    m = session()
+    c = m.conditions[1]
+    bad = [replace(r, valid=False, force_N=9.0) if i == 3 else r for i, r in enumerate(c.readings)]
+    odd = replace(m, conditions=(replace(c, readings=tuple(bad)), *m.conditions[2:]))
+    assert np.max(look(odd, "long").seen[0].force_N) < 1.0
+
+
+def test_a_free_shape_has_a_curve_and_no_force(measure):
+    made_here = measure(names=("long",), free=True)
+    seen = [s for s in look(made_here, "long").seen if s.free]
+    assert len(seen) == 3
+    assert all(s.curve is not None and len(s.force_N) == 0 for s in seen)
+    assert all(s.clock.session[0] == 0.5 for s in seen)
+    one = prepare(made_here, Options()).problem.study
+    part, scene = one.part(0), one.scenes[0]
+    assert np.all(part.mode_rows[scene.free] >= 0)
+    assert not np.isin(part.trend_of, scene.free).any()
+
+
+# ------------------------------------------------------------------------------ series
+
+
+def made(seconds: float = 7.0, rate: float = 100.0, lag_s: float = 0.03) -> TimeSeries:
+    """Ten zero seconds' worth of pulses of alternating sign, the force following with a lag."""
+    t = np.arange(0.0, seconds, 1.0 / rate) + 0.5 / rate
+    k = np.floor(t / 0.6).astype(int)
+    drive = np.where(k % 2 == 0, 2.0, -2.0)
+    left = np.exp(-(t - 0.6 * k) / lag_s)
+    force = 1e-3 * drive * (1.0 - 2.0 * left)
+    return TimeSeries("long", 0.005, t, drive, force)
+
+
+def test_parts_of_a_pulse_are_means_less_that_about_the_sample():
+    parts = parts_of_pulses(made(rate=5000.0))
+    assert set(parts) == {1.0, -1.0}
+    a, b = BINS_S[:-1], BINS_S[1:]
+    mean = 0.03 * (np.exp(-a / 0.03) - np.exp(-b / 0.03)) / (b - a)
+    mean -= 0.03 * (np.exp(-0.4 / 0.03) - np.exp(-0.6 / 0.03)) / 0.2
+    np.testing.assert_allclose(parts[1.0][0], -4e-3 * mean, atol=1.5e-7)
+    np.testing.assert_allclose(parts[-1.0][0], 4e-3 * mean, atol=1.5e-7)
+
+
+def test_the_first_two_pulses_and_the_one_cut_short_are_left_out():
+    parts = parts_of_pulses(made(7.0))  # eleven pulses and 0.4 s of the twelfth
+    assert [len(parts[sign]) for sign in (1.0, -1.0)] == [5, 4]
+
+
+def test_a_gap_in_a_series_costs_its_pulse_alone():
+    series = made()
+    force = series.force_N.copy()
+    force[(series.time_s > 1.5) & (series.time_s < 1.55)] = np.nan
+    parts = parts_of_pulses(replace(series, force_N=force))
+    assert [len(parts[sign]) for sign in (1.0, -1.0)] == [4, 4]
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.3, 0.5, 0.9])
+def test_a_series_shorter_than_its_pulses_says_nothing(seconds: float):
+    assert parts_of_pulses(made(seconds)) == {}
+
+
+def test_a_series_without_force_says_nothing_and_one_without_clock_is_refused():
+    series = made()
+    assert parts_of_pulses(replace(series, force_N=None)) == {}
+    broken = replace(series, time_s=np.where(series.time_s > 3.0, np.nan, series.time_s))
+    with pytest.raises(ModelError, match="the series of long holds a number that is not finite"):
+        parts_of_pulses(broken)
+
+
+# -------------------------------------------------------------------------------- rows
+
+
+def test_every_row_stands_once_and_in_the_run_it_comes_from():
+    one = study()
+    layout = one.layout
+    every = np.concatenate(
+        [
+            np.concatenate([p.trend_rows, p.mode_rows[p.mode_rows >= 0], p.sway_rows, p.bin_rows])
+            for p in layout.parts
+        ]
+    )
+    np.testing.assert_array_equal(np.sort(every), np.arange(layout.size))
+    for part, seen in zip(layout.parts, one.looks, strict=True):
+        own = [layout.runs[r] for r in layout.run_of[part.trend_rows]]
+        assert own == [seen.seen[k].run for k in part.trend_of]
+    flat = np.random.default_rng(0).standard_normal((layout.size, 2))
+    padded = layout.pad(flat)
+    np.testing.assert_array_equal(padded[layout.run_of, layout.row_of], flat)
+    assert np.count_nonzero(padded) == flat.size
+
+
+def test_means_alone_have_neither_sways_nor_pulses():
+    part = prepare(means_of(session()), Options()).problem.study.part(0)
+    timed = study().part(0)
+    assert (len(part.sway_rows), len(part.bin_rows)) == (0, 0)
+    assert len(timed.sway_rows) > 0 < len(timed.bin_rows)
+    assert part.is_mean.sum() == timed.is_mean.sum() == 21
+
+
+def test_readings_are_ordered_by_when_they_were_taken():
+    part = study().part(0)
+    session_, run_s = part.clock.session[part.in_time], part.clock.run_s[part.in_time]
+    assert np.all(np.diff(np.round(session_, 9)) >= 0.0)
+    at = [study().looks[0].seen[k].position_m for k in part.reading_of[part.in_time]]
+    same = np.diff(at) == 0.0
+    assert np.all(np.diff(run_s)[same] > 0.0)
+
+
+def test_curves_of_readings_that_the_mean_does_not_match_are_not_compared():
+    """They could not be told apart point by point."""
+    m = session()
+    c = m.conditions[1]
+    coarse = replace(c.curve, **{k: getattr(c.curve, k)[::2] for k in ("s_m", "x_m", "y_m")},
+                     sigma_m=None)  # fmt: skip
+    odd = replace(m, conditions=(m.conditions[0], replace(c, curve=coarse), *m.conditions[2:]))
+    assert look(m, "long").seen[1].own_curves
+    assert not look(odd, "long").seen[1].own_curves

@@ -1,0 +1,141 @@
+"""Forces and curves answer to changes as their derivatives say; the base model is `predict`'s."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import predict
+from model.discrepancy.features import look
+from model.discrepancy.point import Active, Study
+from model.discrepancy.scene import Scene, projection
+from model.effects import effect
+from model.effects.conformance import plausible
+from model.effects.interface import Beam
+from model.field import Field
+
+LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
+STIFF = {"long": 1.27e-6, "short": 8.5e-7}
+NAMES = ("long", "short")
+
+
+@pytest.fixture(scope="module")
+def studies(measure):
+    """One `Study` of the base model for each sheet, free shapes among the conditions."""
+    made = measure(force_N=0.0, curve_m=0.0, scatter=0.0, free=True, positions_mm=(0, 10, 25))
+    result = {}
+    for name in NAMES:
+        seen = look(made, name)
+        s, k = seen.sheet.initial_curvature
+        rest = Field.linear(s, k, seen.sheet.free_length_m)
+        result[name] = Study([seen], [rest]), made
+    return result
+
+
+def base(scene: Scene, name: str) -> Beam:
+    return scene.beam(STIFF[name], LEVEL[name])
+
+
+def change(name: str, scene: Scene, beam: Beam, h: float) -> Beam:
+    """One field of a beam moved by h of its natural size, unevenly along the sheet."""
+    t, touching = scene.s_m / scene.length, np.isfinite(scene.stated_m).astype(float)
+    moves = {
+        "stiffness": beam.stiffness * (1.0 + 0.1 * h),
+        "rest": beam.rest + h * np.cos(2.0 * t),
+        "eibm": beam.eibm * (1.0 + 0.1 * h * (1.0 - t**2)),
+        "bend": beam.bend + h * np.sin(3.0 * t) * (1.0 + scene.voltage_V[:, None]),
+        "soft": beam.soft + 0.05 * h * (1.0 + np.cos(3.0 * t)),
+        "elongation_soft": beam.elongation_soft + 0.02 * h,
+        "shift_m": beam.shift_m + 5e-4 * h * touching,
+        "tilt_rad": beam.tilt_rad + 0.02 * h,
+        "offset_m": beam.offset_m + 3e-4 * h * touching,
+    }
+    return replace(beam, **{name: moves[name]})
+
+
+FIELDS = ("stiffness", "rest", "eibm", "bend", "soft", "elongation_soft", "shift_m", "tilt_rad",
+          "offset_m")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("field", FIELDS)
+def test_force_and_modes_answer_as_finite_differences_do(studies, name: str, field: str):
+    scene = studies[name][0].scenes[0]
+    beam, h = base(scene, name), 0.02
+    low, high = (scene.solve(change(field, scene, beam, sign * h)) for sign in (-1.0, 1.0))
+    solved = scene.solve(beam)
+    answers = scene.answers(beam, solved)
+    up, down = (change(field, scene, beam, sign * h) for sign in (1.0, -1.0))
+    step = scene.change(beam, up, solved.held) - scene.change(beam, down, solved.held)
+    force = np.einsum("kq,kq->k", answers.force, step)
+    wanted = high.force_N - low.force_N
+    touching = scene.touching
+    size = np.max(np.abs(wanted[touching]))
+    np.testing.assert_allclose(force[touching], wanted[touching], atol=3e-4 * size + 1e-12)
+    modes = np.einsum("kmq,kq->km", answers.modes, step)
+    wanted = low.modes_m - high.modes_m  # they are of measured less predicted
+    size = np.max(np.abs(wanted))
+    np.testing.assert_allclose(modes, wanted, atol=1e-3 * size + 1e-12)
+    # B alone, Me/B as it was, changes no shape; the long sheet has no elongation
+    without = field == "stiffness" or (name, field) == ("long", "elongation_soft")
+    assert size < 1e-13 if without else size > 1e-8
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_base_conditions_are_those_of_predict(studies, truth, name: str):
+    scene = studies[name][0].scenes[0]
+    solved = scene.solve(base(scene, name))
+    for k in scene.touching:
+        wanted = predict(truth, name, scene.stated_m[k], scene.voltage_V[k])
+        assert solved.force_N[k] == pytest.approx(wanted.F_N, rel=1e-6, abs=1e-10)
+        assert solved.held.s_hat_m[k] == pytest.approx(wanted.s_hat_m, rel=1e-6)
+        x = np.interp(wanted.s_m, scene.curve_s[k], solved.x_m[k])
+        assert np.max(np.abs(x - wanted.x_m)) < 2e-6
+    assert np.nanmax(np.abs(solved.modes_m)) < 2e-7  # the curves were predicted, free ones too
+    np.testing.assert_allclose(scene.forces(base(scene, name)), solved.force_N, rtol=1e-12)
+
+
+@pytest.mark.parametrize("effect_name", ["clamp_compliance", "nonlinear_stiffness", "gravity"])
+def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies, effect_name):
+    study = studies["long"][0]
+    scene, one = study.scenes[0], effect(effect_name)
+    p = plausible(one)
+    start = base(scene, "long")
+    state = study.state(0, start, (Active(one, {"long": p}),))
+    held = scene.solve(start).held
+    for _ in range(30):
+        held = scene.solve(one.beam(start, held, p)).held
+    change = np.nanmax(np.abs(held.force_N - scene.solve(start).force_N))
+    assert change > 1e-6
+    left = np.nanmax(np.abs(state.solved.force_N - held.force_N))
+    assert left < 2e-3 * change
+
+
+def test_projection_finds_the_polynomials_it_is_of():
+    s = np.linspace(0.0, 0.05, 40)
+    t = 2.0 * s / 0.05 - 1.0
+    found = projection(s, 5) @ (3.0 + 2.0 * np.sqrt(3.0) * t)
+    np.testing.assert_allclose(found, [3.0, 2.0, 0.0, 0.0, 0.0], atol=1e-12)
+    assert projection(s[:3], 5).shape == (5, 3)
+    assert not np.any(projection(s[:3], 5)[3:])  # no more than there are points
+
+
+def test_a_curve_is_cut_where_the_sheet_ends(measure):
+    made = measure(names=("long",), positions_mm=(5, 10, 15, 20), seed=3)
+    (first, *others), by = made.conditions, 0.004
+    c = first.curve
+    longer = replace(
+        c, s_m=np.append(c.s_m, [c.s_m[-1] + by, c.s_m[-1] + 2 * by]),
+        x_m=np.append(c.x_m, [0.2, 0.3]), y_m=np.append(c.y_m, [0.0, 0.0]),
+    )  # fmt: skip
+    seen = look(replace(made, conditions=(replace(first, curve=longer), *others)), "long")
+    scene = Scene(seen, Field.constant(20.0, 0.05))
+    s, x, y = scene.measured(0)
+    np.testing.assert_allclose(s, c.s_m)
+    assert np.max(x) < 0.1
+    assert len(y) == len(s)
+    plain = Scene(look(made, "long"), Field.constant(20.0, 0.05))
+    one, two = (a.solve(a.beam(1e-6, {2.0: 20.0, -2.0: -20.0})).modes_m for a in (scene, plain))
+    np.testing.assert_allclose(one, two, atol=1e-15)

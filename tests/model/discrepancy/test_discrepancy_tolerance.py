@@ -1,0 +1,186 @@
+"""How far a form may differ, and what a slot's free shapes act on."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.point import Step
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.slots import _MAKERS, shapes, unknowns
+from model.discrepancy.tolerance import (
+    FORM,
+    OWN,
+    SIGN,
+    Found,
+    atoms,
+    deviations,
+    effect_columns,
+    moved,
+    unit,
+    whole_step,
+)
+from model.effects import SLOTS, catalogue, effect
+from model.effects.conformance import plausible
+from tests.model.discrepancy.sessions import base_fit, fitted
+
+
+def steps_of(name: str, values=None) -> tuple:
+    base = base_fit()
+    study, states, one = base.problem.study, base.linear.states, effect(name)
+    values = values or plausible(one)
+    return one, study, states, [study.step(c, states[c], one, values) for c in range(2)]
+
+
+def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
+    """Many draws of the deviations scatter by a third of the form, averaged along the sheet."""
+    one, study, states, steps = steps_of("nonuniform_stiffness")
+    G, step = study.scenes[0].count, steps[0]
+    ways = list(deviations(one, study, 0, step, states[0].solved.held))
+    k = int(np.argmax(np.max(np.abs(step.beam[:, G : 2 * G]), axis=1)))
+    form = step.beam[k, G : 2 * G]
+    ratio = np.stack([share * way.beam[k, G : 2 * G] / form for way, share in ways])
+    variance = study.scenes[0].weights @ np.sum(ratio**2, axis=0)
+    assert np.sqrt(variance) == pytest.approx(FORM, rel=0.05)
+
+
+def test_what_may_differ_with_the_polarity_differs_with_it():
+    one, study, states, steps = steps_of("nonlinear_stiffness")
+    assert "voltage" in one.tolerance
+    ways = [w for w in deviations(one, study, 0, steps[0], states[0].solved.held) if w[1] == SIGN]
+    volts = study.scenes[0].voltage_V
+    assert len(ways) == 2
+    G = study.scenes[0].count
+    odd, zero = (way.beam[:, G] / steps[0].beam[:, G] for way, _ in ways)
+    np.testing.assert_allclose(odd, np.sign(volts))
+    np.testing.assert_allclose(zero, np.where(volts == 0.0, -1.0, 0.5))
+
+
+@pytest.mark.parametrize(("name", "share"), [("initial_curvature", OWN), ("clamp_angle", SIGN)])
+def test_the_second_column_is_the_difference_between_the_sheets(name: str, share: float):
+    one, study, states, steps = steps_of(name)
+    found = atoms(study, states, one, steps)
+    long, short = (study.rows_of(c, states[c], s) for c, s in enumerate(steps))
+    np.testing.assert_allclose(found[:, 0], long + short)
+    np.testing.assert_allclose(found[:, 1], share * (long - short))
+
+
+@pytest.mark.parametrize("name", list(catalogue()))
+def test_every_effect_is_columns_that_count(name: str):
+    one, study, states, steps = steps_of(name)
+    found = atoms(study, states, one, steps)
+    assert np.all(np.isfinite(found))
+    assert found.shape[0] == study.layout.size
+    assert np.all(np.any(found[:, 1:], axis=0))
+
+
+def test_an_effect_in_the_model_has_its_knobs_first_then_its_tolerance():
+    base = base_fit()
+    problem = base.problem
+    for name, by_sheet in (("initial_curvature", 2), ("force_offset", 1)):
+        one = effect(name)
+        found = Found(one, {n: plausible(one) for n in problem.study.names})
+        assert len(found.knobs()) == by_sheet
+        columns, precision, away = effect_columns(
+            problem.study, base.linear, found, (found.active,)
+        )
+        step = 1e-4 * one.size.plausible
+        rows = []
+        for sign in (-1.0, 1.0):
+            p = {**plausible(one), one.size.name: one.size.plausible + sign * step}
+            whole = [
+                study_rows(base, c, replace(found, values=dict.fromkeys(problem.study.names, p)))
+                for c in range(2)
+            ]
+            rows.append(whole if by_sheet == 2 else [np.sum(whole, axis=0)])
+        for j in range(by_sheet):
+            slope = (rows[1][j] - rows[0][j]) / (2.0 * step)
+            size = np.max(np.abs(slope))
+            np.testing.assert_allclose(columns[:, j], slope, atol=2e-3 * size)
+        assert np.all(precision[by_sheet:] == 1.0)
+        assert not np.any(away[by_sheet:])
+        assert away[0] == pytest.approx(one.size.plausible - one.size.neutral)
+
+
+def study_rows(base, c: int, found: Found):
+    study = base.problem.study
+    start = base.problem.bases.beam(study, c, base.theta)
+    step = whole_step(study, c, base.linear.states[c], start, (), found.active)
+    return study.rows_of(c, base.linear.states[c], step)
+
+
+def test_a_step_of_the_fit_keeps_values_within_their_bounds():
+    one = effect("roll_friction")
+    found = Found(one, {"long": plausible(one)})
+    ((after,), quiet) = moved((found,), np.array([-50.0]), np.array([0.01]), [slice(0, 1)])
+    assert after.values["long"]["coefficient"] == one.size.low == 0.0
+    assert after.values["long"]["force_alone"] == plausible(one)["force_alone"]
+    assert not quiet
+    assert moved((found,), np.array([1e-4]), np.array([0.01]), [slice(0, 1)])[1]
+
+
+def test_finite_values_are_brought_to_nought_and_one():
+    np.testing.assert_allclose(unit(np.array([2.0, np.nan, 4.0, 3.0])), [0.0, 0.5, 1.0, 0.5])
+    np.testing.assert_allclose(unit(np.array([7.0, 7.0])), 0.5)
+    np.testing.assert_allclose(unit(np.full(2, np.nan)), 0.5)
+
+
+# ------------------------------------------------------------------------------- slots
+
+
+def acting(step: Step, G: int) -> set[str]:
+    """What a step changes; of the beam problem: curvature, softness, or contact."""
+    parts = {"curvature": slice(0, G), "soft": slice(G, 2 * G), "contact": slice(2 * G, None)}
+    found = {name for name, place in parts.items() if np.any(step.beam[:, place])}
+    others = [f.name for f in fields(Step) if f.name != "beam"]
+    return found | {name for name in others if np.any(getattr(step, name))}
+
+
+ALLOWED = {
+    "rest_curvature": {"curvature"},
+    "eibm": {"curvature"},
+    "even_moment": {"curvature"},
+    "compliance": {"curvature", "soft"},
+    "position": {"contact"},
+    "load_cell": {"force_N"},
+    "camera": {"points_m"},
+    "time": {"eibm", "stiffness", "force_N", "bin_eibm"},
+}
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(slot):
+    base = base_fit()
+    study, state = base.problem.study, base.linear.states[0]
+    made = [step for _, _, step in _MAKERS[slot](study, 0, state)]
+    found = set().union(*(acting(step, study.scenes[0].count) for step in made))
+    assert found == ALLOWED[slot]
+
+
+def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not():
+    base = base_fit()
+    study, state = base.problem.study, base.linear.states[0]
+    volts, G = study.scenes[0].voltage_V, study.scenes[0].count
+    for slot, sign in (("eibm", -1.0), ("even_moment", 1.0)):
+        for _, _, step in _MAKERS[slot](study, 0, state):
+            up, down = (step.beam[volts == v, :G][0] for v in (2.0, -2.0))
+            assert np.all(np.sign(up) == sign * np.sign(down))
+            assert not np.any(step.beam[volts == 0.0])
+
+
+def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forces():
+    base = base_fit()
+    layout = base.problem.study.layout
+    modes = np.concatenate([p.mode_rows.ravel() for p in layout.parts])
+    means = np.concatenate([p.trend_rows for p in layout.parts])
+    assert not any(np.any(s.rows[modes]) for s in shapes(base, "load_cell"))
+    assert not any(np.any(s.rows[means]) for s in shapes(base, "camera"))
+
+
+def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see(measure):
+    assert [c.name for c in unknowns(base_fit())] == [f"unknown:{s}" for s in SLOTS]
+    blind = prepare(measure(curves=False, scatter=0.0), Options())
+    assert "unknown:camera" not in [c.name for c in unknowns(fitted(measure(curves=False)))]
+    assert any("has no curves" in note for note in blind.notes)
