@@ -3,9 +3,9 @@
     python -m benchmarks.vision_extraction accuracy     RMSE, bound, coverage by SNR
     python -m benchmarks.vision_extraction failures     silent and reported failures
     python -m benchmarks.vision_extraction speed        frames per second, cold and following
-    python -m benchmarks.vision_extraction peers        beside what else there is (see peers' needs)
 
-Run one at a time on a quiet machine; `--scenes N` sets how many.
+Run one at a time on a quiet machine; `--scenes N` sets how many, `--first SEED` which. Beside what
+else there is: `python -m benchmarks vision_peers`.
 """
 
 from __future__ import annotations
@@ -140,15 +140,10 @@ def speed(count: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("accuracy", "failures", "speed", "peers"))
+    parser.add_argument("what", choices=("accuracy", "failures", "speed"))
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     given = parser.parse_args()
-    if given.what == "peers":
-        from benchmarks.vision_peers import compare
-
-        compare(given.scenes)
-        return
     if given.what == "speed":
         speed(given.scenes)
         return

@@ -199,7 +199,9 @@ class _Job:
         """Whether a second sheet, as good as the first, leaves the clamp or close beside it."""
         nodes = found.setting.nodes_px(found.fit.shape)
         half = float(found.fit.band.half_width.max())
-        wiped = self.ridges.without(nodes, 2 + half + found.fit.band.blur)
+        # at the clamp two sheets are one
+        apart_from = len(nodes) // 12
+        wiped = self.ridges.without(nodes[apart_from:], 2 + half + found.fit.band.blur)
         sign, optics = found.setting.sign, self.optics
         other = trace_from_clamp(
             wiped, optics, self.strip, sign, width=60, share=0.5, offsets=BESIDE_CLAMP
@@ -282,19 +284,18 @@ class _Job:
             best = max(best, other, key=lambda c: c.verdict.worth)
         return self._anchored(self._faced(best))
 
-    def _faced(self, found: Candidate) -> Candidate:
+    def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
-        face = None
+        found, face = plain, None
         for _ in range(FACE_ROUNDS):  # the curve moves when the face is taken off, the face with it
             if found.verdict.covered < 0.5:
                 break
             face = find_face(found.fit, found.setting, face)
             if face is None:
-                break
+                return plain  # where the face led the curve, a band alone explains as much
             band = face.on(found.fit.band, found.fit.shape)
-            found = self._judged(
-                fit_intensities(found.fit.shape, found.setting, band), found.setting
-            )
+            fit = fit_intensities(found.fit.shape, found.setting, band)
+            found = self._judged(fit, found.setting)
         return found
 
     def _judged(self, fit: Fit, setting: Setting) -> Candidate:

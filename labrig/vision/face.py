@@ -8,6 +8,7 @@ is grey; in a silhouette it is as dark as the edge, and only its geometry tells 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,7 +33,7 @@ LEAST_COMMON_GAIN = 5.0
 COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
 COMMON_SHARE = 0.08
 PIECE_CELLS = 24
-EVALUATIONS = 110
+EVALUATIONS = 130
 LEAST_BLUR_PX = 0.5
 
 
@@ -44,6 +45,7 @@ class Face:
     share: float
     centre: tuple[float, float]
     blur: float  # of the edges, which is less when the face is not taken for blur
+    elongation_half: float  # half the elongation's visible thickness, which nobody knows
 
     def widths(self, shape: Shape) -> FloatArray:
         """(cells,) visible width, to the side of its sign."""
@@ -54,7 +56,8 @@ class Face:
 
     def on(self, band: Band, shape: Shape) -> Band:
         """A band with this face."""
-        return replace(band, face=self.widths(shape), face_share=self.share, blur=self.blur)
+        looking = band.retuned(self.blur, self.elongation_half)
+        return replace(looking, face=self.widths(shape), face_share=self.share)
 
 
 def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | None:
@@ -63,9 +66,12 @@ def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | N
     `known`: a face from which to start, of the curve before it was fitted again.
     """
     search = _Search(fit, setting)
-    if known is None:
-        known = search.first()
-    return None if known is None else search.refined(known)
+    guess = search.first() if known is None else known
+    if guess is None:
+        return None
+    face, gains = search.refined(guess)
+    enough = _enough(gains) if known is None else float(gains.sum()) > LIKELY_GAIN
+    return face if enough else None
 
 
 class _Search:
@@ -82,13 +88,14 @@ class _Search:
         self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
         self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
         self.pixels = pixels_beside(fit.shape, setting, self.plain.reach + 6.0)
-        self.nothing = self.costs(None)
+        self.nothing = self._misfits(self.plain)
 
     def first(self) -> Face | None:
         """The best of a few guesses, if it explains enough."""
         share = 1.0 if self.silhouette else SHARE
         centre = (float(self.centre[0]), float(self.centre[1]))
-        guesses = [self._sharper(Face(depth, share, centre, 1.0)) for depth in DEPTHS]
+        half = float(self.plain.half_width[-1])
+        guesses = [self._sharper(Face(depth, share, centre, 1.0, half)) for depth in DEPTHS]
         best = min(guesses, key=self._total)
         return best if float((self.nothing - self.costs(best)).sum()) > LIKELY_GAIN else None
 
@@ -102,45 +109,55 @@ class _Search:
         more = float(np.mean(spread / (thick + grey)))
         return replace(face, blur=float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2))))
 
-    def refined(self, face: Face) -> Face | None:
-        """The likeliest face, from a guess."""
-        from scipy import optimize
-
-        minimize: Any = optimize.minimize
-        start = np.array([np.log(face.depth), face.share, 0.0, 0.0, np.log(face.blur)])
+    def refined(self, face: Face) -> tuple[Face, FloatArray]:
+        """The likeliest face, from a guess, and what it explains in each piece."""
+        self._settle()
+        start = np.array(
+            [np.log(face.depth), face.share, 0, 0, np.log(face.blur), face.elongation_half]
+        )
         start[2:4] = (np.array(face.centre) - self.centre) / self.spread
-        simplex = start + np.vstack([np.zeros(5), np.diag([0.3, -0.15, 0.4, 0.4, 0.15])])
-        options: Any = {"initial_simplex": simplex, "maxfev": EVALUATIONS}
-        best = minimize(self._unlikely, start, method="Nelder-Mead", options=options)
-        found = self._face(best.x)
-        return found if self._enough(found) else None
+        steps = np.array([0.3, -0.15, 0.4, 0.4, 0.15, 0.2])
+        used = slice(0, 6 if self.plain.elongation.any() else 5)
+        found = self._face(_lowest(self._unlikely, start, steps, used, EVALUATIONS))
+        return found, self.nothing - self.costs(found)
+
+    def _settle(self) -> None:
+        """Give the band alone its best chance: an elongation may be thick, a lens may blur."""
+
+        def band(p: FloatArray) -> Band:
+            return self.plain.retuned(
+                max(float(np.exp(p[0])), LEAST_BLUR_PX), max(float(p[1]), 0.5)
+            )
+
+        start = np.array([np.log(self.plain.blur), float(self.plain.half_width[-1])])
+        used = slice(0, 2 if self.plain.elongation.any() else 1)
+        steps = np.array([0.15, 0.3])
+        best = _lowest(lambda p: float(self._misfits(band(p)).sum()), start, steps, used, 40)
+        self.plain = band(best)
+        self.nothing = self._misfits(self.plain)
 
     def _face(self, p: FloatArray) -> Face:
         x, y = self.centre + self.spread * p[2:4]
         blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
         share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
         depth = float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH))
-        return Face(depth, share, (float(x), float(y)), blur)
+        return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
     def _unlikely(self, p: FloatArray) -> float:
         """What a face leaves unexplained, and how odd it is; outside of the bounds ever more."""
         outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
         return self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + 100.0 * float(outside)
 
-    def _enough(self, face: Face) -> bool:
-        """Whether it explains enough, and nearly everywhere: a wire lies beside a part only."""
-        gains = np.sort(self.nothing - self.costs(face))
-        common = float(gains[: round(COMMON * len(gains))].sum())
-        total = float(gains.sum())
-        return total > LEAST_GAIN and common > max(LEAST_COMMON_GAIN, COMMON_SHARE * total)
-
     def _total(self, face: Face) -> float:
         return float(self.costs(face).sum())
 
-    def costs(self, face: Face | None) -> FloatArray:
+    def costs(self, face: Face) -> FloatArray:
+        """(pieces,) what a face leaves unexplained."""
+        return self._misfits(face.on(self.plain, self.fit.shape))
+
+    def _misfits(self, band: Band) -> FloatArray:
         """(pieces,) squared residuals over the noise's, each piece displaced as it likes."""
         fit = self.fit
-        band = self.plain if face is None else face.on(self.plain, fit.shape)
         # weights that forgive little would count a missing face as an outlier
         cells = measured(self.pixels, band, 3 * fit.noise, fit.used)
         cells = np.where(fit.used[:, None], cells, 0.0)
@@ -150,3 +167,33 @@ class _Search:
         )
         left = misfit - pull**2 / np.maximum(information, 1e-9)
         return np.asarray(np.maximum(left, 0.0) / fit.noise**2)
+
+
+def _enough(gains: FloatArray) -> bool:
+    """Whether a face explains enough, and nearly everywhere: a wire lies beside a part only."""
+    total = float(gains.sum())
+    common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
+    return total > LEAST_GAIN and common > max(LEAST_COMMON_GAIN, COMMON_SHARE * total)
+
+
+def _lowest(
+    cost: Callable[[FloatArray], float],
+    start: FloatArray,
+    steps: FloatArray,
+    used: slice,
+    evaluations: int,
+) -> FloatArray:
+    """The parameters of least cost by a simplex from `start`; only those `used` are moved."""
+    from scipy import optimize
+
+    def whole(part: FloatArray) -> FloatArray:
+        out = start.copy()
+        out[used] = part
+        return out
+
+    first = start[used]
+    simplex = first + np.vstack([np.zeros(len(first)), np.diag(steps[used])])
+    options: Any = {"initial_simplex": simplex, "maxfev": evaluations}
+    minimize: Any = optimize.minimize
+    best = minimize(lambda part: cost(whole(part)), first, method="Nelder-Mead", options=options)
+    return whole(np.asarray(best.x, dtype=np.float64))

@@ -23,7 +23,7 @@ TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about th
 SUSPICIOUS_BLUR_PX = 1.5
 EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
-MOST_LOCAL_EXCESS_PX = 3.5
+MOST_LOCAL_EXCESS_PX = 2.0
 SPOILT_PX = 1.0
 
 
@@ -46,7 +46,7 @@ def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
 def something_lies_along(excess_px: FloatArray, fit: Fit) -> bool:
     """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
     thickness = 2 * float(fit.band.half_width[0])
-    much = max(MOST_LOCAL_EXCESS_PX, 1.2 * thickness)
+    much = max(MOST_LOCAL_EXCESS_PX, thickness)
     return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
 
 

@@ -62,6 +62,20 @@ def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
     assert np.mean(miss_mm < 1.96 * curve.sigma_m * 1000) > 0.8
 
 
+def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known):
+    scene = scenes.make_scene(scenes.mixed(830_073))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert curve.face_share == 0
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.02
+
+
+def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
+    scene = scenes.make_scene(scenes.mixed(900_080))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert not curve.ok or scenes.rmse_px(curve.points_px, scene.truth_px) < 1
+
+
 def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
     optics, strip = known(faced)
     modes = {
