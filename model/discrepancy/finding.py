@@ -85,7 +85,7 @@ class Finding:
         named = tuple(_named(c, decision.known, seen) for c in decision.named)
         verdict = self._verdict(named, decision.unknown)
         apart = self._left_out(pool, decision)
-        noise, where = gaps.variance(decision.final), gaps.cells(base)
+        noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         fitted = BeforeAfter(
             *(gaps.gap(gaps.refitted(f), noise, where) for f in (base, decision.final))
         )
@@ -144,7 +144,7 @@ class Finding:
 
     def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
         base, final = self.outcome.base, decision.final
-        noise, where = gaps.variance(final), gaps.cells(base)
+        noise, where = gaps.variance(final), gaps.cells(base, self.outcome.outliers)
         rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][:RIVALS]
         names = {*rivals, *(c.effect.name for c in decision.named)}
         few = [c for c in pool if c.name in names]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,27 +18,20 @@ class Cells:
     """Rows by what people ask for: numbers are indices into all rows."""
 
     force: Index  # mean forces
-    condition: Index  # (of these) number of the condition over all configurations
     modes: tuple[Index, ...]  # of each curve
-    curve_of: Index  # number of the condition of each
 
 
-def cells(fitted: Fitted) -> Cells:
-    """Where forces and curves stand."""
+def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
+    """Where forces and curves stand; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
-    force, condition, modes, curve_of = [], [], [], []
+    force: list[int] = []
+    modes: list[Index] = []
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
-        force += part.trend_rows[part.is_mean].tolist()
-        condition += (first + part.trend_of[part.is_mean]).tolist()
-        for k in np.flatnonzero(scene.has_curve):
-            modes.append(part.mode_rows[k])
-            curve_of.append(first + int(k))
+        counts = np.array([first + k not in without for k in range(scene.K)])
+        force += part.trend_rows[part.is_mean & counts[part.trend_of]].tolist()
+        modes += [part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)]
         first += scene.K
-    return Cells(_int(force), _int(condition), tuple(modes), _int(curve_of))
-
-
-def _int(values: list[int]) -> Index:
-    return np.array(values, dtype=np.int64)
+    return Cells(np.array(force, dtype=np.int64), tuple(modes))
 
 
 def variance(fitted: Fitted) -> FloatArray:
@@ -48,23 +42,14 @@ def variance(fitted: Fitted) -> FloatArray:
     return diagonal
 
 
-def gap(
-    residual: FloatArray, variance_: FloatArray, where: Cells, rows: Index | None = None
-) -> Gap:
+def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
     """Root mean squares over forces and over curves; chi2 about them, each row by itself."""
-    use = (
-        np.ones(len(residual), dtype=bool)
-        if rows is None
-        else np.isin(np.arange(len(residual)), rows)
-    )
-    force = where.force[use[where.force]]
-    curves = [m for m in where.modes if use[m[0]]]
-    curve = np.concatenate([np.zeros(0, dtype=np.int64), *curves]).astype(np.int64)
-    both = np.concatenate([force, curve])
+    force = residual[where.force]
+    both = np.concatenate([where.force, *where.modes])
     chi2 = float(np.mean(residual[both] ** 2 / variance_[both])) if len(both) else np.nan
-    square = [float(np.sum(residual[m] ** 2)) for m in curves]
+    square = [float(np.sum(residual[m] ** 2)) for m in where.modes]
     return Gap(
-        float(np.sqrt(np.mean(residual[force] ** 2))) * 1e3 if len(force) else np.nan,
+        float(np.sqrt(np.mean(force**2))) * 1e3 if len(force) else np.nan,
         float(np.sqrt(np.mean(square))) * 1e3 if square else np.nan,
         chi2,
     )

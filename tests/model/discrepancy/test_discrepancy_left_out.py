@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.gaps import closed_share, refitted, variance
+from model.discrepancy.gaps import cells, closed_share, floor, refitted, variance
+from model.discrepancy.gaps import gap as gap_of
 from model.discrepancy.left_out import left_out, position_groups, predictive_gains
 from model.discrepancy.prepare import Options
 from model.discrepancy.result import BeforeAfter, Gap
@@ -97,3 +98,18 @@ def test_without_its_positions_nothing_else_changes():
     base = base_fit()
     none = left_out(base, replace(base), [], [])
     np.testing.assert_array_equal(none[0], refitted(base))
+
+
+def test_conditions_left_out_as_outliers_count_for_no_gap():
+    base = base_fit()
+    whole, some = cells(base), cells(base, [4, 41])
+    part = base.problem.study.part(0)
+    rows = set(part.trend_rows[part.trend_of == 4])
+    assert rows & set(whole.force)
+    assert not rows & set(some.force)
+    assert [len(c.force) for c in (whole, some)] == [42, 40]
+    assert [len(c.modes) for c in (whole, some)] == [42, 40]
+    noise = np.ones(base.problem.study.layout.size)
+    noise[list(rows)] = 1e6
+    assert floor(noise, some).force_rmse_mN == pytest.approx(1e3)
+    assert gap_of(3.0 * np.ones(len(noise)), noise, some).force_rmse_mN == pytest.approx(3e3)
