@@ -59,6 +59,7 @@ export class PromptBar {
 
   async send(done) {
     const { prompt } = this.job;
+    if (!prompt || this.sent === prompt.prompt) return; // answered meanwhile, perhaps by another page
     this.sent = prompt.prompt;
     this.fault = null;
     this.update();
