@@ -70,3 +70,76 @@ def test_a_known_parameter_does_not_move():
     data, _ = made(np.random.default_rng(3))
     known = Data(**{**data.__dict__, "precision": np.array([1e12, 0.0]), "away": np.zeros(2)})
     assert abs(weigh(known, np.log([0.3, 0.1])).beta[0]) < 1e-6
+
+
+def rich(seed: int = 5, runs: int = 14):
+    """Two scatters and two noises, one of them of every second row, with priors of their own."""
+    random = np.random.default_rng(seed)
+    X = random.standard_normal((runs, 6, 3))
+    groups = [random.standard_normal((runs, 6, 1)), random.standard_normal((runs, 6, 2))]
+    masks = [np.ones((runs, 6)), np.tile([1.0, 0.0], (runs, 3))]
+    y = 0.5 * random.standard_normal((runs, 6))
+    for sigma, Z in zip((0.8, 0.4), groups, strict=True):
+        y += sigma * np.einsum("rnq,rq->rn", Z, random.standard_normal((runs, Z.shape[2])))
+    precision, away = np.array([0.0, 4.0, 1.0]), np.array([0.0, 0.3, -0.2])
+    width = np.array([0.8, 1.0, 2.0, 0.3])
+    return Data(y, X, groups, masks, np.full((runs, 6), 0.01), precision, away, width)
+
+
+def test_the_gradient_is_exact_with_several_scatters_noises_and_priors():
+    data = rich(runs=5)
+    at, guess = np.log([0.7, 0.3, 0.4, 0.2]), np.log([0.5, 0.5, 0.5, 0.1])
+    _, gradient = deviance(data, at, guess)
+    for k in range(4):
+        h = np.eye(4)[k] * 1e-5
+        slope = (deviance(data, at + h, guess)[0] - deviance(data, at - h, guess)[0]) / 2e-5
+        assert gradient[k] == pytest.approx(slope, rel=1e-6, abs=1e-7)
+
+
+def test_an_estimate_ends_where_the_likelihood_is_level_wherever_it_began():
+    data, guess = rich(), np.log([0.5, 0.5, 0.5, 0.1])
+    found = [
+        estimate(data, guess, guess + start, 1e-9).log_sigma
+        for start in (np.zeros(4), np.array([2.0, -2.0, 1.0, -1.0]), np.full(4, -3.0))
+    ]
+    value, gradient = deviance(data, found[0], guess)
+    assert np.max(np.abs(gradient)) < 1e-3
+    for other in found[1:]:
+        np.testing.assert_allclose(other, found[0], atol=1e-3)
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        assert deviance(data, found[0] + 0.2 * random.standard_normal(4), guess)[0] > value
+
+
+def test_a_rough_estimate_is_within_its_accuracy_of_the_best():
+    data, guess = rich(), np.log([0.5, 0.5, 0.5, 0.1])
+    best = deviance(data, estimate(data, guess, None, 1e-10).log_sigma, guess)[0]
+    rough = deviance(data, estimate(data, guess, None, 0.1).log_sigma, guess)[0]
+    assert best <= rough < best + 0.2
+
+
+def test_the_likelihood_is_that_of_a_gaussian_with_flat_parameters_integrated_out():
+    """The difference between two scatters is that of the marginal likelihoods."""
+    from scipy.stats import multivariate_normal
+
+    data, guess = rich(runs=3), np.zeros(4)
+    X, y = data.X.reshape(-1, 3), data.y.ravel()
+    wide = 1e5 * np.outer(X[:, 0], X[:, 0])  # no prior on the first
+
+    def marginal(at) -> float:
+        sigma2, N = np.exp(2.0 * at), 6
+        V = wide + X[:, 1:] @ np.diag([0.25, 1.0]) @ X[:, 1:].T
+        for r in range(3):
+            own = slice(N * r, N * r + N)
+            V[own, own] += np.diag(
+                data.fixed[r] + sigma2[2] * data.masks[0][r] + sigma2[3] * data.masks[1][r]
+            )
+            for value, Z in zip(sigma2, data.groups, strict=False):
+                V[own, own] += value * Z[r] @ Z[r].T
+        mean = -X[:, 1:] @ data.away[1:]
+        away = (at - guess) / data.width
+        return -2.0 * multivariate_normal(mean, V).logpdf(y) + float(away @ away)
+
+    one, two = np.log([0.7, 0.3, 0.4, 0.2]), np.log([0.2, 0.6, 0.5, 0.4])
+    found = deviance(data, one, guess)[0] - deviance(data, two, guess)[0]
+    assert found == pytest.approx(marginal(one) - marginal(two), rel=1e-4)
