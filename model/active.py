@@ -88,7 +88,7 @@ def with_effects(
     name = setups[0].sheet.configuration
     named, strange = acting(effects, name), unknowns(effects, name)
     plain = _beam(setups, positions_m)
-    base = _in_course(plain, named, strange)
+    base = _in_course(plain, named)
     beam, found = base, solved(_setups(setups, plain, base))
     for turn in range(MOST_ROUNDS):
         new = _applied(base, _held(found, beam), named, strange)
@@ -187,9 +187,11 @@ def _held(found: Solved, beam: Beam) -> Held:
 # -- what the effects do
 
 
-def _in_course(beam: Beam, named: Sequence[Acting], strange: Sequence[ActiveEffect]) -> Beam:
-    """EIBM and stiffness as the mean of a typical run's readings has them."""
-    del strange  # an unknown course in time is a matter of single readings, not of their mean
+def _in_course(beam: Beam, named: Sequence[Acting]) -> Beam:
+    """EIBM and stiffness as the mean of a typical run's readings has them.
+
+    An unknown course in time is a matter of single readings, not of their mean.
+    """
     courses = [one for one in named if type(one.effect).course is not Effect.course]
     if not courses:
         return beam

@@ -120,7 +120,7 @@ def _standing(one: Ranked, found: Diagnosis) -> str:
 
 def verdict_sentences(found: Diagnosis) -> list[str]:
     """The verdict, and what it means."""
-    said = [f"Verdict: {VERDICTS[found.verdict]}. {found.sentence}"]
+    said = [f"Verdict: {found.sentence}"]
     for one in found.effects:
         meaning = catalogue()[one.name].meaning if one.name in catalogue() else ""
         if meaning:
@@ -131,9 +131,8 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
     if found.unknown is not None:
         some = found.unknown
         said.append(
-            f"It acts on the {some.slot.replace('_', ' ')} of the {some.configuration} sheet,"
-            f" most at {some.peak_mm:.0f} {'s' if some.along == 'time' else 'mm'}"
-            f" {_coordinate(some.along)}: {some.depends}."
+            f"It shows most clearly in the {some.configuration} sheet, at {some.peak_mm:.0f}"
+            f" {'s' if some.along == 'time' else 'mm'} {_coordinate(some.along)}."
         )
     return said
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from labrig.report.chosen import place
 from labrig.report.table import Table, fixed, number, volts, with_sigma
 from model import ConfigurationFit, Fit
+from model.residuals import ConditionResidual
 
 # names of the fit's scatter -> what it is, and the factor to the unit named
 _SCATTER = {
@@ -62,7 +65,12 @@ def _constant(one: ConfigurationFit, voltage_V: float) -> str:
 
 
 def residual_table(fit: Fit) -> Table:
-    """Each condition: the measured force, both simulated ones, and the curves' distances."""
+    """Each condition that was fitted."""
+    return against_table("Each condition against the simulations", fit.residuals)
+
+
+def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
+    """Of each condition the measured force, both simulated ones, and the curves' distances."""
     columns = (
         "condition",
         "F, mN",
@@ -78,9 +86,18 @@ def residual_table(fit: Fit) -> Table:
             *(_signed(1e3 * (row.predicted_N[k] - row.force_N)) for k in ("varying", "constant")),
             *(fixed(1e3 * row.curve_rmse_m[k], 3) for k in ("varying", "constant")),
         )
-        for row in fit.residuals
+        for row in conditions
     ]
-    return Table("Each condition against the simulations", columns, tuple(rows))
+    return Table(title, columns, tuple(rows))
+
+
+def repeats_table(fit: Fit) -> Table | None:
+    """Where simulated repeats were asked for: how far they scatter beside what table 4 states."""
+    if not fit.bootstrap_ratio:
+        return None
+    rows = tuple((name, fixed(ratio, 2)) for name, ratio in fit.bootstrap_ratio.items())
+    note = f"1 means that table 4 is right. From {fit.options.bootstrap} simulated sessions."
+    return Table("Scatter of simulated repeats over stated uncertainty", ("", "ratio"), rows, note)
 
 
 def _signed(value: float) -> str:

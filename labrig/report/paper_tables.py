@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from labrig.report.apart import base
 from labrig.report.paper import PAPER, Quoted
 from labrig.report.table import Table, fixed, interval, number, volts, with_sigma
 from model import Condition, ConfigurationFit, Fit, Measurements, Parameter, SheetGeometry
@@ -30,13 +31,13 @@ def table_3(measurements: Measurements, names: list[str], fit: Fit | None) -> Ta
         ("radius of the arc R, mm", lambda g: _mm(g.arc_radius_m), None),
         ("initial curvature k0, 1/m", lambda g: _rest(g, fit), None),
     ]
-    cells = []
+    cells, quotes = [], _quotes(names)
     for label, ours, theirs in rows:
         row = [label]
         for name in names:
             row.append(ours(measurements.sheets[name]))
-            if name in PAPER:
-                row.append("-" if theirs is None else number(theirs(PAPER[name])))
+            if name in quotes:
+                row.append("-" if theirs is None else number(theirs(quotes[name])))
         cells.append(tuple(row))
     note = "k0: from the clamp to the end of the free length, and its mean."
     return _beside_paper("Table 3. Sheet configurations", names, cells, note)
@@ -61,14 +62,20 @@ def _rest(sheet: SheetGeometry, fit: Fit | None) -> str:
 
 def _beside_paper(title: str, names: list[str], rows: list[tuple[str, ...]], note: str) -> Table:
     """Columns for each configuration: this session, and the paper where it has that sheet."""
-    columns = [""]
+    columns, quotes = [""], _quotes(names)
     quoted = set()
     for name in names:
-        columns.append(f"{name}, this session")
-        if name in PAPER:
+        columns.append(name if name != base(name) else f"{name}, this session")
+        if name in quotes:
             quoted.add(len(columns))
-            columns.append(f"{name}, paper")
+            columns.append(f"{base(name)}, paper")
     return Table(title, tuple(columns), tuple(rows), note, frozenset(quoted))
+
+
+def _quotes(names: list[str]) -> dict[str, Quoted]:
+    """The paper's sheets, by the column they stand beside: the last one of that sheet."""
+    last = {base(name): name for name in names}
+    return {name: PAPER[sheet] for sheet, name in last.items() if sheet in PAPER}
 
 
 def table_4(fit: Fit) -> Table:
@@ -144,14 +151,14 @@ def compared_conditions(measurements: Measurements, fit: Fit) -> list[Condition]
 
 def table_5(fit: Fit, compared: list[Condition]) -> Table:
     """RMSE of the neutral curve of one condition of each configuration."""
-    rows = []
+    rows, quotes = [], _quotes([c.configuration for c in compared])
     for place, (kind, text) in enumerate(_KINDS):
         row = [text]
         for condition in compared:
             name = condition.configuration
             row.append(_mm_error(_condition_error_m(fit, condition, kind)))
-            if name in PAPER:
-                row.append(fixed(PAPER[name].curve_rmse_at_0_mm[place], 2))
+            if name in quotes:
+                row.append(fixed(quotes[name].curve_rmse_at_0_mm[place], 2))
         rows.append(tuple(row))
     places = {(c.voltage_V, c.position_m) for c in compared}
     at = ", ".join(f"{volts(v)} and p = {_MILLI * (p or 0):g} mm" for v, p in sorted(places))
@@ -177,16 +184,16 @@ def _mm_error(value_m: float | None) -> str:
 def table_6(fit: Fit) -> Table:
     """RMSE of curves and forces over all conditions."""
     names = list(fit.configurations)
-    rows = []
+    rows, quotes = [], _quotes(names)
     for place, (kind, text) in enumerate(_KINDS):
         curve, force = [f"{text}: neutral curve, mm"], [f"{text}: force, mN"]
         for name in names:
             errors = fit.configurations[name].rmse[kind]
             curve.append(_mm_error(errors.curve_m))
             force.append(fixed(_MILLI * errors.force_N, 3))
-            if name in PAPER:
-                curve.append(fixed(PAPER[name].curve_rmse_mm[place], 2))
-                force.append(fixed(PAPER[name].force_rmse_mN[place], 3))
+            if name in quotes:
+                curve.append(fixed(quotes[name].curve_rmse_mm[place], 2))
+                force.append(fixed(quotes[name].force_rmse_mN[place], 3))
         rows += [tuple(curve), tuple(force)]
     note = "Over all positions and voltages that were fitted."
     return _beside_paper("Table 6. Root mean squared errors", names, rows, note)

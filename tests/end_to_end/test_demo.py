@@ -21,10 +21,15 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(
     for title in ("Table 4. Parameters", "Table 6. Root mean squared errors"):
         assert title in printed
     assert "The world's own record of the last voltage: 0 V" in printed
+    assert "Where simulation and measurement disagree" in printed
+    assert "Verdict: " in printed
+    assert (tmp_path / "demo" / "model+.toml").exists()
+    assert (tmp_path / "demo" / "diagnosis" / "index.html").exists()
     report = tmp_path / "demo" / "report"
     assert {p.stem for p in (report / "figures").glob("*.svg")} >= {
         f"figure-{number}" for number in range(5, 10)
     }
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
+    assert "What the model is missing" in page
     assert labrig("demo", tmp_path / "demo") == 2

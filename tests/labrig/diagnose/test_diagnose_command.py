@@ -64,7 +64,7 @@ def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recor
         "Invisible in these data", "charging_lag",
         "Candidates", "nonuniform_eibm", "812.4", "load_cell_hysteresis", "less likely",
         "of 6.2 or more (the 95th percentile of 200 simulated sessions",
-        "Verdict: an effect is named. The EIBM falls along the sheet",
+        "Verdict: The EIBM falls along the sheet",
         "Parameters", "nonuniform_eibm: decay_length_mm", "12.00 ± 0.40",
         "long: bending stiffness B", "µN·m²",
         "Before and after", "all, left out: force, mN", "long, fitted: neutral curve, mm",
@@ -104,12 +104,12 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (made.nothing_missing, "Verdict: nothing is missing."),
+        (made.nothing_missing, "Verdict: Nothing is missing:"),
         (made.indistinguishable, "One of nonuniform_eibm and load_cell_hysteresis: 97 %"),
         (made.indistinguishable, "Measure next: Six free shapes"),
         (made.indistinguishable, "1.8 sigma apart now, and would be 14.0 after 2 min"),
-        (made.unknown, "most at 30 mm from the clamp: in proportion to the EIBM"),
-        (made.cannot_tell, "these data do not allow a verdict"),
+        (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
+        (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),
     ],
 )
 def test_each_verdict_is_a_plain_sentence(make, says, finding, recorded, capsys):
@@ -169,7 +169,7 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
     assert load_measurements(path).conditions
     page = read(write_report(path, tmp_path / "out"))
     assert "What the model is missing" in page
-    assert "Verdict: an effect is named" in page
+    assert "Verdict: The EIBM falls" in page
     assert 'id="diagnosis-maps"' in page
 
 

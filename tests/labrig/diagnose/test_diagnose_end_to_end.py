@@ -1,0 +1,60 @@
+"""From somebody's CSV tables to a model that lacks nothing, by the commands alone."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from benchmarks.hidden_effects import case, hidden_session, write
+from labrig.cli.main import run
+from labrig.config import load_protocol
+
+
+def labrig(*arguments: object) -> int:
+    return run([str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory):
+    """A session in which the EIBM falls along the sheet."""
+    folder = tmp_path_factory.mktemp("hidden")
+    hidden = hidden_session(case("nonuniform_eibm", seed=1))
+    sheet, *tables = write(hidden, folder / "tables", folder / "truth.json")
+    options = [part for path in tables for part in (f"--{path.stem}", path)]
+    session = folder / "session.h5"
+    assert labrig("import", "--sheet", sheet, *options, "-o", session) == 0
+    return session
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_hidden_effect_is_named_added_and_then_nothing_is_missing(imported, tmp_path, capsys):
+    model, page = tmp_path / "model+.toml", tmp_path / "page"
+    assert labrig("diagnose", imported, "-o", model, "--report", page, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdict"] == "effect_named"
+    assert [one["name"] for one in found["effects"]] == ["nonuniform_eibm"]
+    held_out = found["gap"]["held_out"]
+    for key in ("force_rmse_mN", "curve_rmse_mm"):
+        assert held_out["after"][key] < 0.9 * held_out["before"][key]
+    assert (page / "index.html").exists()
+    assert labrig("diagnose", imported, "--model", model, "--json") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["verdict"] == "nothing_missing"
+    assert labrig("compare", imported, "--model", model, "--json") == 0
+    rows = json.loads(capsys.readouterr().out)
+    for name in ("long", "short"):
+        own = {r["model"]: r for r in rows if r["configuration"] == name}
+        best = own["full model, EIBM along the sheet"]["force_rmse_mN"]
+        assert own["model+.toml"]["force_rmse_mN"] < 3.0 * best
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_next_proposes_something_that_the_protocol_knows(imported, tmp_path, capsys):
+    path = tmp_path / "protocol.toml"
+    names = ("initial_curvature", "clamp_angle")
+    assert labrig("next", imported, "--between", *names, "-o", path) == 0
+    assert "sigma apart now" in capsys.readouterr().out
+    assert load_protocol(path).schedule(str(path)).runs
