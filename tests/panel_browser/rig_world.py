@@ -99,5 +99,12 @@ def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:
         page.wait_for_timeout(50)
 
 
+def while_going(page: Any, condition: str) -> None:
+    """Wait until `condition` (JavaScript) holds; a run that ends before says why."""
+    ended = "labrig.job?.ended?.reason ?? labrig.job?.job?.text"
+    page.wait_for_function(f"({condition}) || {ENDED}")
+    assert page.evaluate(condition), f"the run has ended before: {page.evaluate(ended)}"
+
+
 ENERGISED = "labrig.job.output?.state === 'energised'"
 ENDED = "['ended', 'lost'].includes(labrig.job.job?.state)"

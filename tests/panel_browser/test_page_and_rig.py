@@ -16,6 +16,7 @@ from tests.panel_browser.rig_world import (
     enter,
     rig_world,
     start,
+    while_going,
 )
 
 
@@ -125,17 +126,15 @@ def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     first = enter(visit, world)
     start(first, world, "long.toml", "two.h5")
     answer_until(first, ENERGISED)
-    first.wait_for_function("labrig.job.runs.get(0)?.readings.size >= 4")
+    while_going(first, "labrig.job.runs.get(0)?.readings.size >= 4")
     first.reload()
-    first.wait_for_function("labrig.job?.runs.get(0)?.readings.size >= 4")
+    while_going(first, "labrig.job?.runs.get(0)?.readings.size >= 4")
     second = enter(visit, world, width=1024, height=768)
-    second.wait_for_function("labrig.job?.runs.get(0)?.readings.size >= 6")
+    while_going(second, "labrig.job?.runs.get(0)?.readings.size >= 6")
     # a reload keeps control, a second browser watches
     first.wait_for_function("labrig.control.mine")
     assert not second.evaluate("labrig.control.mine")
-    second.wait_for_function(
-        "labrig.page?.view.picture.shown > 0 && labrig.job.signals.count > 200"
-    )
+    while_going(second, "labrig.page?.view.picture.shown > 0 && labrig.job.signals.count > 200")
     force = "[...labrig.job.runs.get(0).readings.values()].slice(0, 6).map((r) => r.force_mN)"
     assert first.evaluate(force) == second.evaluate(force)
     assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
