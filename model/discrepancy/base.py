@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.discrepancy.features import Look
 from model.discrepancy.linear import Base, Bases
 from model.discrepancy.point import Study
 from model.field import Field
@@ -85,8 +84,3 @@ def start(
     if not np.all(np.isfinite(theta)):
         raise ModelError("no rough values of B and EIBM could be found; check forces and curves")
     return theta
-
-
-def names_of(looks: list[Look]) -> list[str]:
-    """Configurations."""
-    return [one.sheet.configuration for one in looks]
