@@ -68,6 +68,12 @@ def _check_same(one: SheetGeometry | None, other: SheetGeometry, first: Path, se
                 f"{second}: its {one.configuration} sheet has a {text} of {b * 1e3:g} mm, that of "
                 f"{first} {a * 1e3:g} mm; only sessions of the same sheet can be taken together."
             )
+    if abs(one.arc_origin_rad - other.arc_origin_rad) > SAME:
+        a, b = np.degrees([one.arc_origin_rad, other.arc_origin_rad])
+        raise BadInputError(
+            f"{second}: its arc begins at {b:g} degrees for the {one.configuration} sheet, that of "
+            f"{first} at {a:g}; only sessions of the same geometry can be taken together."
+        )
     if not _same_rest(one, other):
         raise BadInputError(
             f"{second}: its initial curvature of the {one.configuration} sheet is not that of "

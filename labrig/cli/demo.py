@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from labrig.cli.fit import fit
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError, ExitCode
 
@@ -59,7 +60,7 @@ def demo(
     _heading("3. Frames to neutral curves, signals to forces")
     evaluate.analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
-    evaluate.fit(session, model)
+    fit([session], model)
     _heading("5. What the model with a constant EIBM is missing")
     _diagnose(session, folder)
     _heading("6. The report")

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.fit import fit, fitted_of
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from model import Fit, FitOptions, Measurements, Prediction
+    from model import Prediction
 
 Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
@@ -41,61 +42,6 @@ def analyze(session: Recorded, as_json: Json = False) -> None:
         print_table(table.title, table.columns, table.rows)
     for text in found.warnings:
         warn(text)
-
-
-def fit(
-    session: Recorded,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
-    varying: Annotated[
-        bool, typer.Option("--varying", help="write the model whose EIBM varies along the sheet")
-    ] = False,
-    q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
-    as_json: Json = False,
-) -> None:
-    """Identify bending stiffness and electrically induced bending moment of a session's sheets.
-
-    The model file holds the model with constant EIBM unless --varying is given.
-    """
-    from labrig.model_file import save_model
-    from labrig.report.findings import measured
-    from labrig.report.fit_tables import scatter_table, trust
-    from labrig.report.paper_tables import table_4, table_6
-    from model import FitOptions
-
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
-    options = FitOptions(weight_exponent=q)
-    with progress("analyze") as advance:
-        measurements = measured(session, advance, warn)
-    found = _fitted(session, measurements, options)
-    if output is not None:
-        save_model(found.varying_model if varying else found.model, output)
-    if as_json:
-        print_json(found.to_json())
-        return
-    for table in (table_4(found), table_6(found), scatter_table(found)):
-        print_table(table.title, table.columns, table.rows)
-    for text in trust(found):
-        say(text)
-    if output is not None:
-        say(f"wrote {output}")
-
-
-def _fitted(session: Path, measurements: Measurements, options: FitOptions) -> Fit:
-    """The fit of all configurations that allow one; the others are named on the screen."""
-    from labrig.report.fitted import fit_what_can_be
-
-    fitted = fit_what_can_be(measurements, options)
-    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
-    if fitted.fit is None:
-        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
-        raise BadInputError(f"{session}: no configuration can be fitted: {why}.")
-    for name, why in lacking.items():
-        warn(f"{name}: could not be fitted: {why}.")
-    return fitted.fit
 
 
 def simulate(
@@ -166,7 +112,7 @@ def compare(
 
     with progress("analyze") as advance:
         measurements = measured(session, advance, warn)
-    fitted = _fitted(session, measurements, FitOptions())
+    fitted = fitted_of(str(session), measurements, FitOptions())
     rows = compare_models(
         measurements, replace(fitted.options, configurations=tuple(fitted.configurations))
     )

@@ -22,23 +22,27 @@ ABREAST = 4  # panels; further ones go to a figure of their own
 
 
 def write_fit_figures(folder: Path, fit: Fit, measurements: Measurements) -> list[Path]:
-    """Write them as PNG and SVG and return their paths.
+    """Write them into a folder that is there, as PNG and SVG, and return their paths.
 
     Figure 8 shows those sheets whose EIBM is known to vary; without neutral curves there are none.
     """
     models = Models(fit.varying_model, fit.model)
     names = list(fit.configurations)
     varying = [n for n in names if _varies(fit, n)]
+    return [
+        *_write(folder, "figure-8", varying, lambda some: moment_figure(models, some)),
+        *_write(folder, "figure-9", names, lambda some: force_figure(measurements, some, models)),
+    ]
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder if need be, so that it is known before the fit whether that can be done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
         raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
-    return [
-        *_write(folder, "figure-8", varying, lambda some: moment_figure(models, some)),
-        *_write(folder, "figure-9", names, lambda some: force_figure(measurements, some, models)),
-    ]
 
 
 def _varies(fit: Fit, name: str) -> bool:
