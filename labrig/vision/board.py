@@ -13,7 +13,8 @@ from labrig.errors import BadInputError
 
 FloatArray = npt.NDArray[np.float64]
 
-POINTS_PER_MM = 72 / 25.4
+MM_PER_INCH = 25.4
+DOTS_PER_MM = 40  # every edge of a marker is good to 0.0125 mm
 
 
 @dataclass(frozen=True)
@@ -66,60 +67,29 @@ class Board:
 
 def write_board_pdf(path: Path, board: Board) -> None:
     """One page with the board at its true size, and a ruler to check the printer's scale."""
-    dots = 8  # per mm; every edge of the markers falls on a whole dot below
-    picture = board.picture(dots * 5)[2::5, 2::5]
+    from matplotlib.backends.backend_pdf import FigureCanvasPdf
+    from matplotlib.figure import Figure
+
     width, height = board.columns * board.square_mm, board.rows * board.square_mm
     page_w, page_h = width + 30, height + 40
-    where = f"{width * POINTS_PER_MM:.4f} 0 0 {height * POINTS_PER_MM:.4f}"
-    left, bottom = 15 * POINTS_PER_MM, 25 * POINTS_PER_MM
-    marks = [f"q {where} {left:.4f} {bottom:.4f} cm /Board Do Q", "0.2 w"]
+    figure = Figure(figsize=(page_w / MM_PER_INCH, page_h / MM_PER_INCH))
+    page = figure.add_axes((0, 0, 1, 1))
+    page.set_axis_off()
+    # as it is, pixel by pixel: any smoothing would move the edges
+    page.imshow(
+        board.picture(DOTS_PER_MM),
+        cmap="gray",
+        interpolation="none",
+        extent=(15, 15 + width, 25, 25 + height),
+    )
     ruler_mm = int(min(100, width))
-    for mm in range(ruler_mm + 1):
-        x, tall = left + mm * POINTS_PER_MM, (4 if mm % 10 == 0 else 2) * POINTS_PER_MM
-        base = 15 * POINTS_PER_MM
-        marks.append(f"{x:.4f} {base:.4f} m {x:.4f} {base + tall:.4f} l S")
+    ticks = range(ruler_mm + 1)
+    tops = [15 + (4 if mm % 10 == 0 else 2) for mm in ticks]
+    page.vlines([15 + mm for mm in ticks], 15, tops, color="black", linewidth=0.2)
     note = (
         f"{board.columns} x {board.rows} squares of {board.square_mm:g} mm, markers "
         f"{board.marker_mm:g} mm. Print at 100 %; the ruler is {ruler_mm} mm long: measure it."
     )
-    marks.append(f"BT /F 7 Tf {left:.2f} {8 * POINTS_PER_MM:.2f} Td ({note}) Tj ET")
-    _write_pdf(path, picture, "\n".join(marks), page_w, page_h)
-
-
-def _write_pdf(
-    path: Path, picture: npt.NDArray[np.uint8], content: str, width_mm: float, height_mm: float
-) -> None:
-    import zlib
-
-    rows, columns = picture.shape
-    pixels = zlib.compress(picture.tobytes())
-    box = f"[0 0 {width_mm * POINTS_PER_MM:.3f} {height_mm * POINTS_PER_MM:.3f}]"
-    resources = "<< /XObject << /Board 5 0 R >> /Font << /F 6 0 R >> >>"
-    objects = [
-        b"<< /Type /Catalog /Pages 2 0 R >>",
-        b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-        f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents 4 0 R "
-        f"/Resources {resources} >>".encode(),
-        f"<< /Length {len(content)} >>\nstream\n{content}\nendstream".encode("ascii"),
-        (
-            f"<< /Type /XObject /Subtype /Image /Width {columns} /Height {rows} /ColorSpace "
-            f"/DeviceGray /BitsPerComponent 8 /Filter /FlateDecode /Length {len(pixels)} >>\n"
-            "stream\n"
-        ).encode()
-        + pixels
-        + b"\nendstream",
-        b"<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>",
-    ]
-    out = bytearray(b"%PDF-1.4\n")
-    places = []
-    for number, text in enumerate(objects, start=1):
-        places.append(len(out))
-        out += f"{number} 0 obj\n".encode() + text + b"\nendobj\n"
-    start = len(out)
-    out += f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n".encode()
-    for place in places:
-        out += f"{place:010d} 00000 n \n".encode()
-    out += (
-        f"trailer << /Size {len(objects) + 1} /Root 1 0 R >>\nstartxref\n{start}\n%%EOF\n".encode()
-    )
-    path.write_bytes(bytes(out))
+    page.text(15, 8, note, fontsize=7)
+    page.set(xlim=(0, page_w), ylim=(0, page_h), aspect="auto")
+    FigureCanvasPdf(figure).print_pdf(path)

@@ -1,8 +1,10 @@
 import datetime as dt
 import math
+import re
 from functools import lru_cache
 
 import cv2
+import matplotlib
 import numpy as np
 import pytest
 
@@ -102,11 +104,15 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
 
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
-    write_board_pdf(path, Board())
+    with matplotlib.rc_context({"pdf.compression": 0}):
+        write_board_pdf(path, Board())
     data = path.read_bytes()
-    assert data.startswith(b"%PDF-1.4")
-    # 12 squares of 5 mm are 60 mm, 170.0787 points
-    assert b"q 170.0787 0 0 127.5591" in data
-    assert data.rstrip().endswith(b"%%EOF")
-    place = int(data.split(b"startxref\n")[1].split(b"\n")[0])
-    assert data[place : place + 4] == b"xref"
+    mm = 72 / 25.4
+    page = [float(x) for x in re.search(rb"/MediaBox \[ ([\d. ]+) \]", data)[1].split()]
+    assert page == pytest.approx([0, 0, 90 * mm, 85 * mm], abs=0.01)
+    # 12 x 9 squares of 5 mm: the matrix that the board's picture, one unit wide, is drawn with
+    drawn = re.search(
+        rb"0 0 1 ([\d.]+) ([\d.]+) cm ([\d.]+) 0 0\s-([\d.]+) 0 [\d.]+ cm /I1 Do", data
+    )
+    wanted = [15 * mm, 25 * mm, 60 * mm, 45 * mm]
+    assert [float(x) for x in drawn.groups()] == pytest.approx(wanted, abs=0.02)
