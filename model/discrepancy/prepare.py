@@ -8,6 +8,7 @@ import numpy as np
 
 from model.discrepancy.base import bases_of, rest_of, start
 from model.discrepancy.features import Look, look
+from model.discrepancy.linear import Bases
 from model.discrepancy.point import Study, check_geometry
 from model.discrepancy.row_noise import noise_of
 from model.discrepancy.settle import Problem
@@ -17,6 +18,7 @@ from model.measurements import FloatArray, Measurements, ModelError
 from model.sheet_model import SheetModel
 
 FEWEST_SETUPS = 4
+NEAR_LN_B = 0.07
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,6 @@ class Options:
 class Prepared:
     """Ready to be searched."""
 
-    measurements: Measurements  # without what is held out
-    held_out: Measurements | None
     problem: Problem
     theta: FloatArray
     found: tuple[Found, ...]
@@ -47,7 +47,7 @@ class Prepared:
 
 def prepare(measurements: Measurements, options: Options) -> Prepared:
     """Everything usable; a `ModelError` where not even the base model can be fitted."""
-    used, out = _parted(measurements, options.hold_out)
+    used = _kept(measurements, options.hold_out)
     names = [n for n in used.sheets if any(c.configuration == n for c in used.conditions)]
     if not names:
         raise ModelError(
@@ -71,12 +71,26 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     study = Study(looks, [rest for rest, _ in rests])
     bases = bases_of(study, known, options.symmetric)
     theta = start(used, study, bases, known, options.symmetric)
+    bases = _anchored(study, bases, theta)
     if options.model is not None:
         for one in looks:
             sheet = options.model.sheet(one.sheet.configuration).sheet
             check_geometry(one.sheet, sheet)
     problem = Problem.of(study, bases, noise_of(study))
-    return Prepared(used, out, problem, theta, _active(options.model, kept), tuple(notes))
+    return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
+
+
+def _anchored(study: Study, bases: Bases, theta: FloatArray) -> Bases:
+    """B kept near what (2) says of all conditions, where there are curves.
+
+    A base model that is millimetres off would else pay for its misfit under voltage with B, and
+    call the forces at 0 V a wandering zero.
+    """
+    parts = []
+    for scene, one in zip(study.scenes, bases.parts, strict=True):
+        near = {one.stiffness: (float(theta[one.stiffness]), NEAR_LN_B)}
+        parts.append(replace(one, prior=one.prior | near) if scene.has_curve.any() else one)
+    return replace(bases, parts=tuple(parts))
 
 
 def _lacks(looks: list[Look]) -> list[str]:
@@ -133,12 +147,10 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
     return tuple(result)
 
 
-def _parted(
-    measurements: Measurements, hold_out: tuple[tuple[str, float], ...]
-) -> tuple[Measurements, Measurements | None]:
-    """What is fitted, and what is held out."""
+def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -> Measurements:
+    """What is fitted: all but what is held out."""
     if not hold_out:
-        return measurements, None
+        return measurements
 
     def is_out(configuration: str, position_m: float | None) -> bool:
         return position_m is not None and any(
@@ -146,15 +158,11 @@ def _parted(
         )
 
     kept = [c for c in measurements.conditions if not is_out(c.configuration, c.position_m)]
-    out = [c for c in measurements.conditions if is_out(c.configuration, c.position_m)]
-    if not out:
+    if len(kept) == len(measurements.conditions):
         places = ", ".join(f"{at * 1e3:g} mm" for _, at in hold_out)
         raise ModelError(f"nothing was measured at the position to be held out ({places})")
     series = tuple(s for s in measurements.series if not is_out(s.configuration, s.position_m))
-    return (
-        replace(measurements, conditions=tuple(kept), series=series),
-        replace(measurements, conditions=tuple(out), series=()),
-    )
+    return replace(measurements, conditions=tuple(kept), series=series)
 
 
 def setups(prepared: Prepared) -> int:
