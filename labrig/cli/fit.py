@@ -23,7 +23,7 @@ def fit(
     sessions: Annotated[
         list[Path],
         typer.Argument(
-            metavar="SESSION...",
+            metavar="SESSION",
             help="a session; further ones of the same sheet are taken together with it",
         ),
     ],
@@ -54,7 +54,8 @@ def fit(
         ),
     ] = False,
     by_run: Annotated[
-        bool, typer.Option("--by-run", help="print B and EIBM of each set-up, too")
+        bool,
+        typer.Option("--by-run", help="print B and EIBM of each set-up, too (not with --json)"),
     ] = False,
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="one |EIBM| for both polarities")
@@ -70,7 +71,7 @@ def fit(
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
     as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
-) -> None:  # fmt: skip
+) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
 
     Sessions of the same sheet share them, unless --apart is given. The model file holds the model
