@@ -99,7 +99,7 @@ class Finding:
             named, unseen, decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
             self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
             classes(seen, unseen), apart.rows,
-            dict(zip(ASSUMED, np.exp(base.solution.log_sigma).tolist(), strict=False)), outliers,
+            dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False)), outliers,
             (*self.ready.notes, *notes(named, outliers, apart.chosen, first)), model,
             base=base_parameters(decision.known),
         )  # fmt: skip

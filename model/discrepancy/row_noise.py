@@ -93,7 +93,7 @@ def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
     if len(part.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
         pooled = _pooled(part.bin_variance, part.bin_set)
-        yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 0.3, LEAST_PULSE_N)
+        yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
 
 
 def _reading_noise(trend: FloatArray, measured: FloatArray, of: Index) -> tuple[float, float]:

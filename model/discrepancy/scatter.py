@@ -15,16 +15,16 @@ from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).
 ASSUMED = {
-    "stiffness": (0.01, 0.8),
-    "eibm": (0.01, 0.8),
-    "position": (5e-5, 0.8),
-    "clamp_tilt": (2e-4, 1.0),
-    "registration": (5e-6, 1.0),
-    "force_zero": (1e-5, 1.0),
-    "eibm_condition": (0.001, 1.0),
+    "stiffness": (0.01, 0.45),
+    "eibm": (0.01, 0.45),
+    "position": (5e-5, 0.45),
+    "clamp_tilt": (2e-4, 0.7),
+    "registration": (5e-6, 0.7),
+    "force_zero": (1e-5, 0.7),
+    "eibm_condition": (0.001, 0.6),
     "sway_slow": (1e-5, 1.2),  # N, the load cell's slow wander during a run
     "sway_quick": (1e-5, 1.2),
-    "pulse_level": (5e-6, 1.0),
+    "pulse_level": (5e-6, 1.5),
     "pulse_edge": (1.0, 0.3),  # in units of what is known of the edges' times
 }
 WANDER_S = {"sway_slow": 40.0, "sway_quick": 3.0}  # correlation times

@@ -13,7 +13,8 @@ from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, weigh
 
-ROUNDS = 9
+ROUNDS = 12
+LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
 
@@ -60,16 +61,13 @@ def settle(
     solution: Solution | None = None
     for turn in range(ROUNDS):
         linear, spans = _linear(problem, theta, found)
-        if turn < 2 and log_sigma is None:
-            solution = weigh(linear.data, problem.guess)
-        else:
-            start = log_sigma if solution is None or log_sigma is not None else solution.log_sigma
-            solution = estimate(linear.data, problem.guess, start, ROUGH)
-            log_sigma = None
+        # the noise is estimated from the first: a model that is far off must not be taken at its word
+        start = log_sigma if solution is None else solution.log_sigma
+        solution = estimate(linear.data, problem.guess, start, ROUGH)
         sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 1e-300))
         size = problem.bases.size
         small = np.max(np.abs(solution.beta[:size]) / sigma[:size]) < 0.05
-        step = solution.beta[:size] / max(1.0, float(np.max(np.abs(solution.beta[:size]))) / 40.0)
+        step = _bounded(problem, solution.beta[:size])
         found, quiet = moved(found, solution.beta, sigma, spans)
         theta = theta + step
         if small and quiet and turn >= 2:
@@ -81,6 +79,17 @@ def settle(
     value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
     value += prior_terms(linear, size)
     return Fitted(problem, theta, found, linear, solution, value, tuple(spans))
+
+
+def _bounded(problem: Problem, step: FloatArray) -> FloatArray:
+    """No step leaps where the linearisation means nothing: neither of ln B nor of the others."""
+    stiffness = [one.stiffness for one in problem.bases.parts]
+    too_far = max(
+        1.0,
+        float(np.max(np.abs(step))) / LONGEST_STEP,
+        float(np.max(np.abs(step[stiffness]))) / LONGEST_LOG_B,
+    )
+    return step / too_far
 
 
 def prior_terms(linear: Linear, size: int) -> float:
