@@ -53,6 +53,11 @@ class _Decision:
     final: Fitted  # with the free form of what is unknown, too
 
 
+def _scatter(final: Fitted) -> dict[str, float]:
+    """From one set-up to the next, by name."""
+    return dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False))
+
+
 @dataclass(frozen=True)
 class _LeftOut:
     """How base and final model do on positions that were left out."""
@@ -99,7 +104,7 @@ class Finding:
             named, unseen, decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
             self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
             classes(seen, unseen), apart.rows,
-            dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False)), outliers,
+            _scatter(decision.final), outliers,
             (*self.ready.notes, *notes(named, outliers, apart.chosen, first)), model,
             base=base_parameters(decision.known),
         )  # fmt: skip

@@ -11,7 +11,7 @@ from model.discrepancy.point import Active, Study
 from model.discrepancy.row_noise import Noise, guess_of
 from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
-from model.noise import Solution, deviance, estimate, weigh
+from model.noise import Solution, deviance, estimate
 
 ROUNDS = 12
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
@@ -61,7 +61,7 @@ def settle(
     solution: Solution | None = None
     for turn in range(ROUNDS):
         linear, spans = _linear(problem, theta, found)
-        # the noise is estimated from the first: a model that is far off must not be taken at its word
+        # the noise is estimated from the first: a model far off must not be taken at its word
         start = log_sigma if solution is None else solution.log_sigma
         solution = estimate(linear.data, problem.guess, start, ROUGH)
         sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 1e-300))
