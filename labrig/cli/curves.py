@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -15,6 +15,7 @@ from labrig.errors import BadInputError
 if TYPE_CHECKING:
     from labrig.vision import BatchOptions, NeutralCurve
     from model import Curve
+    from model.measurements import Contact
 
 
 def add_to(app: typer.Typer) -> None:
@@ -30,6 +31,10 @@ def curves(
     sheet: Annotated[Path | None, typer.Option(help="sheet.toml")] = None,
     configuration: Annotated[
         str | None, typer.Option(help="which table of sheet.toml, when it has several")
+    ] = None,
+    look: Annotated[
+        Literal["auto", "lit_edge", "silhouette"] | None,
+        typer.Option(help="what shows beside the sheet's near edge, in place of optics.json's"),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="curves.csv; with --batch a folder")
@@ -49,9 +54,10 @@ def curves(
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
     what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
     """
-    from labrig.vision import BatchOptions
+    from labrig.vision import BatchOptions, Look
 
-    options = BatchOptions(optics, sheet, configuration)
+    chosen = None if look is None else Look(look)
+    options = BatchOptions(optics, sheet, configuration, look=chosen)
     if batch is not None:
         if sources or output is None:
             raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
@@ -133,14 +139,39 @@ def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
         name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
         if as_json:
             line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
+            line["contact"] = _contact_json(c.contact)
             sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
         else:
-            say(f"{name}: {'no curve' if c.curve is None else f'{len(c.curve.s_m)} points'}")
+            points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
+            say(f"{name}: {points}{_contact_told(c.contact)}")
     for text in measurements.warnings:
         warn(f"warning: {text}")
     if output is not None:
         write_curves(measurements, output)
         warn(f"wrote {output}")
+
+
+def _contact_told(contact: Contact | None) -> str:
+    if contact is None:
+        return ""
+    how = "" if contact.rolls_m else " (no rolls seen; where it crosses the arc)"
+    sigma_mm = max(0.01, 1e3 * contact.position_sigma_m)
+    return f", contact at {1e3 * contact.position_m:.2f} ± {sigma_mm:.2f} mm{how}"
+
+
+def _contact_json(contact: Contact | None) -> dict[str, Any] | None:
+    if contact is None:
+        return None
+    return {
+        "position_mm": 1e3 * contact.position_m,
+        "position_sigma_mm": 1e3 * contact.position_sigma_m,
+        "s_mm": 1e3 * contact.s_m,
+        "x_mm": 1e3 * contact.x_m,
+        "y_mm": 1e3 * contact.y_m,
+        "angle_rad": contact.angle_rad,
+        "radius_mm": 1e3 * contact.radius_m,
+        "rolls_mm": [[1e3 * value for value in roll] for roll in contact.rolls_m],
+    }
 
 
 def _curve_json(curve: Curve | None) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from labrig.vision.contact import contact_from_picture
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
 from labrig.vision.files import curve_json, load_strip, read_image, write_overlay
-from labrig.vision.optics import Optics, load_optics
+from labrig.vision.optics import Look, Optics, load_optics
 from labrig.vision.tracker import Tracker
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "Board",
     "Calibration",
     "Comparison",
+    "Look",
     "NeutralCurve",
     "Optics",
     "StripGeometry",

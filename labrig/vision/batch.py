@@ -22,7 +22,7 @@ from labrig.vision.files import (
     write_overlay,
     write_table,
 )
-from labrig.vision.optics import Optics, load_optics
+from labrig.vision.optics import Look, Optics, load_optics
 from labrig.vision.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
@@ -37,6 +37,7 @@ class BatchOptions:
     sheet: Path | None = None
     configuration: str | None = None  # which table of the sheet.toml
     overlays: bool = True
+    look: Look | None = None  # in place of what optics.json says
 
 
 @dataclass
@@ -135,7 +136,10 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
 def _beside(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
     optics = _first(path, "optics.json", options.optics)
     sheet = _first(path, "sheet.toml", options.sheet)
-    return load_optics(optics), load_strip(sheet, options.configuration)
+    known = load_optics(optics)
+    if options.look is not None:
+        known = known.model_copy(update={"look": options.look})
+    return known, load_strip(sheet, options.configuration)
 
 
 def _first(path: Path, kind: str, given: Path | None) -> Path:

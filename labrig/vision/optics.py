@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -23,6 +24,14 @@ from labrig.vision.lens import distort, undistort
 FloatArray = npt.NDArray[np.float64]
 Point = tuple[float, float]
 Row = tuple[float, float, float]
+
+
+class Look(StrEnum):
+    """What shows of the sheet beside its near edge."""
+
+    AUTO = "auto"  # to be found out
+    LIT_EDGE = "lit_edge"  # its face is darker (or less dark) than the edge
+    SILHOUETTE = "silhouette"  # its face is as dark (or bright) as the edge
 
 
 class Optics(Closed):
@@ -56,10 +65,10 @@ class Optics(Closed):
     polarity: Literal["auto", "bright", "dark"] = Field(
         "auto", description="bright: the sheet is brighter than the background"
     )
-    look: Literal["auto", "lit_edge", "silhouette"] = Field(
-        "auto",
-        description="what shows of the sheet beside its near edge: lit_edge, its face is darker; "
-        "silhouette, its face is as dark (or bright) as the edge",
+    look: Look = Field(
+        Look.AUTO,
+        description="what shows of the sheet beside its near edge: a face that is darker "
+        "(lit_edge), or one as dark (or bright) as the edge (silhouette)",
     )
     bits: int = Field(8, ge=8, le=16)
     rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")

@@ -50,17 +50,17 @@ def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
             f"{optics.image_size[0]} x {optics.image_size[1]}; calibrate this camera setting."
         )
     full_scale = _full_scale(image, optics)
-    low, high = float(grey.min()), float(grey.max())
-    if high - low < 0.01 * full_scale:
-        raise PictureError(
-            f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
-            "check lens cap, light and exposure."
-        )
     clipped = float(np.mean(grey >= full_scale))
     if clipped > 0.9:
         raise PictureError(
             f"the picture is saturated ({clipped:.0%} of the pixels are at full scale); "
             "shorten the exposure."
+        )
+    low, high = float(grey.min()), float(grey.max())
+    if high - low < 0.01 * full_scale:
+        raise PictureError(
+            f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
+            "check lens cap, light and exposure."
         )
     return Picture(grey, pixel_noise(grey, full_scale), full_scale, tuple(warnings))
 

@@ -4,7 +4,7 @@ import re
 from functools import lru_cache
 
 import cv2
-import matplotlib
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -104,7 +104,7 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
 
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
-    with matplotlib.rc_context({"pdf.compression": 0}):
+    with mpl.rc_context({"pdf.compression": 0}):
         write_board_pdf(path, Board())
     data = path.read_bytes()
     mm = 72 / 25.4
