@@ -19,6 +19,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.hidden_effects import records as kept
+from benchmarks.hidden_effects.compared import table as compared
 from benchmarks.hidden_effects.figures import draw
 from benchmarks.hidden_effects.records import Record
 from benchmarks.hidden_effects.run import ROOT, Baselines, record, run
@@ -87,8 +88,6 @@ def _show(records: list[Record], folder: Path) -> None:
     print(table(rows))
     print("\nintervals by parameter:\n" + by_parameter(records))
     if any(r.baselines for r in records):
-        from benchmarks.hidden_effects.baselines import table as compared
-
         print("\n" + compared(records))
     print("\ncases that fail:\n" + (failures(rows, records) or "none"))
     for path in draw(records, folder):

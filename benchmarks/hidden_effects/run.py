@@ -49,7 +49,9 @@ def made(task: Task) -> Made:
     case = replace(task.case, hidden=tuple(c.hidden[0] for c in alone))
     hidden = hidden_session(case)
     parts = [hidden] if len(alone) == 1 else [hidden_session(c) for c in alone]
-    visible = yardstick.visible([p.measurements for p in parts], hidden.truth.names, task.exclude)
+    visible = yardstick.visible(
+        hidden.measurements, [p.measurements for p in parts], hidden.truth.names, task.exclude
+    )
     return Made(task, hidden, bare.measurements, visible)
 
 

@@ -21,6 +21,7 @@ IMITATED = 0.2
 SURE = 0.95
 REALISTIC_MN = (0.17, 0.7)  # 0.2 to 0.6, within the tolerance of a size
 THIRTY = (20.0, 45.0)
+STANDS_OUT = 2.0  # chi^2 per number on left-out positions from which there is a gap to close
 WITHIN_MM, WIDEST_MM = 10.0, 30.0
 ON_ONE_SHEET = {"initial_curvature": "long", "surface_tension": "short"}  # as they are hidden
 SINGLE = ("own_form", "other_form", "realistic")
@@ -234,18 +235,18 @@ def _mean(what: str, most: float, values: Sequence[float]) -> Row:
 
 
 def _closed(what: str, least: float, records: Sequence[Record]) -> Row:
-    """Of cases that were named right and whose gap stands out: chi^2 per number over 2."""
+    """Of cases that were named right and whose gap stands out; no number counts as not closed."""
     use = [
         r for r in records
-        if exactly(r) and r.closed is not None and (r.chi2_before or 0.0) > 2.0
+        if exactly(r) and (r.chi2_before or 0.0) > STANDS_OUT
     ]  # fmt: skip
     goal = f">= {least:.0%}"
     if not use:
         return Row(what, goal, "-", 0)
-    values = np.array([r.closed for r in use], dtype=float)
+    values = np.array([0.0 if r.closed is None else r.closed for r in use])
     low, high = np.quantile(values, [0.25, 0.75])
     median = float(np.median(values))
-    bad = [r.key for r in use if r.closed is not None and r.closed < 0.5]
+    bad = [r.key for r, v in zip(use, values, strict=True) if v < 0.5]
     return Row(what, goal, f"{median:.1%}", len(use), f"quartiles {low:.1%}, {high:.1%}",
                median >= least, bad)  # fmt: skip
 
@@ -314,6 +315,9 @@ def _told(r: Record, wanted: Sequence[str]) -> str:
     truth = " + ".join(f"{t.effect}/{t.form} {t.size:.3g} (d {t.d:.0f})" for t in r.truth)
     near = min(r.near, key=r.near.__getitem__, default="")
     beside = f", next {near} at {r.near[near]:.1f}" if near else ""
+    own = [r.left_tolerant[n] for n in r.names if n in r.left_tolerant]
+    if own:  # a catalogue that cannot describe the truth is another fault than a wrong choice
+        beside += f", its own entry leaves {max(own):.0%}"
     said = ", ".join(f"{n.name} {n.confidence:.2f}" for n in r.named) or "nothing"
     unknown = "" if r.unknown is None else f" + unknown {r.unknown.slot} at {r.unknown.peak:.0f}"
     return (

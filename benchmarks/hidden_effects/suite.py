@@ -29,7 +29,7 @@ AS_IN_CATALOGUE = {
     "back_relaxation": ("single",), "first_pulse_transient": ("geometric",),
     "elongation_flexibility": ("uniform",), "gravity": ("weight",), "surface_tension": ("stays",),
     "clamp_compliance": ("linear",), "clamp_angle": ("tilt",), "roll_friction": ("sliding",),
-    "roll_sticking": ("from_the_middle",), "roll_offset": ("above",),
+    "roll_sticking": (), "roll_offset": ("above",),
     "force_offset": ("constant",), "force_drift": ("line",),
     "load_cell_misalignment": ("turned",), "load_cell_hysteresis": ("play",),
     "load_cell_compliance": ("linear",), "position_error": ("offset",), "camera_scale": ("both",),

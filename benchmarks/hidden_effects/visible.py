@@ -1,9 +1,10 @@
 """How well a hidden effect can be seen: its true signature, measured against noise and scatter.
 
 The session is made twice from the same seed, with and without the effect: noise and scatter are the
-same, so the difference of the two is the effect's own signature s, whatever its form. With W the
-inverse covariance of noise and set-up scatter (as estimated where nothing is hidden) and X the base
-model's columns,
+same, so the difference of the two is the effect's own signature s, whatever its form. B, EIBM and
+whatever else the base model may choose are refitted to take up as much of it as they can. With W
+the inverse covariance of noise and set-up scatter (as estimated where nothing is hidden) and X the
+base model's columns,
     P = W - W X (X'WX)^-1 X'W,    d^2 = s'P s
 is the detectability: the length of what B and EIBM cannot take up, in standard deviations. Effects
 of the catalogue are compared with s itself, at the size at which each comes nearest to it.
@@ -12,16 +13,26 @@ of the catalogue are compared with s itself, at the size at which each comes nea
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model import Measurements
+from model.discrepancy.features import look
+from model.discrepancy.linear import linearise
+from model.discrepancy.point import Study
 from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.row_noise import noise_of
 from model.discrepancy.score import Candidate, Projected, candidates
-from model.discrepancy.settle import settle
+from model.discrepancy.settle import Fitted, Problem, settle
 from model.effects.catalogue import catalogue
+from model.effects.interface import Effect
 from model.measurements import FloatArray
+
+ROUNDS = 8
+SETTLED = 0.02  # standard deviations
+KNOWN = 1e-3  # precision from which a base parameter counts as known beforehand
+LARGEST_STEP = 20.0  # of ln B, and of the EIBM in 1/m
 
 
 @dataclass(frozen=True)
@@ -37,6 +48,12 @@ class Visible:
     left_tolerant: Mapping[str, float]
 
 
+def known(symmetric: bool, exclude: Sequence[str] = ()) -> list[Effect]:
+    """The effects that `diagnose` considers."""
+    skip = {*exclude} if symmetric else {*exclude, "eibm_asymmetry"}
+    return [e for name, e in catalogue().items() if name not in skip]
+
+
 class Yardstick:
     """The session with nothing hidden, fitted."""
 
@@ -44,77 +61,110 @@ class Yardstick:
         self._options = Options(symmetric=symmetric)
         ready = prepare(bare, self._options)
         self._fitted = settle(ready.problem, ready.theta)
-        self._projected = Projected.of(
-            ready.problem.study, self._fitted.linear, self._fitted.solution
+        self._bare = linearise(
+            ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
+        ).residual
+
+    def signature(self, hidden: Measurements) -> tuple[FloatArray, Fitted]:
+        """What the base model cannot take up of a change, (N,), and the model where it is so.
+
+        Parameters that are known beforehand, within a little, may take up as much as that allows.
+        """
+        problem, theta = self._problem(hidden), self._fitted.theta
+        W, precision = self._fitted.solution.weights, self._fitted.linear.data.precision
+        for _ in range(ROUNDS):
+            linear = linearise(problem.study, problem.bases, problem.noise, theta)
+            rest, moved = linear.residual - self._bare, theta - self._fitted.theta
+            WX = W @ linear.data.X
+            A = np.einsum("rnp,rnq->pq", linear.data.X, WX) + np.diag(precision)
+            b = np.einsum("rnp,rn->p", WX, problem.study.layout.pad(rest)) - precision * moved
+            step = np.linalg.solve(A, b)
+            if np.max(np.abs(step) * np.sqrt(np.diag(A))) < SETTLED:
+                break
+            theta = theta + step / max(1.0, float(np.max(np.abs(step))) / LARGEST_STEP)
+        solution = replace(self._fitted.solution, covariance=np.linalg.inv(A))
+        fitted = replace(
+            self._fitted, problem=problem, theta=theta, linear=linear, solution=solution
         )
-        self._bare = self._data(bare)
-
-    def _data(self, measurements: Measurements) -> FloatArray:
-        """All rows (N,) about the base model of the session with nothing hidden."""
-        bases = self._fitted.problem.bases
-        study = prepare(measurements, self._options).problem.study
-        rows = np.zeros(study.layout.size)
-        for c in range(len(study.names)):
-            rows += study.state(c, bases.beam(study, c, self._fitted.theta), ()).residual
-        return rows
-
-    def signature(self, hidden: Measurements) -> FloatArray:
-        """What hiding something has changed: (N,)."""
-        return self._data(hidden) - self._bare
+        known_before = precision > KNOWN
+        return rest + linear.columns[:, known_before] @ moved[known_before], fitted
 
     def length(self, hidden: Measurements) -> float:
         """The detectability d."""
-        A = self._normal(self.signature(hidden)[:, None])
-        return float(np.sqrt(max(A[0, 0], 0.0)))
+        S, fitted = self.signature(hidden)
+        return float(np.sqrt(_products(fitted, S[:, None])[0, 0]))
+
+    def _problem(self, hidden: Measurements) -> Problem:
+        """The same design with other numbers."""
+        own = self._fitted.problem
+        looks = [look(hidden, name) for name in own.study.names]
+        study = Study(looks, [scene.rest for scene in own.study.scenes])
+        return Problem.of(study, own.bases, noise_of(study))
 
     def visible(
-        self, hidden: Sequence[Measurements], names: Sequence[str], exclude: Sequence[str] = ()
+        self,
+        hidden: Measurements,
+        parts: Sequence[Measurements],
+        names: Sequence[str],
+        exclude: Sequence[str] = (),
     ) -> Visible:
-        """Of the effects, each hidden alone in one of these sessions."""
-        S = np.stack([self.signature(m) for m in hidden], axis=1)
-        A = self._normal(S)
-        alone = tuple(np.sqrt(np.maximum(np.diag(A), 0.0)).tolist())
-        d = tuple(
-            float(np.sqrt(max(_without(_first(A, i), 1)[0, 0], 0.0))) for i in range(len(names))
-        )
-        near: dict[str, float] = {}
-        left: dict[str, float] = {}
-        tolerant: dict[str, float] = {}
-        for one in self._pool(exclude):
-            exact, free = zip(*(self._apart(S, i, one) for i in range(len(names))), strict=True)
+        """Of the effects of a session, each hidden alone in one of `parts`."""
+        whole, fitted = self.signature(hidden)
+        alone = [whole] if len(parts) == 1 else [self.signature(part)[0] for part in parts]
+        effects = known(self._options.symmetric, exclude)
+        return _compared(fitted, np.stack(alone, axis=1), names, effects)
+
+
+def _products(fitted: Fitted, S: FloatArray) -> FloatArray:
+    """S'PS of columns (N, n)."""
+    study = fitted.problem.study
+    return Projected.of(study, fitted.linear, fitted.solution).normal(study, S)[0]
+
+
+def _compared(
+    fitted: Fitted, S: FloatArray, names: Sequence[str], effects: Sequence[Effect]
+) -> Visible:
+    """Signatures (N, n) with one another and with the catalogue, the base as it is fitted."""
+    A = _products(fitted, S)
+    d = [float(np.sqrt(max(_without(_first(A, i), 1)[0, 0], 0.0))) for i in range(len(names))]
+    near: dict[str, float] = {}
+    left: dict[str, float] = {}
+    tolerant: dict[str, float] = {}
+    for one in candidates(fitted, effects):
+        for i, length in enumerate(d):
+            others = np.delete(S, i, axis=1)
+            columns = np.concatenate([S[:, i : i + 1], one.columns, others], axis=1)
+            exact, free = _apart(
+                _without(_products(fitted, columns), 1 + one.columns.shape[1]), one
+            )
             if one.name not in names:
-                near[one.name] = min(near.get(one.name, np.inf), *np.sqrt(exact).tolist())
+                near[one.name] = min(near.get(one.name, np.inf), float(np.sqrt(exact)))
             for shares, rest in ((left, exact), (tolerant, free)):
-                share = min(r / max(x**2, 1e-12) for r, x in zip(rest, d, strict=True))
+                share = rest / max(length**2, 1e-12)
                 shares[one.name] = min(shares.get(one.name, 1.0), share)
-        return Visible(d, alone, near, left, tolerant)
+    alone = tuple(np.sqrt(np.maximum(np.diag(A), 0.0)).tolist())
+    return Visible(tuple(d), alone, near, left, tolerant)
 
-    def _pool(self, exclude: Sequence[str]) -> list[Candidate]:
-        skip = set(exclude) | (set() if self._options.symmetric else {"eibm_asymmetry"})
-        return candidates(self._fitted, [e for n, e in catalogue().items() if n not in skip])
 
-    def _apart(self, S: FloatArray, i: int, one: Candidate) -> tuple[float, float]:
-        """Squared distance from an effect as written, and with the tolerance of its form."""
-        others = np.delete(S, i, axis=1)
-        columns = np.concatenate([S[:, i : i + 1], one.columns], axis=1)
-        A = self._normal(np.concatenate([columns, others], axis=1))
-        if others.shape[1]:
-            A = _without(A, columns.shape[1])
-        if A[1, 1] <= 1e-12:
-            return float(A[0, 0]), float(A[0, 0])
-        amplitude = A[0, 1] / A[1, 1]
-        exact = max(float(A[0, 0] - A[0, 1] * amplitude), 0.0)
-        ridge = A[1:, 1:] + np.eye(A.shape[0] - 1) / max(amplitude**2, 1e-12)
-        free = float(A[0, 0] - A[0, 1:] @ np.linalg.solve(ridge, A[1:, 0]))
-        return exact, min(max(free, 0.0), exact)
-
-    def _normal(self, S: FloatArray) -> FloatArray:
-        """S'PS."""
-        return self._projected.normal(self._fitted.problem.study, S)[0]
+def _apart(A: FloatArray, one: Candidate) -> tuple[float, float]:
+    """Squared distance of the first column from an effect as written, and its form tolerated."""
+    if A[1, 1] <= 1e-12:
+        return float(A[0, 0]), float(A[0, 0])
+    assert one.effect is not None
+    # where each sheet has its own size, the second column is the difference of the two
+    sizes = 2 if one.effect.by_configuration and len(A) > 2 else 1
+    fitted = np.linalg.lstsq(A[1 : 1 + sizes, 1 : 1 + sizes], A[1 : 1 + sizes, 0], rcond=1e-12)[0]
+    exact = max(float(A[0, 0] - A[0, 1 : 1 + sizes] @ fitted), 0.0)
+    precision = np.full(len(A) - 1, 1.0 / max(float(np.max(fitted**2)), 1e-12))
+    precision[:sizes] = 0.0
+    inner = np.linalg.lstsq(A[1:, 1:] + np.diag(precision), A[1:, 0], rcond=1e-12)[0]
+    return exact, min(max(float(A[0, 0] - A[0, 1:] @ inner), 0.0), exact)
 
 
 def _without(A: FloatArray, count: int) -> FloatArray:
     """S'PS of the first columns, the others refitted."""
+    if count == len(A):
+        return A
     inner = np.linalg.lstsq(A[count:, count:], A[count:, :count], rcond=1e-12)[0]
     result: FloatArray = A[:count, :count] - A[:count, count:] @ inner
     return result

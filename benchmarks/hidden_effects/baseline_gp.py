@@ -1,0 +1,106 @@
+"""A Gaussian process for what the base model leaves: it closes a gap and names nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from model.discrepancy import gaps
+from model.discrepancy.result import BeforeAfter
+from model.discrepancy.settle import Fitted
+from model.measurements import FloatArray
+
+LENGTHS_M = (2.5e-3, 5e-3, 10e-3, 20e-3, 40e-3)
+NOISES = (0.01, 0.03, 0.1, 0.3, 0.9)  # share of the residual's variance
+Index = npt.NDArray[np.int64]
+Runs = npt.NDArray[np.bool_]  # (R,) some of all runs
+
+
+def gaussian_process(base: Fitted, noise: FloatArray) -> float | None:
+    """Share of the gap on left-out positions that it closes.
+
+    One process along the arc for each force and each mode of the curves, at each voltage of each
+    configuration; length and noise, one of each for forces and for curves, by maximum likelihood.
+    """
+    where = gaps.cells(base)
+    series = _series(base)
+    before, after = gaps.refitted(base), gaps.refitted(base)
+    shape = {kind: _likeliest(gaps.refitted(base), own) for kind, own in series.items()}
+    layout = base.problem.study.layout
+    positions = np.array([run[1] for run in layout.runs])
+    for at in np.unique(positions[np.isfinite(positions)]):
+        runs = positions == at
+        left, out = _without(base, runs), runs[layout.run_of]
+        before[out] = after[out] = left[out]
+        for kind, own in series.items():
+            for rows, at_m in own:
+                mine = out[rows]
+                if mine.any() and not mine.all():
+                    known_y = left[rows[~mine]]
+                    guess = _guess(at_m[~mine], known_y, at_m[mine], *shape[kind])
+                    after[rows[mine]] = left[rows[mine]] - guess
+    both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
+    closed = gaps.closed_share(both, gaps.floor(noise, where))
+    return closed if np.isfinite(closed) else None
+
+
+def _series(base: Fitted) -> dict[str, list[tuple[Index, FloatArray]]]:
+    """Rows that belong together, with their positions."""
+    found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
+    study = base.problem.study
+    for c, (part, scene) in enumerate(zip(study.layout.parts, study.scenes, strict=True)):
+        for row, k in zip(part.trend_rows[part.is_mean], part.trend_of[part.is_mean], strict=True):
+            key = ("force", c, float(scene.voltage_V[k]), 0)
+            found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
+        for k in np.flatnonzero(scene.has_curve & np.isfinite(scene.stated_m)):
+            for m, row in enumerate(part.mode_rows[k]):
+                key = ("curve", c, float(scene.voltage_V[k]), m)
+                found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
+    result: dict[str, list[tuple[Index, FloatArray]]] = {}
+    for (kind, *_), cells in found.items():
+        rows, at_m = zip(*cells, strict=True)
+        result.setdefault(kind, []).append((np.array(rows), np.array(at_m)))
+    return result
+
+
+def _kernel(a_m: FloatArray, b_m: FloatArray, length_m: float) -> FloatArray:
+    result: FloatArray = np.exp(-0.5 * ((a_m[:, None] - b_m) / length_m) ** 2)
+    return result
+
+
+def _likeliest(y: FloatArray, series: Sequence[tuple[Index, FloatArray]]) -> tuple[float, float]:
+    """Length and share of noise; each series has its own size."""
+
+    def misfit(length_m: float, noise: float) -> float:
+        total = 0.0
+        for rows, at_m in series:
+            n = len(rows)
+            V = (1.0 - noise) * _kernel(at_m, at_m, length_m) + noise * np.eye(n)
+            square = float(y[rows] @ np.linalg.solve(V, y[rows]))
+            total += n * np.log(max(square, 1e-300)) + float(np.linalg.slogdet(V)[1])
+        return total
+
+    return min(((a, b) for a in LENGTHS_M for b in NOISES), key=lambda p: misfit(*p))
+
+
+def _guess(
+    at_m: FloatArray, y: FloatArray, wanted_m: FloatArray, length_m: float, noise: float
+) -> FloatArray:
+    V = (1.0 - noise) * _kernel(at_m, at_m, length_m) + noise * np.eye(len(y))
+    result: FloatArray = (1.0 - noise) * _kernel(wanted_m, at_m, length_m) @ np.linalg.solve(V, y)
+    return result
+
+
+def _without(base: Fitted, runs: Runs) -> FloatArray:
+    """Residuals (N,) of the base model fitted to all runs but these."""
+    data, layout = base.linear.data, base.problem.study.layout
+    weights = base.solution.weights.copy()
+    weights[runs] = 0.0
+    WX = weights @ data.X
+    A = np.einsum("rnp,rnq->pq", data.X, WX) + np.diag(data.precision)
+    b = np.einsum("rnp,rn->p", WX, data.y) - data.precision * data.away
+    left = data.y - data.X @ np.linalg.solve(A, b)
+    result: FloatArray = left[layout.run_of, layout.row_of]
+    return result
