@@ -25,6 +25,7 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(
     assert "Verdict: " in printed
     assert (tmp_path / "demo" / "model+.toml").exists()
     assert (tmp_path / "demo" / "diagnosis" / "index.html").exists()
+    assert 'name = "nonuniform_eibm"' in (tmp_path / "demo" / "model+.toml").read_text()
     report = tmp_path / "demo" / "report"
     assert {p.stem for p in (report / "figures").glob("*.svg")} >= {
         f"figure-{number}" for number in range(5, 10)
