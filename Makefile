@@ -4,7 +4,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: setup setup-dev demo test test-failed test-fast lint format bench soak clean
+.PHONY: setup setup-dev demo test test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -30,8 +30,11 @@ test: setup-dev
 test-failed: setup-dev
 	$(BIN)/python -m pytest --last-failed --last-failed-no-failures none
 
+test-all: setup-dev
+	$(BIN)/python -m pytest -n 2 -m ""
+
 test-fast: setup-dev
-	$(BIN)/python -m pytest -n 2 -m "not slow"
+	$(BIN)/python -m pytest -n 2 -m "not slow and not thorough"
 
 lint: setup-dev
 	$(BIN)/ruff check .
