@@ -22,7 +22,7 @@ def gaussian_process(base: Fitted, noise: FloatArray) -> float | None:
     """Share of the gap on left-out positions that it closes.
 
     One process along the arc for each force and each mode of the curves, at each voltage of each
-    configuration; length and noise, one of each for forces and for curves, by maximum likelihood.
+    configuration; length and noise by maximum likelihood, the same for all voltages.
     """
     where = gaps.cells(base)
     series = _series(base)
@@ -47,7 +47,7 @@ def gaussian_process(base: Fitted, noise: FloatArray) -> float | None:
 
 
 def _series(base: Fitted) -> dict[str, list[tuple[Index, FloatArray]]]:
-    """Rows that belong together, with their positions."""
+    """Rows along the arc, with their positions; those of all voltages have one smoothness."""
     found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
     study = base.problem.study
     for c, (part, scene) in enumerate(zip(study.layout.parts, study.scenes, strict=True)):
@@ -59,9 +59,9 @@ def _series(base: Fitted) -> dict[str, list[tuple[Index, FloatArray]]]:
                 key = ("curve", c, float(scene.voltage_V[k]), m)
                 found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
     result: dict[str, list[tuple[Index, FloatArray]]] = {}
-    for (kind, *_), cells in found.items():
+    for (kind, c, _, m), cells in found.items():
         rows, at_m = zip(*cells, strict=True)
-        result.setdefault(kind, []).append((np.array(rows), np.array(at_m)))
+        result.setdefault(f"{kind} {c} {m}", []).append((np.array(rows), np.array(at_m)))
     return result
 
 

@@ -25,10 +25,11 @@ def line(form: Form, d: float) -> str:
     one = made(Task(form.effect, "described", case, "d", (d,)))
     seen, name = one.visible, form.effect
     others = sorted((share, n) for n, share in seen.left_tolerant.items() if n != name)[:2]
+    next_at = min(seen.near.values())
     return (
         f"| {name} | {form.form} | {one.hidden.truth.effects[0].size:.3g} | {seen.d[0]:.1f}"
         f" | {seen.left[name]:.1%} | {seen.left_tolerant[name]:.1%}"
-        f" | {', '.join(f'{n} {share:.1%}' for share, n in others)} | {min(seen.near.values()):.1f} |"
+        f" | {', '.join(f'{n} {share:.1%}' for share, n in others)} | {next_at:.1f} |"
     )
 
 

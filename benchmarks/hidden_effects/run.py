@@ -66,6 +66,8 @@ def _sized(case: Case, task: Task, wanted: float, yardstick: Yardstick) -> Case:
             size = size_for(case, wanted, yardstick.length, TOLERANCE)
     except ValueError:  # not even the largest that makes sense
         size = form.size if task.sizing == "gap" else form.largest
+    if task.family == "means_only":  # no effect so large that it would be seen in any data
+        size = min(size, form.size)
     return replace(case, hidden=(Hiding(hiding.effect, form.form, size),))
 
 

@@ -1,0 +1,118 @@
+"""A small suite: a few sessions made, diagnosed and scored as the benchmark does with hundreds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import pytest
+
+from benchmarks.hidden_effects import Case, Hiding, case, hidden_session
+from benchmarks.hidden_effects.baselines import answers
+from benchmarks.hidden_effects.records import Record
+from benchmarks.hidden_effects.run import made, record, run
+from benchmarks.hidden_effects.score import clear, exactly, is_unknown, means_right, place_right
+from benchmarks.hidden_effects.suite import Task
+from benchmarks.hidden_effects.visible import Yardstick
+
+pytestmark = pytest.mark.slow
+
+
+def task(name: str, hidden: Case, **other: object) -> Task:
+    return Task(f"{name}:0:0", name, hidden, **other)  # type: ignore[arg-type]
+
+
+NOTHING = task("nothing", Case(seed=31))
+WILD = task("nothing", Case(seed=32, scatter=2.0, correlated=True, outlier=True))
+OTHER_FORM = task("other_form", case("nonuniform_eibm", "cosh", 0.12, seed=33))
+REALISTIC = task("realistic", case("nonlinear_stiffness", "early", 0.1, seed=34))
+MEANS = task("means_only", case("position_error", size=0.5, seed=35, streams="means"))
+PAIR = task(
+    "pair", Case((Hiding("gravity", size=1.2e-3), Hiding("position_error", size=0.4)), seed=36)
+)
+OUTSIDE = task("outside", case("local_rest_curvature", size=4.0, seed=37))
+COMPLIANCE = "load_cell_compliance"
+EXCLUDED = task("excluded", case(COMPLIANCE, size=0.01, seed=38), exclude=(COMPLIANCE,))
+
+
+def nothing_named(r: Record) -> bool:
+    return not r.said and r.unknown is None
+
+
+def exactly_and_clear(r: Record) -> bool:
+    return exactly(r) and clear(r)
+
+
+def unknown_in_its_place(r: Record) -> bool:
+    return is_unknown(r) and place_right(r)
+
+
+def unknown_in_its_slot(r: Record) -> bool:
+    assert COMPLIANCE not in r.left
+    return r.unknown is not None and r.unknown.slot in r.truth[0].accepted_slots
+
+
+@pytest.mark.parametrize(
+    ("asked", "right"),
+    [
+        (NOTHING, nothing_named),
+        (WILD, nothing_named),
+        (OTHER_FORM, exactly_and_clear),
+        (REALISTIC, exactly_and_clear),
+        (MEANS, means_right),
+        (PAIR, exactly_and_clear),
+        (OUTSIDE, unknown_in_its_place),
+        (EXCLUDED, unknown_in_its_slot),
+    ],
+    ids=lambda x: x.key if isinstance(x, Task) else "",
+)
+def test_a_session_is_answered_rightly(asked: Task, right: Callable[[Record], bool]) -> None:
+    found = record(asked)
+    assert not found.error
+    assert right(found), found
+
+
+@cache
+def yardstick() -> Yardstick:
+    return Yardstick(hidden_session(case(seed=5)).measurements)
+
+
+def test_d_grows_with_the_size_and_an_effect_is_its_own_best_description() -> None:
+    one, two = (
+        hidden_session(case(COMPLIANCE, size=s, seed=5)).measurements for s in (0.002, 0.004)
+    )
+    assert yardstick().length(hidden_session(case(seed=5)).measurements) == pytest.approx(
+        0.0, abs=1e-6
+    )
+    assert yardstick().length(two) == pytest.approx(2.0 * yardstick().length(one), rel=0.05)
+    seen = yardstick().visible(two, [two], [COMPLIANCE])
+    assert seen.left[COMPLIANCE] < 0.01
+    assert min(v for n, v in seen.left.items() if n != COMPLIANCE) > 0.2
+    assert seen.d == seen.alone
+
+
+def test_what_the_base_model_can_take_up_is_not_there_to_be_seen() -> None:
+    weaker = hidden_session(case("back_relaxation", "single", 0.25, seed=5, streams="means"))
+    bare = hidden_session(case(seed=5, streams="means")).measurements
+    assert Yardstick(bare).length(weaker.measurements) < 4.0  # a quarter of the EIBM is lost
+
+
+def test_sizes_are_found_for_a_wanted_d_and_the_pool_gives_the_same_as_one_process() -> None:
+    asked = task("own_form", case("position_error", seed=9), sizing="d", wanted=(20.0,))
+    one = made(asked)
+    assert one.visible.d[0] == pytest.approx(20.0, rel=0.15)
+    assert one.visible.alone == one.visible.d
+    (pooled,) = run([NOTHING], jobs=2)
+    alone = record(NOTHING)
+    assert pooled.ranking == alone.ranking
+    assert pooled.said == alone.said
+
+
+def test_simpler_methods_name_what_is_not_there_or_name_nothing() -> None:
+    found = answers(made(NOTHING))
+    assert found["repeats_bic"]["named"]  # repeats do not hold the scatter of set-ups
+    assert "named" not in found["gp"]
+    seen = answers(made(task("x", case(COMPLIANCE, size=0.01, seed=5))))
+    assert seen["fixed_forms"]["named"] == [COMPLIANCE]
+    assert COMPLIANCE in seen["stlsq"]["named"]  # type: ignore[operator]
+    assert answers(made(OTHER_FORM))["gp"]["closed"] > 0.5  # type: ignore[operator]
