@@ -30,12 +30,17 @@ QUICK = 40
 RESULTS = ROOT / "benchmarks" / "results"
 
 
-def main() -> None:
+def main() -> int:
     chosen = _arguments()
     path = chosen.score or chosen.resume or RESULTS / f"hidden_effects_{_now()}.jsonl"
-    if chosen.score is None:
-        _run(chosen, path)
+    try:
+        if chosen.score is None:
+            _run(chosen, path)
+    except KeyboardInterrupt:
+        print(f"broken off; go on with --resume {path}", file=sys.stderr)
+        return 130
     _show(kept.load(path), chosen.figures)
+    return 0
 
 
 def _arguments() -> argparse.Namespace:
@@ -105,4 +110,4 @@ def _now() -> str:
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

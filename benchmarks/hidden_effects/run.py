@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import cache
 from multiprocessing import get_context
@@ -24,6 +27,7 @@ from model import Measurements
 from model.discrepancy import DiagnoseOptions, Diagnosis, Named, diagnose
 
 TOLERANCE = 0.15  # of a size found for a wanted d or gap
+LIVES = 3  # pools that may die with a task under way
 ROOT = Path(__file__).parents[2]
 
 
@@ -86,10 +90,7 @@ def record(task: Task, baselines: Baselines | None = None) -> Record:
     try:
         one = made(task)
     except Exception as error:  # noqa: BLE001 - one session less, and it is told
-        return Record(
-            task.key, task.family, code_digest(), [], {}, {}, {}, 0.0, 0.0, _in_words(task),
-            error=f"not made: {type(error).__name__}: {error}",
-        )  # fmt: skip
+        return _not_made(task, f"{type(error).__name__}: {error}")
     kept = _truth(one)
     began, cpu = time.perf_counter(), time.process_time()
     try:
@@ -99,6 +100,13 @@ def record(task: Task, baselines: Baselines | None = None) -> Record:
     kept = _answered(kept, found)
     kept = replace(kept, seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu)
     return kept if baselines is None else replace(kept, baselines=baselines(one))
+
+
+def _not_made(task: Task, why: str) -> Record:
+    return Record(
+        task.key, task.family, code_digest(), [], {}, {}, {}, 0.0, 0.0, _in_words(task),
+        error=f"not made: {why}",
+    )  # fmt: skip
 
 
 def _truth(one: Made) -> Record:
@@ -175,23 +183,47 @@ def code_digest() -> str:
 
 
 def run(todo: Sequence[Task], jobs: int, baselines: Baselines | None = None) -> Iterator[Record]:
-    """Records as they are done; `jobs` processes, at most twice as many tasks under way."""
+    """Records as they are done, in `jobs` processes.
+
+    Where a process is killed (by the system when memory is short, say) the tasks that were under
+    way are given to a new pool; one that was under way `LIVES` times is told as not made.
+    """
     if jobs <= 1:
-        for task in todo:
-            yield record(task, baselines)
+        yield from (record(task, baselines) for task in todo)
         return
-    waiting, rest = set[Future[Record]](), iter(todo)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    rest, deaths = list(reversed(todo)), Counter[str]()
+    while rest:
+        lost = yield from _pooled(rest, jobs, baselines)
+        deaths.update(task.key for task in lost)
+        for task in reversed(lost):
+            if deaths[task.key] < LIVES:
+                rest.append(task)
+            else:
+                yield _not_made(task, "its process was killed")
+
+
+def _pooled(
+    rest: list[Task], jobs: int, baselines: Baselines | None
+) -> Generator[Record, None, list[Task]]:
+    """Work off a list from its end, in one pool; the tasks that it took with it when it died."""
+    waiting: dict[Future[Record], Task] = {}
+    with ProcessPoolExecutor(jobs, get_context("spawn"), _undisturbed) as pool:
         try:
-            while True:
-                for task in rest:
-                    waiting.add(pool.submit(record, task, baselines))
-                    if len(waiting) >= 2 * jobs:
-                        break
-                if not waiting:
-                    return
-                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                for one in done:
-                    yield one.result()
+            while rest or waiting:
+                while rest and len(waiting) < jobs:
+                    waiting[pool.submit(record, rest[-1], baselines)] = rest[-1]
+                    rest.pop()
+                for one in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    found = one.result()
+                    del waiting[one]
+                    yield found
+        except BrokenProcessPool:
+            return list(waiting.values())
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+    return []
+
+
+def _undisturbed() -> None:
+    """Ctrl-C is for the process that keeps the records."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
