@@ -297,10 +297,10 @@ class _Job:
         """The curve with the far face taken off, where one is seen."""
         found, face = plain, None
         # the curve moves when the face is taken off, and the face with it
-        for turn in range(1, FACE_ROUNDS + 1):
+        for _ in range(FACE_ROUNDS):
             if found.verdict.covered < 0.5:
                 break
-            face = find_face(found.fit, found.setting, face, last=turn == FACE_ROUNDS)
+            face = find_face(found.fit, found.setting, face)
             if face is None:
                 return plain  # where the face led the curve, a band alone explains as much
             band = face.on(found.fit.band, found.fit.shape)

@@ -22,7 +22,7 @@ from labrig.vision.shape import Shape
 FloatArray = npt.NDArray[np.float64]
 
 DEPTHS = (0.012, 0.025)  # to begin with: the sheet's width over the far edge's distance
-SHARES = (0.4, 0.9)  # and the face's grey over the edge's
+SHARE = 0.5  # and the face's grey over the edge's
 MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
@@ -61,13 +61,10 @@ class Face:
         return replace(looking, face=self.widths(shape), face_share=self.share)
 
 
-def find_face(
-    fit: Fit, setting: Setting, known: Face | None = None, *, last: bool = False
-) -> Face | None:
+def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | None:
     """The far face beside a fitted curve; None where a band alone explains as much.
 
-    `known`: a face from which to start, of the curve before it was fitted again. `last`: the curve
-    has settled, so that the face must be as a camera square to the plane would show it.
+    `known`: a face from which to start, of the curve before it was fitted again.
     """
     search = _Search(fit, setting)
     guess = search.first() if known is None else known
@@ -75,7 +72,7 @@ def find_face(
         return None
     face, gains = search.refined(guess)
     enough = _enough(gains) if known is None else float(gains.sum()) > LIKELY_GAIN
-    return face if enough and (not last or search.is_square(face)) else None
+    return face if enough and search.is_square(face) else None
 
 
 class _Search:
@@ -96,14 +93,10 @@ class _Search:
 
     def first(self) -> Face | None:
         """The best of a few guesses, if it explains enough."""
-        shares = (1.0,) if self.silhouette else tuple(min(s, self.most_share) for s in SHARES)
+        share = 1.0 if self.silhouette else SHARE
         centre = (float(self.centre[0]), float(self.centre[1]))
         half = float(self.plain.half_width[-1])
-        guesses = [
-            self._sharper(Face(depth, share, centre, 1.0, half))
-            for depth in DEPTHS
-            for share in shares
-        ]
+        guesses = [self._sharper(Face(depth, share, centre, 1.0, half)) for depth in DEPTHS]
         best = min(guesses, key=self._total)
         return best if float((self.nothing - self.costs(best)).sum()) > LIKELY_GAIN else None
 
