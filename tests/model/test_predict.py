@@ -200,8 +200,8 @@ def test_places_along_the_sheet_must_ascend():
 
 
 def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel):
-    from model.solved import free_curvature
     from model.setup import Setup
+    from model.solved import free_curvature
 
     one: ConfiguredSheet = truth.sheet("long")
     soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, 3.0]), 0.05)
