@@ -22,7 +22,7 @@ from benchmarks.vision_extraction import parts
 from benchmarks.vision_scenes import Recipe, Scene, make_scene, mixed, rmse_px
 from labrig.vision import neutral_curve
 
-PLAIN, MIXED = 10, 40
+PLAIN, MIXED = 20, 60
 FIRST = 940_000  # seeds that nothing was tuned on
 _HERE = Path(__file__).parent
 _VENV = _HERE.parent / ".venv-vision"

@@ -20,7 +20,7 @@ from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
-from labrig.vision.width import Excess, excess_width
+from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,7 +28,6 @@ WELL_COVERED = 0.95
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
 LONGEST_STEP_M = 0.45e-3  # between the points of a curve
-MOST_BRIDGED_PX = 110.0  # of the sheet, with something along it
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 FACE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
@@ -89,17 +88,10 @@ def neutral_curve(
         )
     if best.verdict.why:
         return report(best.fit, best.setting, best.verdict)
-    excess = excess_width(best.fit, best.setting)
-    if excess.lies_along(best.fit):
+    excess = excess_width_px(best.fit, best.setting)
+    if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
-    if excess.too_much(best.fit):
-        return NeutralCurve(
-            ok=False,
-            why=f"the sheet looks up to {excess.excess_px.max():.1f} pixels wider than it is "
-            "thick, and nothing tells where in that it is; light its edge only, and check its "
-            "thickness, px_per_mm and the focus.",
-        )
-    return report(best.fit, best.setting, best.verdict, excess.excess_px)
+    return report(best.fit, best.setting, best.verdict, excess)
 
 
 def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
@@ -227,21 +219,20 @@ class _Job:
         apart = _distance(second, nodes).max()
         return second.confirmed and second.verdict.covered > 0.8 and bool(apart > 4)
 
-    def bridged(self, found: Candidate, excess: Excess) -> NeutralCurve:
+    def bridged(self, found: Candidate, excess: FloatArray) -> NeutralCurve:
         """The curve without the cells where something lies along the sheet.
 
         A refusal where the rest does not say to about a pixel where the sheet is.
         """
-        spoilt = excess.spoilt_cells()
-        if spoilt.sum() * self.basis.step_px < MOST_BRIDGED_PX:
-            band = replace(found.fit.band, spoilt=spoilt)
-            setting = replace(found.setting, spectral=found.fit.spectral)
-            fit = fit_intensities(found.fit.shape, setting, band)
-            again = self._judged(fit, found.setting)
-            left = excess_width(fit, found.setting)
-            curve = report(fit, found.setting, again.verdict, left.excess_px)
-            loose = curve.ok and curve.sigma_m.max() * self.optics.px_per_m > MOST_BRIDGED_SIGMA_PX
-            if curve.ok and not loose and not left.lies_along(fit):
+        band = replace(found.fit.band, spoilt=spoilt_cells(excess))
+        setting = replace(found.setting, spectral=found.fit.spectral)
+        fit = fit_intensities(found.fit.shape, setting, band)
+        again = self._judged(fit, found.setting)
+        if not again.verdict.why:
+            excess = excess_width_px(fit, found.setting)
+            curve = report(fit, found.setting, again.verdict, excess)
+            loose = curve.sigma_m.max() * self.optics.px_per_m > MOST_BRIDGED_SIGMA_PX
+            if not loose and not something_lies_along(excess, fit):
                 said = "something lies along the sheet, such as a wire; it was left out there"
                 return replace(curve, warnings=(*curve.warnings, said))
         return NeutralCurve(
@@ -296,8 +287,7 @@ class _Job:
     def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
         found, face = plain, None
-        # the curve moves when the face is taken off, and the face with it
-        for _ in range(FACE_ROUNDS):
+        for _ in range(FACE_ROUNDS):  # the curve moves when the face is taken off, the face with it
             if found.verdict.covered < 0.5:
                 break
             face = find_face(found.fit, found.setting, face)

@@ -27,7 +27,6 @@ MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
 CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
-MOST_SPREADS = 1.6  # of these it may be off
 LIKELY_GAIN = 12.0  # twice a log-likelihood: what a rough guess must explain to be refined
 LEAST_GAIN = 30.0  # and the likeliest face
 LEAST_COMMON_GAIN = 5.0
@@ -72,7 +71,7 @@ def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | N
         return None
     face, gains = search.refined(guess)
     enough = _enough(gains) if known is None else float(gains.sum()) > LIKELY_GAIN
-    return face if enough and search.is_square(face) else None
+    return face if enough else None
 
 
 class _Search:
@@ -148,14 +147,6 @@ class _Search:
         """What a face leaves unexplained, and how odd it is; outside of the bounds ever more."""
         outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
         return self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + 100.0 * float(outside)
-
-    def is_square(self, face: Face) -> bool:
-        """Whether the camera would look nearly square at the plane, as it should.
-
-        Something else beside the sheet, such as a wire, wants another point to shrink to.
-        """
-        away = (np.array(face.centre) - self.centre) / self.spread
-        return float(np.hypot(*away)) < MOST_SPREADS
 
     def _total(self, face: Face) -> float:
         return float(self.costs(face).sum())

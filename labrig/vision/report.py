@@ -22,7 +22,7 @@ def report(
 ) -> NeutralCurve:
     """The curve as others see it; empty, with the reason, when the self-check failed.
 
-    `excess_px` (nodes,): how much wider the sheet looks than it is, as `Excess` has it.
+    `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it.
     """
     warnings = setting.picture.warnings + verdict.warnings
     if verdict.why:

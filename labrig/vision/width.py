@@ -6,7 +6,7 @@ The curve is then good to half the excess only; that goes into its band and into
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -25,59 +25,35 @@ EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
 MOST_LOCAL_EXCESS_PX = 2.0
 SPOILT_PX = 1.0
-MOST_EXCESS_PX = 2.4
-THINNEST_PERCENT = 15
 
 
-@dataclass(frozen=True, eq=False)
-class Excess:
-    """How much wider the sheet looks than it is thick; pixels."""
-
-    excess_px: FloatArray  # (nodes,) 0 where usual
-    uneven_px: FloatArray  # (nodes,) the same over where the sheet looks thinnest
-
-    def lies_along(self, fit: Fit) -> bool:
-        """Whether it looks much wider in one place only: a wire beside it, not its own face."""
-        thickness = 2 * float(fit.band.half_width[0])
-        return bool(self.uneven_px.max() > max(MOST_LOCAL_EXCESS_PX, thickness))
-
-    def too_much(self, fit: Fit) -> bool:
-        """Whether the sheet is nowhere known to a pixel or, a thick one, to a third of it."""
-        thickness = 2 * float(fit.band.half_width[0])
-        return bool(self.excess_px.max() > max(MOST_EXCESS_PX, 0.65 * thickness))
-
-    def spoilt_cells(self) -> BoolArray:
-        """(cells,) from where something begins to lie along the sheet to where it has left it.
-
-        Between two such places the curve may have followed the other thing.
-        """
-        wide = np.flatnonzero((self.uneven_px[1:] > SPOILT_PX) | (self.uneven_px[:-1] > SPOILT_PX))
-        spoilt = np.zeros(len(self.uneven_px) - 1, dtype=bool)
-        spoilt[max(0, wide[0] - SMOOTH_NODES) : wide[-1] + 1 + SMOOTH_NODES] = True
-        return spoilt
-
-
-def excess_width(fit: Fit, setting: Setting) -> Excess:
-    """The visible width against that of a band of the sheet's thickness and its face."""
+def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
+    """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
     blur, wider = _sharper_look(fit, setting)
     half = np.append(fit.band.half_width, fit.band.half_width[-1])
     reach = np.full(len(half), round(2 * float(half.max()) + 10))
     offset, _, width = ridge_points(fit.shape, setting, reach)
-    usual = _visible_widths(fit.band, float(np.hypot(blur, SMOOTHING_PX)))
+    blur = float(np.hypot(blur, SMOOTHING_PX))
+    usual = _visible_widths(fit.band, blur)
     usual = np.append(usual, usual[-1])
     good = np.isfinite(width) & (np.abs(offset) < width) & np.append(fit.used, fit.used[-1])
-    local = _steady(np.where(good, width - usual, 0.0))
-    thinnest = float(np.percentile(local[good], THINNEST_PERCENT)) if good.any() else 0.0
-    return Excess(
-        excess_px=np.maximum(local - TOLERANCE_PX, wider),
-        uneven_px=local - TOLERANCE_PX - max(0.0, thinnest),
-    )
-
-
-def _steady(values: FloatArray) -> FloatArray:
-    padded = np.pad(values, SMOOTH_NODES, mode="edge")
+    excess = np.where(good, width - usual, 0.0)
+    padded = np.pad(excess, SMOOTH_NODES, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_NODES + 1)
-    return np.asarray(np.median(windows, axis=1))
+    return np.asarray(np.maximum(np.median(windows, axis=1) - TOLERANCE_PX, wider))
+
+
+def something_lies_along(excess_px: FloatArray, fit: Fit) -> bool:
+    """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
+    thickness = 2 * float(fit.band.half_width[0])
+    much = max(MOST_LOCAL_EXCESS_PX, thickness)
+    return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
+
+
+def spoilt_cells(excess_px: FloatArray) -> BoolArray:
+    """(cells,) where something lies along the sheet, with what it may have pulled beside."""
+    wide = (excess_px[1:] > SPOILT_PX) | (excess_px[:-1] > SPOILT_PX)
+    return np.convolve(wide, np.ones(2 * SMOOTH_NODES + 1), mode="same") > 0.5
 
 
 def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:

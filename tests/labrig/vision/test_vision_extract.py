@@ -70,9 +70,8 @@ def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known):
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.02
 
 
-@pytest.mark.parametrize("seed", [900_080, 950_264, 950_314, 950_396])
-def test_a_wire_along_the_sheet_does_not_pull_the_curve_silently(scenes, known, seed):
-    scene = scenes.make_scene(scenes.mixed(seed))
+def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
+    scene = scenes.make_scene(scenes.mixed(900_080))
     curve = neutral_curve(scene.image, *known(scene))
     assert not curve.ok or scenes.rmse_px(curve.points_px, scene.truth_px) < 1
 
@@ -91,13 +90,13 @@ def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
     assert not silhouette.ok or silhouette.face_share in (0.0, 1.0)
 
 
-@pytest.mark.parametrize("seed", [700_533, 700_736, 700_660])
+@pytest.mark.parametrize("seed", [700_533, 700_736])
 def test_where_something_lies_along_the_sheet_the_rest_gives_the_curve(scenes, known, seed):
     scene = scenes.make_scene(scenes.mixed(seed))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
     assert any("left out" in text for text in curve.warnings)
-    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.15
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.1
 
 
 def test_world_coordinates_and_curvature_are_those_of_the_truth(plain, known):
