@@ -83,13 +83,14 @@ def _power(records: Sequence[Record], path: Path) -> Path:
         panels, FAMILIES, ("in the catalogue's form", "in another form"), strict=True
     ):
         own = [r for r in records if r.family == family]
-        for what, colour, right in (
-            ("something found", "tab:grey", lambda r: bool(r.said) or r.unknown is not None),
-            ("exactly the true effect", "tab:blue", exactly),
+        for what, colour, mark, right in (
+            ("something found", "tab:orange", "s", lambda r: bool(r.said) or r.unknown is not None),
+            ("exactly the true effect", "tab:blue", "o", exactly),
         ):
             at, share, low, high = _binned([(r.d, right(r)) for r in own])
-            axes.errorbar(at, share, [share - low, high - share], marker="o", capsize=2,
-                          color=colour, label=what)  # fmt: skip
+            axes.errorbar(at, share, [share - low, high - share], marker=mark, capsize=3,
+                          color=colour, label=what, markersize=9 if mark == "s" else 5,
+                          markerfacecolor="none" if mark == "s" else colour)  # fmt: skip
         axes.set_xscale("log")
         axes.set_xticks([2, 4, 8, 16, 32, 64, 128], ["2", "4", "8", "16", "32", "64", "128"])
         axes.minorticks_off()
