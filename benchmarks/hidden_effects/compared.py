@@ -46,9 +46,11 @@ def _share(
 
 
 def _closed(cases: Sequence[Record], method: str) -> str:
-    found = [r.closed if method == "diagnose" else r.baselines[method].get("closed") for r in cases]
-    values = [v or 0.0 for v in found]
-    return f"{np.median(values):.0%}" if values else "-"
+    if method == "diagnose":
+        found = [r.closed for r in cases]
+    else:
+        found = [r.baselines[method]["closed"] for r in cases if "closed" in r.baselines[method]]
+    return f"{np.median([v or 0.0 for v in found]):.0%}" if found else "-"
 
 
 def _same(r: Record, said: tuple[str, ...]) -> bool:
