@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
 HOPELESS = 2  # frames without a curve, after a mean image without one
-MOVED_PX = 1.0  # scatter of the frames' curves, from which on a mean image is blurred by motion
-# Mean image and single frames may differ by this much: their noise, and what both leave over.
-AGREE_SIGMAS = 4.0
-AGREE_M = 20e-6
 
 
 @dataclass(frozen=True)
@@ -133,7 +129,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
 
 def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
     """Find the curves of one condition."""
-    from labrig.vision import contact_from_picture, neutral_curve
+    from labrig.vision import compare_with_frames, contact_from_picture, neutral_curve
 
     run = session.runs[job.run]
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
@@ -158,9 +154,10 @@ def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
         warnings.append(
             f"{label}: no curve in {len(failed)} frames, as in that of {reading}: {why}"
         )
-    if mean is not None and mean.ok:
-        single = [by_reading[r] for r in job.in_mean if r in by_reading]
-        warnings += [f"{label}: {text}" for text in _movement(mean, single, job.optics.px_per_m)]
+    single = [by_reading[reading] for reading in job.in_mean if reading in by_reading]
+    if len(single) > 1:
+        both = compare_with_frames(mean, single, job.optics.px_per_mm)
+        warnings += [f"{label}: {text}" for text in both.warnings]
     return ConditionCurves(
         run=job.run,
         voltage_V=job.voltage_V,
@@ -198,29 +195,6 @@ def _full_scale(job: CurveJob, session: Session) -> float:
     if session.frame_dtype == "uint8":
         return 255.0
     return float(2 ** (job.optics.bits if job.optics.bits > 8 else 16) - 1)
-
-
-def _movement(mean: NeutralCurve, single: Sequence[Curve], px_per_m: float) -> Iterator[str]:
-    """A warning when frames show different curves, or the mean image another one than they do."""
-    if len(single) < 2:
-        return
-    at = mean.s_m[mean.s_m <= min(curve.s_m[-1] for curve in single)]
-    x = np.array([np.interp(at, curve.s_m, curve.x_m) for curve in single])
-    y = np.array([np.interp(at, curve.s_m, curve.y_m) for curve in single])
-    scatter_m = float(np.sqrt(np.mean(x.var(axis=0, ddof=1) + y.var(axis=0, ddof=1))))
-    if scatter_m * px_per_m > MOVED_PX:
-        yield (
-            f"the curves of the single frames scatter by {scatter_m * 1e3:.3f} mm (RMS), so the "
-            "sheet moved between them; trust their mean more than the mean image"
-        )
-        return
-    dx, dy = x.mean(axis=0) - mean.x_m[: at.size], y.mean(axis=0) - mean.y_m[: at.size]
-    apart_m = float(np.sqrt(np.mean(dx**2 + dy**2)))
-    if apart_m > AGREE_M + AGREE_SIGMAS * scatter_m / len(single) ** 0.5:
-        yield (
-            f"the mean image's curve lies {apart_m * 1e3:.3f} mm (RMS) from the mean of the curves "
-            "of its frames; look at both"
-        )
 
 
 # -------------------------------------------------------------------------------------- processes

@@ -13,9 +13,9 @@ from labrig.cli.screen import finite, say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from labrig.vision import BatchOptions, NeutralCurve
+    from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
     from model import Curve
-    from model.measurements import Contact
+    from model.measurements import Condition, Contact
 
 
 def add_to(app: typer.Typer) -> None:
@@ -139,16 +139,51 @@ def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
         name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
         if as_json:
             line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
+            line["by_frame"] = _by_frame_json(c)
             line["contact"] = _contact_json(c.contact)
             sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
         else:
             points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
-            say(f"{name}: {points}{_contact_told(c.contact)}")
+            say(f"{name}: {points}{_by_frame_told(c)}{_contact_told(c.contact)}")
     for text in measurements.warnings:
         warn(f"warning: {text}")
     if output is not None:
         write_curves(measurements, output)
         warn(f"wrote {output}")
+
+
+def _by_frame(condition: Condition) -> FrameAverage | None:
+    """The other way to a condition's curve: that of each frame, averaged."""
+    from labrig.analysis.curves import MEAN_OF
+    from labrig.vision import average_of_frames
+
+    counts = [r for r in condition.readings if r.valid and r.kind in MEAN_OF]
+    return average_of_frames([r.curve for r in counts if r.curve is not None])
+
+
+def _by_frame_told(condition: Condition) -> str:
+    average = _by_frame(condition)
+    if average is None:
+        return ""
+    told = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
+    if condition.curve is not None:
+        told += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
+    return told
+
+
+def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
+    average = _by_frame(condition)
+    if average is None:
+        return None
+    apart = None if condition.curve is None else 1e3 * average.apart_m(condition.curve)
+    return {
+        "frames": average.frames,
+        "from_mean_image_mm": apart,
+        "s_mm": 1e3 * average.s_m,
+        "x_mm": 1e3 * average.x_m,
+        "y_mm": 1e3 * average.y_m,
+        "scatter_mm": 1e3 * average.scatter_m,
+    }
 
 
 def _contact_told(contact: Contact | None) -> str:

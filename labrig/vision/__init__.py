@@ -3,7 +3,12 @@
 from labrig.vision.batch import BatchOptions, BatchResult, extract_curves
 from labrig.vision.board import Board, write_board_pdf
 from labrig.vision.calibration import Calibration, calibrate_camera, calibrate_ruler
-from labrig.vision.compare import Comparison, compare_with_frames
+from labrig.vision.compare import (
+    Comparison,
+    FrameAverage,
+    average_of_frames,
+    compare_with_frames,
+)
 from labrig.vision.contact import contact_from_picture
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
@@ -17,11 +22,13 @@ __all__ = [
     "Board",
     "Calibration",
     "Comparison",
+    "FrameAverage",
     "Look",
     "NeutralCurve",
     "Optics",
     "StripGeometry",
     "Tracker",
+    "average_of_frames",
     "calibrate_camera",
     "calibrate_ruler",
     "compare_with_frames",

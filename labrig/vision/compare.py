@@ -9,64 +9,96 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.curve import NeutralCurve
+from model.measurements import Curve
 
 FloatArray = npt.NDArray[np.float64]
+Line = NeutralCurve | Curve
 
-# beyond this many standard deviations, and this far, mean image and frames disagree
-DISAGREE_SIGMA = 4.0
-DISAGREE_PX = 0.15
+MOVED_PX = 1.0  # RMS scatter of the frames' curves that blurs their mean image
+# mean image and frames may differ by this much: what both leave over, and the frames' noise
+AGREE_PX = 0.15
+AGREE_SIGMAS = 4.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class FrameAverage:
+    """The mean of the single frames' curves; arrays are (points,)."""
+
+    frames: int
+    s_m: FloatArray
+    x_m: FloatArray
+    y_m: FloatArray
+    scatter_m: FloatArray  # standard deviation along the normal, from frame to frame
+
+    @property
+    def scatter_rms_m(self) -> float:
+        """Over the whole curve."""
+        return float(np.sqrt(np.mean(self.scatter_m**2)))
+
+    def apart_m(self, other: Line) -> float:
+        """RMS distance of another curve from this one, along the normal."""
+        s = self.s_m[self.s_m <= other.s_m[-1]]
+        x, y = self.x_m[: s.size], self.y_m[: s.size]
+        dx, dy = np.interp(s, other.s_m, other.x_m) - x, np.interp(s, other.s_m, other.y_m) - y
+        return float(np.sqrt(np.mean(_across(x, y, dx, dy) ** 2)))
+
+
+@dataclass(frozen=True, eq=False)
 class Comparison:
-    """Distances along the mean image's normal, at its points (m)."""
+    """What the frames say, and of the mean image."""
 
-    agree: bool
+    average: FrameAverage | None  # None: fewer than two frames gave a curve
+    apart_m: float | None  # frames' mean to mean image, RMS; None: one of them has no curve
     warnings: tuple[str, ...]
-    frames: int  # that gave a curve
-    mean_offset_m: FloatArray  # (points,) mean of the frames' curves minus the mean image's
-    scatter_m: FloatArray  # (points,) standard deviation from frame to frame
-    largest_scatter_m: float
+
+    @property
+    def agree(self) -> bool:
+        """Whether both ways were possible and gave the same."""
+        return self.apart_m is not None and not self.warnings
 
 
-def compare_with_frames(
-    mean: NeutralCurve, frames: Sequence[NeutralCurve], px_per_mm: float
-) -> Comparison:
-    """Compare the curve of the mean image with those of the frames that it is the mean of."""
-    good = [f for f in frames if f.ok and len(f.s_m) == len(mean.s_m)]
-    if not mean.ok or len(good) < 2:
-        return Comparison(
-            agree=False,
-            warnings=("the mean image or all but one of its frames gave no curve",),
-            frames=len(good),
-            mean_offset_m=np.empty(0),
-            scatter_m=np.empty(0),
-            largest_scatter_m=0.0,
-        )
-    offsets = np.array([_normal_distance(mean, frame) for frame in good])
-    centre, scatter = offsets.mean(axis=0), offsets.std(axis=0, ddof=1)
-    expected = np.sqrt(mean.sigma_m**2 + scatter**2 / len(good))
-    px_m = 1e-3 / px_per_mm
-    apart = np.abs(centre) > np.maximum(DISAGREE_SIGMA * expected, DISAGREE_PX * px_m)
+def average_of_frames(frames: Sequence[Line]) -> FrameAverage | None:
+    """The frames' curves averaged point by point, with their scatter; None for less than two."""
+    good = [curve for curve in frames if curve.s_m.size]
+    if len(good) < 2:
+        return None
+    shortest = min(good, key=lambda curve: float(curve.s_m[-1]))
+    s = shortest.s_m
+    x = np.array([np.interp(s, curve.s_m, curve.x_m) for curve in good])
+    y = np.array([np.interp(s, curve.s_m, curve.y_m) for curve in good])
+    middle_x, middle_y = x.mean(axis=0), y.mean(axis=0)
+    across = _across(middle_x, middle_y, x - middle_x, y - middle_y)
+    return FrameAverage(len(good), s, middle_x, middle_y, across.std(axis=0, ddof=1))
+
+
+def compare_with_frames(mean: Line | None, frames: Sequence[Line], px_per_mm: float) -> Comparison:
+    """Compare the curve of a mean image (None: it has none) with those of its frames.
+
+    Frames without a curve are left out. A sheet that moved is told from the frames alone.
+    """
+    average = average_of_frames(frames)
+    if average is None:
+        return Comparison(None, None, ("fewer than two frames gave a curve",))
+    apart = None if mean is None or not mean.s_m.size else average.apart_m(mean)
+    scatter, px_m = average.scatter_rms_m, 1e-3 / px_per_mm
     warnings = []
-    if apart.mean() > 0.02:
+    if scatter > MOVED_PX * px_m:
         warnings.append(
-            f"the mean image's curve and the mean of its frames' curves differ by up to "
-            f"{np.abs(centre).max() * 1e6:.0f} um; the sheet moved between the frames"
+            f"the curves of the single frames scatter by {scatter * 1e3:.3f} mm (RMS), so the "
+            "sheet moved between them; trust their mean more than the mean image"
         )
-    if scatter.max() > 1.5 * px_m:
+    elif apart is not None and (
+        apart > AGREE_PX * px_m + AGREE_SIGMAS * scatter / average.frames**0.5
+    ):
         warnings.append(
-            f"the sheet scatters by {scatter.max() * 1e3:.2f} mm from frame to frame, too much "
-            "for their mean image"
+            f"the mean image's curve lies {apart * 1e3:.3f} mm (RMS) from the mean of the curves "
+            "of its frames; look at both"
         )
-    return Comparison(
-        not warnings, tuple(warnings), len(good), centre, scatter, float(scatter.max())
-    )
+    return Comparison(average, apart, tuple(warnings))
 
 
-def _normal_distance(mean: NeutralCurve, frame: NeutralCurve) -> FloatArray:
-    tangent = np.stack([np.gradient(mean.x_m), np.gradient(mean.y_m)], axis=1)
-    tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
-    return np.asarray(
-        (frame.y_m - mean.y_m) * tangent[:, 0] - (frame.x_m - mean.x_m) * tangent[:, 1]
-    )
+def _across(x: FloatArray, y: FloatArray, dx: FloatArray, dy: FloatArray) -> FloatArray:
+    """(..., points) the part of (dx, dy) along the normal of the curve (x, y)."""
+    tx, ty = np.gradient(x), np.gradient(y)
+    length = np.hypot(tx, ty)
+    return np.asarray((dy * tx - dx * ty) / length)

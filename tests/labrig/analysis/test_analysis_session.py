@@ -161,7 +161,6 @@ def test_two_processes_find_the_same_as_one(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="broken by the latest work on the vision: the warning is not given")
 def test_a_sheet_that_moved_between_frames_is_told(tmp_path):
     schedule = make_schedule(TRAIN, [Place("long", (0.005,))])
 

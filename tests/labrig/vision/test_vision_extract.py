@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from labrig.vision import Tracker, compare_with_frames, neutral_curve
+from labrig.vision import Tracker, neutral_curve
 
 
 def normal_errors_mm(curve, scene):
@@ -154,29 +154,6 @@ def test_a_picture_without_a_sheet_does_not_end_the_tracking(plain, known):
     assert tracker.curve(plain.image).ok
     assert not tracker.curve(np.full_like(plain.image, 60)).ok
     assert tracker.curve(plain.image).ok
-
-
-def test_frames_of_a_sheet_at_rest_agree_with_their_mean_and_those_of_a_moving_one_do_not(
-    plain, known
-):
-    optics, strip = known(plain)
-    rng = np.random.default_rng(0)
-
-    def session(amplitude):
-        frames = [
-            np.clip(np.roll(plain.image.astype(float), round(amplitude * q), axis=0)
-                    + rng.normal(0, 2, plain.image.shape), 0, 255).astype(np.uint8)
-            for q in np.linspace(-1, 1, 5)
-        ]  # fmt: skip
-        loose = optics.model_copy(update={"clamp_sigma_px": 5.0})
-        curves = [neutral_curve(f, loose, strip) for f in frames]
-        mean = neutral_curve((np.mean(frames, axis=0) * 256).astype(np.uint16), loose, strip)
-        return compare_with_frames(mean, curves, optics.px_per_mm)
-
-    assert session(0).agree
-    moving = session(3)
-    assert not moving.agree
-    assert moving.warnings
 
 
 @pytest.mark.slow
