@@ -27,6 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 MOST_RESIDUAL_PX = 1.0
 TOLD_RESIDUAL_PX = 0.3
 CORNER_SIGMA_PX = 0.05
+LEAST_ALONG_PX = 20.0
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,14 @@ def calibrate_camera(
     focal length for a single picture. `board_scale_sigma`: how well the printed squares are known.
     """
     size = _common_size(images)
+    _inside(clamp_px, "clamp_px", size)
+    if along_px is not None:
+        _inside(along_px, "along_px", size)
+        if math.dist(along_px, clamp_px) < LEAST_ALONG_PX:
+            raise BadInputError(
+                f"along_px is {math.dist(along_px, clamp_px):.1f} pixels from clamp_px; choose a "
+                f"place on the clamped sheet's line at least {LEAST_ALONG_PX:g} pixels away."
+            )
     found = [find_corners(image, board, f"picture {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
@@ -89,6 +98,7 @@ def calibrate_ruler(
     date: dt.date | None = None,
 ) -> Calibration:
     """Scale from two points of a ruler in the sheet's plane, each read to `reading_sigma_px`."""
+    _inside(clamp_px, "clamp_px", image_size)
     length = math.dist(first_px, second_px)
     if distance_mm <= 0 or length < 20:
         raise BadInputError(
@@ -107,6 +117,14 @@ def calibrate_ruler(
     )
     note = "a ruler gives the scale only: distortion and tilt of the camera stay in the curves"
     return Calibration(optics, 0.0, 0.0, 0.0, (note,))
+
+
+def _inside(place: Point, name: str, size: tuple[int, int]) -> None:
+    if not (-0.5 <= place[0] < size[0] - 0.5 and -0.5 <= place[1] < size[1] - 0.5):
+        raise BadInputError(
+            f"{name} ({place[0]:g}, {place[1]:g}) is outside of the picture of {size[0]} x "
+            f"{size[1]} pixels; give its column and row, counted from the upper left."
+        )
 
 
 def _common_size(images: Sequence[npt.NDArray[Any]]) -> tuple[int, int]:

@@ -21,9 +21,10 @@ def find_corners(image: npt.NDArray[Any], board: Board, name: str) -> tuple[Floa
     found = _charuco(grey, board) if board.marker_mm > 0 else _checkerboard(grey, board)
     if found is None or len(found[0]) < LEAST_CORNERS:
         count = 0 if found is None else len(found[0])
+        whole = "" if board.marker_mm > 0 else ", and that the whole checkerboard is in the picture"
         raise BadInputError(
             f"{name}: only {count} corners of the {board.columns} x {board.rows} board were found, "
-            f"{LEAST_CORNERS} are needed; check light, focus and the board's numbers."
+            f"{LEAST_CORNERS} are needed; check light, focus and the board's numbers{whole}."
         )
     return found
 

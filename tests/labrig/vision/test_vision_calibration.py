@@ -68,10 +68,10 @@ def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
 
 
 @pytest.mark.slow
-def test_tilted_views_fix_the_lens():
-    board = Board()
+@pytest.mark.parametrize("board", [Board(), Board(marker_mm=0)], ids=["charuco", "checker"])
+def test_tilted_views_fix_the_lens(board):
     flat, plane = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
-    tilted = [view(board, (0.3 * math.cos(q), 0.3 * math.sin(q), 0), (-30, -22, 190), q)[0]
+    tilted = [view(board, (0.3 * math.cos(q), 0.3 * math.sin(q), 0), (-30, -22, 215), q)[0]
               for q in range(1, 5)]  # fmt: skip
     result = calibrate_camera([flat, *tilted], board, clamp_px=(80.0, 240.0))
     assert result.optics.views == 5
@@ -85,6 +85,12 @@ def test_what_cannot_be_calibrated_is_said():
         calibrate_camera([image, image[:400]], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="picture 1: only 0 corners"):
         calibrate_camera([np.full((480, 640), 90, np.uint8)], board, clamp_px=(80, 240))
+    with pytest.raises(BadInputError, match="the whole checkerboard"):
+        calibrate_camera([image[:, :300]], Board(marker_mm=0), clamp_px=(80, 240))
+    with pytest.raises(BadInputError, match=r"clamp_px \(900, 240\) is outside"):
+        calibrate_camera([image], board, clamp_px=(900, 240))
+    with pytest.raises(BadInputError, match="along_px is 5.0 pixels from"):
+        calibrate_camera([image], board, clamp_px=(80, 240), along_px=(85, 240))
     with pytest.raises(BadInputError, match="at least one"):
         calibrate_camera([], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="smaller than its square"):
@@ -98,6 +104,8 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
     assert result.optics.px_per_mm_sigma == pytest.approx(400 / 45 * math.sqrt(2) * 0.7 / 400)
     assert result.optics.date == "2026-11-21"
     assert "distortion" in result.warnings[0]
+    with pytest.raises(BadInputError, match="outside of the picture"):
+        calibrate_ruler((640, 480), (100, 100), (500, 100), 45.0, clamp_px=(80, 480))
     with pytest.raises(BadInputError, match="20 pixels"):
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
 
