@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from labrig.vision.beside import is_an_edge, runs_beside_opposite
 from labrig.vision.beyond import seen_beyond_px
@@ -13,7 +14,10 @@ from labrig.vision.fit import Fit
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
 
-LEAST_COVERED = 0.6
+BoolArray = npt.NDArray[np.bool_]
+
+LEAST_IN_VIEW = 0.3  # of the curve; its band says how well the rest is known
+LEAST_COVERED = 0.6  # of what is in view
 LEAST_START_COVERED = 0.4
 LEAST_SNR = 2.0
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
@@ -39,7 +43,7 @@ def judge(fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False) -> Ve
     residual = smooth_residual_px(fit)
     strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
-    faults = [fault for fault in _faults(fit, setting, tip, covered, residual, followed) if fault]
+    faults = [fault for fault in _faults(fit, setting, tip, residual, followed) if fault]
     return Verdict(
         why=faults[0] if faults else "",
         warnings=tuple(_warnings(setting, tip, covered)),
@@ -62,9 +66,7 @@ def smooth_residual_px(fit: Fit) -> float:
     return float(np.sqrt(np.mean((mean[seen] / total[seen]) ** 2)))
 
 
-def _faults(
-    fit: Fit, setting: Setting, tip: Tip, covered: float, residual: float, followed: bool
-) -> list[str]:
+def _faults(fit: Fit, setting: Setting, tip: Tip, residual: float, followed: bool) -> list[str]:
     shape, optics = fit.shape, setting.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
     end_u, end_v = setting.nodes_px(shape)[-1]
@@ -78,6 +80,8 @@ def _faults(
     allowed = max(6.0, 0.03 * shape.basis.total_px)
     tip = tip if followed else _further(tip, fit, setting, allowed)
     tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
+    in_view = float(fit.in_view[2:-2].mean())
+    seen = _share(fit.used, fit.in_view, slice(2, -2))
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
@@ -85,13 +89,18 @@ def _faults(
         "length."
         if not inside
         else "",
-        f"no sheet was found that starts at the clamp: only {covered:.0%} of the best path looks "
+        f"rolls or wires hide all but {in_view:.0%} of the best path; take away what hides the "
+        "sheet."
+        if in_view < LEAST_IN_VIEW
+        else "",
+        f"no sheet was found that starts at the clamp: only {seen:.0%} of the best path looks "
         "like one; check the picture, clamp_px and the sheet's length."
-        if covered < LEAST_COVERED
+        if seen < LEAST_COVERED
         else "",
         "no sheet was found at the clamp: the first "
         f"{start} pixels of the best path do not look like one; check clamp_px."
-        if fit.used[2:start].mean() < LEAST_START_COVERED and not _shows(fit, setting, start)
+        if _share(fit.used, fit.in_view, slice(2, start)) < LEAST_START_COVERED
+        and not _shows(fit, setting, start)
         else "",
         f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
         if snr < LEAST_SNR
@@ -119,6 +128,11 @@ def _faults(
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]
+
+
+def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:
+    """Of what can be seen there, how much looks like the sheet; 1 where all is hidden."""
+    return float(used[part].sum() / in_view[part].sum()) if in_view[part].any() else 1.0
 
 
 def _further(tip: Tip, fit: Fit, setting: Setting, allowed: float) -> Tip:

@@ -69,6 +69,7 @@ def missing_end_px(fit: Fit) -> float:
     ground = np.polyval(np.polyfit(tail, fit.cells[tail, 1], 1), missing)
     ground = np.clip(ground, *np.percentile(fit.cells[last, 1], [0, 100]))
     plain = np.abs(fit.cells[missing, 9] - ground) < 0.25 * contrast
+    plain &= fit.in_view[missing]
     return float(len(missing)) * fit.shape.basis.step_px if plain.mean() > 0.7 else 0.0
 
 

@@ -21,6 +21,7 @@ from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
 from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
+from labrig.vision.wires import find_wires, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -30,6 +31,8 @@ LEAST_DOUBLE_SCORE = 0.4
 LONGEST_STEP_M = 0.45e-3  # between the points of a curve
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 FACE_ROUNDS = 3
+LEAST_OF_A_WIRE_PX = 60.0
+LEAST_TOLD = 0.02  # of the sheet hidden by wires
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
 
@@ -91,7 +94,8 @@ def neutral_curve(
     excess = excess_width_px(best.fit, best.setting)
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
-    return report(best.fit, best.setting, best.verdict, excess)
+    curve = report(best.fit, best.setting, best.verdict, excess)
+    return replace(curve, warnings=curve.warnings + job.wires_told(best))
 
 
 def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
@@ -114,6 +118,8 @@ class _Job:
             LONGEST_STEP_M * optics.px_per_m,
         )
         self.mask = roll_mask(optics, picture.grey.shape)
+        self.wires: npt.NDArray[np.uint8] | None = None
+        self.only = 0.0  # the polarity, once it is known
 
     def setting(self, sign: float) -> Setting:
         optics = self.optics
@@ -172,18 +178,57 @@ class _Job:
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
-        found = self._candidates(width=120, hasty=True)
+        best = self._searched()
+        if best is not None and self._hides_wires(best):
+            best = self._searched(best)
+        return best
+
+    def _searched(self, known: Candidate | None = None) -> Candidate | None:
+        """The best of a quick search, and of a broader one where none passes.
+
+        `known`: of a search before wires were hidden; it may be right but for those.
+        """
+        found = []
+        if known is not None:
+            found = [self._improved(known.fit.shape, known.setting.sign)]
+            self.only = known.setting.sign
+        found += self._candidates(width=120, hasty=True)
         if all(c.verdict.why for c in found):
             found += self._candidates(width=800, hasty=False)
-        return max(found, key=lambda c: c.rank, default=None)
+        best = max(found, key=lambda c: c.rank, default=None)
+        if known is not None and best is not None and best.verdict.why:
+            # its reason tells more than that of some path beside the wires
+            return known if known.verdict.why else found[0]
+        return best
+
+    def _hides_wires(self, best: Candidate) -> bool:
+        """Whether there are wires where the sheet may be; their pixels are not used any more."""
+        sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
+        reach = best.fit.band.reach
+        wires = [
+            wire
+            for wire in find_wires(self.picture, self.ridges, sign)
+            # where it does not run with the curve it must be seen, too
+            if wire.length_beside_px(nodes, reach) > LEAST_OF_A_WIRE_PX
+            and (best.verdict.why or wire.distance_px(nodes) < wire.half_px + reach)
+        ]
+        if not wires:
+            return False
+        self.wires = hidden_by(wires, self.mask.shape)
+        self.mask = np.maximum(self.mask, self.wires)
+        return True
 
     def _candidates(self, *, width: int, hasty: bool) -> list[Candidate]:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
+        if self.wires is not None:
+            ridges = ridges.hidden(self.wires)
         self.ridges = ridges
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
-        if hasty and len(signs) == 2:
+        if self.only:
+            signs = [self.only]
+        elif hasty and len(signs) == 2:
             signs = self._likely(ridges, signs)
         found = []
         for sign in signs:
@@ -194,6 +239,18 @@ class _Job:
                     enough = 0.75 if found[-1].verdict.why else 0.7
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
+
+    def wires_told(self, found: Candidate) -> tuple[str, ...]:
+        """A warning, where a wire hides some of the sheet."""
+        if self.wires is None:
+            return ()
+        u, v = np.round(found.setting.nodes_px(found.fit.shape)).astype(int).T
+        share = float(self.wires[v, u].mean())
+        if share < LEAST_TOLD:
+            return ()
+        return (
+            f"a wire lies along {share:.0%} of the sheet, or crosses it; it was left out there",
+        )
 
     def is_doubled(self, found: Candidate) -> bool:
         """Whether a second sheet, as good as the first, leaves the clamp or close beside it."""
@@ -268,8 +325,11 @@ class _Job:
 
     def refine(self, trace: Trace, sign: float) -> Candidate:
         """From a traced path to a judged curve."""
+        shape = shape_through(trace, self.optics, self.basis, self.setting(sign).spectral)
+        return self._improved(shape, sign)
+
+    def _improved(self, shape: Shape, sign: float) -> Candidate:
         setting = self.setting(sign)
-        shape = shape_through(trace, self.optics, self.basis, setting.spectral)
         half = self._elongation_half_width(shape, setting)
         shape = fit_points(shape, setting, half_width=half)
         beyond = self._beyond()

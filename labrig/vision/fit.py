@@ -22,6 +22,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
+LEAST_PRESENT = 0.6  # of the pixels beside the curve
 CHOOSING_ROUNDS = (0, 2)  # the choice hardly changes once the curve is near
 SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
@@ -45,6 +46,11 @@ class Fit:
     def contrast(self) -> FloatArray:
         """(cells,) grey levels, positive where the sheet is brighter."""
         return self.cells[:, 0]
+
+    @property
+    def in_view(self) -> BoolArray:
+        """(cells,): where nothing that is known to hide the sheet does."""
+        return self.present > LEAST_PRESENT
 
     @property
     def offsets_px(self) -> tuple[FloatArray, FloatArray]:
@@ -115,7 +121,7 @@ def ridge_points(
     centre = setting.nodes_px(shape)
     sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))
     beside = setting.nodes_px(sideways) - centre
-    return ridge_offsets(
+    offset, height, width = ridge_offsets(
         setting.picture.smooth,
         centre[:, 0].copy(),
         centre[:, 1].copy(),
@@ -124,6 +130,11 @@ def ridge_points(
         reach.astype(np.int64),
         setting.sign,
     )
+    rows, columns = setting.mask.shape
+    place = centre + np.nan_to_num(offset)[:, None] * beside
+    at = np.clip(np.round(place).astype(int), 0, [columns - 1, rows - 1])
+    hidden = setting.mask[at[:, 1], at[:, 0]] != 0
+    return np.where(hidden, np.nan, offset), height, np.where(hidden, np.nan, width)
 
 
 def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
@@ -241,7 +252,7 @@ def usable_cells(
     cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
-    there = present > 0.6
+    there = present > LEAST_PRESENT
     if band.spoilt is not None:
         there &= ~band.spoilt
     edge = round(2.5 * band.blur) + 1

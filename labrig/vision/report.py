@@ -15,6 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 LOOK_SIGMA_PX = 0.004
 FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
+MOST_NOISE_PX = 2.0  # a curve that is known less well anywhere is none
 
 
 def report(
@@ -26,18 +27,19 @@ def report(
     """
     warnings = setting.picture.warnings + verdict.warnings
     if verdict.why:
-        return NeutralCurve(
-            ok=False,
-            why=verdict.why,
-            warnings=warnings,
-            covered=verdict.covered,
-            residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
-        )
+        return _refusal(verdict.why, verdict, warnings)
     shape, ppm = fit.shape, setting.optics.px_per_m
     covariance = np.asarray(
         np.linalg.inv(penalised(fit.normal, shape, fit.spectral)), dtype=np.float64
     )
     modes = shape.normal_modes()
+    noise_px = _spread(modes, covariance)
+    if noise_px.max() > MOST_NOISE_PX:
+        said = (
+            f"where the sheet is hidden or unclear it is known to ±{noise_px.max():.1f} pixels "
+            "only; make more of it visible."
+        )
+        return _refusal(said, verdict, warnings)
     rows = shape.basis.curvature
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
@@ -56,7 +58,6 @@ def report(
         )
         warnings = (*warnings, said)
     contrast = float(np.median(np.abs(fit.contrast[fit.used])))
-    noise_m = _spread(modes, covariance) / ppm
     return NeutralCurve(
         ok=True,
         warnings=warnings,
@@ -64,7 +65,9 @@ def report(
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
-        sigma_m=np.sqrt(noise_m**2 + systematic_m(fit, setting) ** 2 + (excess / 2 / ppm) ** 2),
+        sigma_m=np.sqrt(
+            (noise_px**2 + (excess / 2) ** 2) / ppm**2 + systematic_m(fit, setting) ** 2
+        ),
         excess_px=excess,
         curvature_sigma_per_m=_spread(rows, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
@@ -87,6 +90,16 @@ def report(
         face_px=np.append(fit.band.face, fit.band.face[-1]),
         face_share=fit.band.face_share,
         smoothness_per_m3=fit.spectral * ppm**3,
+    )
+
+
+def _refusal(why: str, verdict: Verdict, warnings: tuple[str, ...]) -> NeutralCurve:
+    return NeutralCurve(
+        ok=False,
+        why=why,
+        warnings=warnings,
+        covered=verdict.covered,
+        residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
     )
 
 

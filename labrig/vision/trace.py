@@ -15,6 +15,7 @@ from labrig.vision.shape import Shape, ShapeBasis, fit_angles, make_shape
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
+MaskArray = npt.NDArray[np.uint8]
 
 MOST_CURVATURE_PER_M = 400.0
 MOST_TURN_RAD = 4.8  # 240 degrees and a little
@@ -53,6 +54,14 @@ class RidgeMaps:
             lineType=cv2.LINE_8,
             shift=4,
         )
+        return self._cleared(mask)
+
+    def hidden(self, mask: MaskArray) -> RidgeMaps:
+        """The same without what a mask of the picture hides."""
+        rows, columns = self.maps.shape[1:3]
+        return self._cleared(mask[:: self.scale, :: self.scale][:rows, :columns])
+
+    def _cleared(self, mask: MaskArray) -> RidgeMaps:
         maps = self.maps.copy()
         rows, columns = np.nonzero(mask)
         maps[:, rows, columns] = 0

@@ -25,6 +25,7 @@ EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
 MOST_LOCAL_EXCESS_PX = 2.0
 SPOILT_PX = 1.0
+ALL_PRESENT = 0.97  # share of the pixels beside the curve: nothing is hidden there
 
 
 def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
@@ -36,7 +37,8 @@ def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
     blur = float(np.hypot(blur, SMOOTHING_PX))
     usual = _visible_widths(fit.band, blur)
     usual = np.append(usual, usual[-1])
-    good = np.isfinite(width) & (np.abs(offset) < width) & np.append(fit.used, fit.used[-1])
+    clear = fit.used & (fit.present > ALL_PRESENT)
+    good = np.isfinite(width) & (np.abs(offset) < width) & np.append(clear, clear[-1])
     excess = np.where(good, width - usual, 0.0)
     padded = np.pad(excess, SMOOTH_NODES, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_NODES + 1)

@@ -89,7 +89,7 @@ def test_what_cannot_be_calibrated_is_said():
         calibrate_camera([image[:, :300]], Board(marker_mm=0), clamp_px=(80, 240))
     with pytest.raises(BadInputError, match=r"clamp_px \(900, 240\) is outside"):
         calibrate_camera([image], board, clamp_px=(900, 240))
-    with pytest.raises(BadInputError, match="along_px is 5.0 pixels from"):
+    with pytest.raises(BadInputError, match=r"along_px is 5\.0 pixels from"):
         calibrate_camera([image], board, clamp_px=(80, 240), along_px=(85, 240))
     with pytest.raises(BadInputError, match="at least one"):
         calibrate_camera([], board, clamp_px=(80, 240))

@@ -1,0 +1,246 @@
+"""Straight things that come in from the picture's border, such as wires: a sheet ends inside.
+
+Where one runs along the sheet no pixel tells the two apart, but everywhere else it does: a wire is
+found at the border, followed straight through the picture, and its pixels are left out, as those of
+the rolls are.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision._jit import jit
+from labrig.vision.beam import ridge_score
+from labrig.vision.picture import Picture
+from labrig.vision.trace import RidgeMaps
+
+FloatArray = npt.NDArray[np.float64]
+MapArray = npt.NDArray[np.float32]
+MaskArray = npt.NDArray[np.uint8]
+
+INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
+MOST_ENTRIES = 10  # on a ring
+LEAST_BEND = 3.0  # of a ridge that crosses the ring there, in units of the noise
+HALF_BEND = 4.0  # a ridge that bends by this is half sure
+LEAST_SURE, LEAST_BEGIN = 0.2, 0.1  # of the first stretch, on the line
+SEEN = 0.3  # of any piece, beside the line
+ANGLES = np.linspace(-0.45, 0.45, 37)  # about the direction that one place of the ring shows
+BEGINS_PX = 10.0  # a sheet ends further than that from the border
+FIRST_PX, STEP_PX, CORRIDOR_PX = 60.0, 2.0, 4
+BOW_PX = 10.0  # how far from straight the lens may make it
+PIECE_STEPS = 10
+GAP_PX = 300.0  # that rolls, clamp and sheet may make in it
+WIDTH_REACH_PX = 8
+MARGIN_PX = 2.0  # beyond half its width at half height: the blurred flank
+LEAST_WITH_TWO_SIDES = 0.4
+SAME_PX = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Wire:
+    """A line in raw pixels from where it comes in to where it is last seen."""
+
+    path: FloatArray  # (n, 2)
+    half_px: float  # further beside it nothing of it is seen
+
+    def distance_px(self, curve: FloatArray) -> float:
+        """From a curve (n, 2), at the closest."""
+        return float(self._gaps(curve).min())
+
+    def length_beside_px(self, curve: FloatArray, reach: float) -> float:
+        """Of the part that is further than `reach` from a curve (n, 2)."""
+        steps = np.hypot(*np.diff(self.path, axis=0).T)
+        return float(steps[self._gaps(curve)[1:] > reach].sum())
+
+    def _gaps(self, curve: FloatArray) -> FloatArray:
+        gap = self.path[:, None] - curve[None]
+        return np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
+
+
+def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
+    """The straight ridges of a sign that reach the picture's border."""
+    maps, scale = ridges.maps[:1], ridges.scale
+    found: list[Wire] = []
+    for entry in (entry for inset in INSETS for entry in _entries(maps[0], sign, inset)):
+        place = (entry[:2] + 0.5) * scale - 0.5
+        if any(np.hypot(*(w.path - place).T).min() < SAME_PX + w.half_px for w in found):
+            continue
+        path = _followed(maps, sign, entry)
+        if path is not None:
+            path = (path + 0.5) * scale - 0.5
+            half = _half_width(picture, path, sign, scale)
+            if half is not None:
+                found.append(Wire(path, half))
+    return found
+
+
+def hidden_by(wires: list[Wire], shape: tuple[int, int]) -> MaskArray:
+    """(rows, columns): not 0 where a wire is seen."""
+    import cv2
+
+    mask = np.zeros(shape, np.uint8)
+    for wire in wires:
+        points = np.round(wire.path * 16).astype(np.int32).reshape(-1, 1, 2)
+        width = max(1, round(2 * wire.half_px))
+        cv2.polylines(
+            mask, [points], isClosed=False, color=1, thickness=width, lineType=cv2.LINE_8, shift=4
+        )
+    return mask
+
+
+def _entries(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
+    """Where ridges cross a ring, strongest first: u, v, inward angle and inset."""
+    rows, columns = layer.shape[:2]
+    right, bottom = columns - 1 - inset, rows - 1 - inset
+    across, down = np.arange(inset, right), np.arange(inset, bottom)
+    if len(across) < 40 or len(down) < 40:
+        return []
+    one, other = np.ones_like(across), np.ones_like(down)
+    u = np.concatenate([across, right * other, across[::-1] + 1, inset * other])
+    v = np.concatenate([inset * one, down, bottom * one, down[::-1] + 1])
+    m = layer[v, u].astype(np.float64)
+    gap, split = 0.5 * (m[:, 0] - m[:, 2]), np.hypot(0.5 * (m[:, 0] - m[:, 2]), m[:, 1])
+    across_it = 0.5 * np.arctan2(m[:, 1], gap) + (math.pi / 2 if sign > 0 else 0.0)
+    slope = np.abs(m[:, 3] * np.cos(across_it) + m[:, 4] * np.sin(across_it))
+    bend = split - sign * 0.5 * (m[:, 0] + m[:, 2]) - 0.7 * slope
+    around = np.max([np.roll(bend, q) for q in range(-4, 5)], axis=0)
+    peaks = np.flatnonzero((bend >= around) & (bend > LEAST_BEND))
+    peaks = peaks[np.argsort(-bend[peaks])][:MOST_ENTRIES]
+    angle = across_it[peaks] + math.pi / 2
+    inward = np.cos(angle) * (columns / 2 - u[peaks]) + np.sin(angle) * (rows / 2 - v[peaks])
+    angle = angle + np.where(inward < 0, math.pi, 0)
+    return list(np.stack([u[peaks], v[peaks], angle, np.full(len(peaks), inset)], axis=1))
+
+
+def _followed(maps: MapArray, sign: float, entry: FloatArray) -> FloatArray | None:
+    """(n, 2) the line that comes in here, up to where it is last seen; None when it is none."""
+    rows, columns = maps.shape[1:3]
+    t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
+    u, v, angle, inset = (float(value) for value in entry)
+    turn, sure = _direction(maps, sign, u, v, angle, ANGLES, inset, FIRST_PX)
+    here = np.array([turn])
+    _, begin = _direction(maps, sign, u, v, angle, here, inset, BEGINS_PX)
+    if sure < LEAST_SURE or begin < LEAST_BEGIN:
+        return None
+    angle += turn
+    u, v = u - inset * math.cos(angle), v - inset * math.sin(angle)
+    first = round(FIRST_PX / STEP_PX)
+    terms = np.stack([np.ones_like(t), t / t[-1], (t / t[-1]) ** 2], axis=1)
+    line = np.zeros(3)  # its offset beside the straight line, a parabola
+    far, done = first, False
+    while not done:
+        done = far == len(t)
+        for _ in range(2):
+            now = terms[:far] @ line
+            offset, weight = _beside(maps, sign, *_on(u, v, angle, t[:far], now), angle)
+            line = _parabola(terms[:far], now + offset, weight, line)
+        far = min(len(t), 2 * far)
+    place = _on(u, v, angle, t, terms @ line)
+    _, weight = _beside(maps, sign, *place, angle)
+    path = np.stack(place, axis=1)
+    inside = (path >= 0).all(axis=1) & (path[:, 0] < columns) & (path[:, 1] < rows)
+    last = _last_seen(np.where(inside, weight, 0.0))
+    return path[:last] if last >= first else None
+
+
+def _on(
+    u: float, v: float, angle: float, t: FloatArray, beside: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Places at distances along a line, and beside it."""
+    c, s = math.cos(angle), math.sin(angle)
+    return u + c * t - s * beside, v + s * t + c * beside
+
+
+@jit
+def _direction(
+    maps: MapArray,
+    sign: float,
+    u: float,
+    v: float,
+    angle: float,
+    turns: FloatArray,
+    back: float,
+    length: float,
+) -> tuple[float, float]:
+    """The turn from `angle` under which it looks most like a ridge, and how much.
+
+    From `back` before (u, v) on, for `length`.
+    """
+    best, most = 0.0, -1e9
+    count = int(length / STEP_PX)
+    for turn in turns:
+        c, s = math.cos(angle + turn), math.sin(angle + turn)
+        total = 0.0
+        for q in range(count):
+            place = (q + 0.5) * STEP_PX - back
+            total += ridge_score(maps, sign, u + c * place, v + s * place, c, s, 1, HALF_BEND)
+        if total > most:
+            best, most = turn, total
+    return best, most / count
+
+
+@jit
+def _beside(
+    maps: MapArray, sign: float, u: FloatArray, v: FloatArray, angle: float
+) -> tuple[FloatArray, FloatArray]:
+    """Where the ridge is beside each place, pixels to its left, and how sure that is."""
+    offset, weight = np.zeros(len(u)), np.zeros(len(u))
+    c, s = math.cos(angle), math.sin(angle)
+    sure = np.empty(2 * CORRIDOR_PX + 1)
+    for i in range(len(u)):
+        for q in range(len(sure)):
+            d = q - CORRIDOR_PX
+            sure[q] = ridge_score(maps, sign, u[i] - s * d, v[i] + c * d, c, s, 1, HALF_BEND)
+        most = sure.max()
+        if most < LEAST_SURE:
+            continue
+        total = 0.0
+        for q in range(len(sure)):
+            if sure[q] > 0.7 * most:
+                total += sure[q]
+                offset[i] += sure[q] * (q - CORRIDOR_PX)
+        offset[i] /= total
+        weight[i] = most
+    return offset, weight
+
+
+def _parabola(
+    terms: FloatArray, offset: FloatArray, weight: FloatArray, line: FloatArray
+) -> FloatArray:
+    """The line through most of the offsets."""
+    for _ in range(3):
+        miss = (offset - terms @ line) / 2.5
+        robust = weight * np.maximum(0.0, 1 - miss**2) ** 2
+        normal = (terms * robust[:, None]).T @ terms + np.diag([1e-6, 1e-6, 1 / BOW_PX**2])
+        line = np.linalg.solve(normal, terms.T @ (robust * offset))
+    return np.asarray(line)
+
+
+def _last_seen(sure: FloatArray) -> int:
+    """Number of steps up to the last one that is seen without too long a gap before."""
+    mean = np.convolve(sure, np.ones(PIECE_STEPS) / PIECE_STEPS, mode="same")
+    seen = np.flatnonzero(mean > SEEN)
+    if not len(seen):
+        return 0
+    breaks = np.flatnonzero(np.diff(seen) > GAP_PX / STEP_PX)
+    return int(seen[breaks[0]] if len(breaks) else seen[-1]) + 1
+
+
+def _half_width(picture: Picture, path: FloatArray, sign: float, scale: int) -> float | None:
+    """Half of what is seen of it across; None for an edge, which has no other side."""
+    from labrig.vision.band import ridge_offsets
+
+    ahead = np.gradient(path, axis=0)
+    ahead /= np.hypot(ahead[:, 0], ahead[:, 1])[:, None]
+    u, v = np.ascontiguousarray(path.T)
+    reach = np.full(len(u), WIDTH_REACH_PX * scale)
+    across = (-ahead[:, 1].copy(), ahead[:, 0].copy())
+    _, height, width = ridge_offsets(picture.smooth, u, v, *across, reach, sign)
+    good = np.isfinite(width) & (height > picture.noise)
+    if good.mean() < LEAST_WITH_TWO_SIDES:
+        return None
+    return 0.5 * float(np.median(width[good])) + MARGIN_PX
