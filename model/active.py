@@ -18,7 +18,7 @@ from model.gauss import rule
 from model.measurements import FloatArray, ModelError
 from model.setup import ActiveEffect, Profile, Setup
 from model.solved import Solved, solved
-from model.typical_run import mean_over, typical_run
+from model.typical_run import kept_readings, mean_over, typical_run
 
 NODES = 14  # along the free length, where effects are worked out
 MOST_ROUNDS = 60
@@ -112,6 +112,8 @@ def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
     sheet = setups[0].sheet
     s = sheet.free_length_m * np.asarray(rule(NODES).c)
     B = np.array([one.B_Nm2 for one in setups])
+    runs = [typical_run(v, -v, sheet.rise_time_s) for v in (float(o.voltage_V) for o in setups)]
+    clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
     none = np.zeros(len(setups))
     ones = np.ones((len(setups), NODES))
     return Beam(
@@ -123,6 +125,7 @@ def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
         elongation_soft=none, shift_m=none.copy(),
         tilt_rad=np.array([one.clamp_rad for one in setups]),
         offset_m=np.array([one.offset_m for one in setups]),
+        piece_m=sheet.free_length_m * np.asarray(rule(NODES).b), clock=clock, reading_of=of,
     )  # fmt: skip
 
 

@@ -6,6 +6,7 @@ condition's kept readings would be in such a run.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,15 @@ def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> Typical
         rise_s=rise_s,
     )  # fmt: skip
     return TypicalRun(clock, (pulse < 0.0) | (pulse >= DISCARDED))
+
+
+def kept_readings(
+    runs: Sequence[TypicalRun], voltages_V: Sequence[float]
+) -> tuple[Clock, npt.NDArray[np.int64]]:
+    """The readings that count of conditions, one after the other, and of which each is: (n,)."""
+    use = [run.at(volts) for run, volts in zip(runs, voltages_V, strict=True)]
+    clock = Clock.joined([run.clock.of(u) for run, u in zip(runs, use, strict=True)])
+    return clock, np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])
 
 
 def mean_over(values: FloatArray, use: npt.NDArray[np.bool_]) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.search import Contender, Outcome, Turn, rank, refine_best
+from model.discrepancy.search import Contender, Outcome, Turn, least_gain, rank, refine_best
 from model.discrepancy.settle import Fitted, settle
 from model.effects.interface import Effect
 
@@ -70,7 +70,8 @@ def choices(
             continue
         rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
         without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
-        if 0.5 * (without.deviance - final.deviance) < threshold:
+        least = least_gain(without, threshold)
+        if 0.5 * (without.deviance - final.deviance) < least:
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold)
         ranking = refine_best(without, rank(without, effects, slots=False))

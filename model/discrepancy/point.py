@@ -7,17 +7,19 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from model.discrepancy.beyond import LEVELS, MOST_LOST, beyond_first_order
 from model.discrepancy.features import Look
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
-from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
+from model.discrepancy.timing import rise_left
+from model.effects.interface import Beam, Effect, Points, Values, Weighed
 from model.effects.roll_friction import slid
 from model.field import Field
 from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
 
-LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
 STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
 SELF_CONSISTENT = 4  # rounds of solving and applying effects that depend on the solution
+LEAST_M = 1e-8  # that the EIBM moves a curve
 SETTLED_N = 1e-8  # change of any force that ends them sooner
 
 
@@ -58,6 +60,11 @@ class State:
     response: FloatArray | None  # (K, L) force at the EIBM times `LEVELS`; None: its slope will do
     weighed: Weighed  # of the readings, before what the load cell adds
     residual: FloatArray  # (N,) of this configuration's rows, at their places among all
+
+    @property
+    def reach_m(self) -> FloatArray:
+        """How far the EIBM moves each curve, root mean square along it: (K,)."""
+        return np.asarray(np.linalg.norm(self.modes_by_eibm, axis=1))
 
 
 class Study:
@@ -122,15 +129,16 @@ class Study:
                 driven = part.clock.voltage_V != 0.0
                 eibm += np.bincount(part.reading_of, np.where(driven, course[0], 0.0), K) / count
                 stiffness += np.bincount(part.reading_of, course[1], K) / count
-        return np.maximum(eibm, -0.95), np.maximum(stiffness, -0.95)
+        return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
 
     def _response(
         self, c: int, beam: Beam, inner: list[tuple[Effect, Values]]
     ) -> FloatArray | None:
-        """Forces at other sizes of the EIBM, where an effect changes it much in time."""
-        clock = self.part(c).bin_clock
-        courses = [effect.course(clock, values) for effect, values in inner]
-        largest = max((float(np.max(np.abs(f[0]), initial=0.0)) for f in courses if f), default=0.0)
+        """Forces at other sizes of the EIBM, where an effect changes it, or B, much in time."""
+        part = self.part(c)
+        courses = [e.course(k, v) for e, v in inner for k in (part.clock, part.bin_clock)]
+        changes = [change for course in courses if course for change in course]
+        largest = max((float(np.max(np.abs(x), initial=0.0)) for x in changes), default=0.0)
         if largest < STRONG:
             return None
         scene = self.scenes[c]
@@ -166,19 +174,18 @@ class Study:
         driven = part.clock.voltage_V != 0.0
         mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of])
         y += self.rows_of(c, state, mean)
-        y -= self._bent_more(c, state, inner)
+        y -= beyond_first_order(self, c, state, inner)
         return y - self.rows_of(c, state, self._rise_step(c))
 
     def _sway(self, c: int, state: State) -> FloatArray:
-        """Trends of how large each reading's curve is against its mean."""
+        """Trends of how far out each reading's curve is, the way in which the EIBM moves it; m."""
         part, scene = self.part(c), self.scenes[c]
         sizes = np.zeros(len(part.reading_of))
         for k in np.unique(part.sway_of).tolist():
             curves = self.looks[c].seen[k].own_curves
             modes = np.array([_modes(scene, k, curve, state.solved) for curve in curves])
             u = state.modes_by_eibm[k]
-            weight = float(u @ u)
-            sizes[part.reading_of == k] = modes @ u / weight if weight > 0.0 else 0.0
+            sizes[part.reading_of == k] = modes @ u / max(state.reach_m[k], LEAST_M)
         result: FloatArray = part.sway @ sizes
         return result
 
@@ -215,15 +222,30 @@ class Study:
         if delay:
             rise = max(scene.sheet.rise_time_s, 1e-6)
             later = rise_left(part.clock, rise, -delay) - rise_left(part.clock, rise, 0.0)
-            step = replace(step, frame_eibm=-later)
+            step = replace(step, frame_eibm=step.frame_eibm - later)
+        for shape, much in effect.lagging(state.beam, state.solved.held, values):
+            force, size = self._lagging(c, state, shape, much)
+            step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
         if type(effect).force is not Effect.force:
-            step = replace(step, force_N=self._added_force(c, state, effect, values))
+            force = step.force_N + self._added_force(c, state, effect, values)
+            step = replace(step, force_N=force)
         points = Points(state.solved.x_m, state.solved.y_m, scene.length)
         moved = effect.curve(points, values)
         if moved is not None:
             normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
             step = replace(step, points_m=normal)
         return step
+
+    def _lagging(
+        self, c: int, state: State, shape: FloatArray, much: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Force of each reading, and size of its curve in shares of the EIBM's, by `lagging`."""
+        of, G = self.part(c).reading_of, self.scenes[c].count
+        force = np.einsum("kg,kg->k", state.answers.force[:, :G], shape)
+        modes = np.einsum("kmg,kg->km", state.answers.modes[:, :, :G], shape)
+        u = state.modes_by_eibm
+        size = np.sum(modes * u, axis=1) / np.maximum(state.reach_m, LEAST_M) ** 2
+        return force[of] * much, size[of] * much
 
     def bin_courses(
         self, c: int, effect: Effect, values: Values
@@ -264,7 +286,7 @@ class Study:
         readings += by_stiffness[of] * step.stiffness + step.force_N
         y[part.trend_rows] = part.trend @ readings
         bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
-        y[part.sway_rows] = part.sway @ bent
+        y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
         mean = np.zeros(scene.K)
         np.add.at(mean, of, bent)
         mean /= np.maximum(np.bincount(of, minlength=scene.K), 1)
@@ -276,34 +298,6 @@ class Study:
         b = part.bin_of
         y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + by_stiffness[b] * step.bin_stiffness
         return y
-
-    def _bent_more(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
-        """What the rows of the pulses have to be told beyond the force's slope by the EIBM."""
-        part, y = self.part(c), np.zeros(self.layout.size)
-        if state.response is None:
-            return y
-        rise = max(self.scenes[c].sheet.rise_time_s, 1e-6)
-        total = np.stack(  # in the parts of a pulse, and at its sample
-            [-part.bin_mean(rise_left(k, rise, 0.0)) for k in (part.bin_clock, part.bin_sample)]
-        )
-        for effect, values in inner:
-            for row, course in zip(total, self.bin_courses(c, effect, values), strict=True):
-                row += course[0]
-        mean, _ = self.mean_course(c, inner)  # which the beam problem has already
-        total = (1.0 + total) / (1.0 + mean[part.bin_of]) - 1.0
-        powers = np.linalg.solve(np.vander(LEVELS - 1.0), state.response.T)  # (L, K) a polynomial
-        forces = [
-            np.sum(powers[:, part.bin_of] * np.vander(m, len(LEVELS)).T, axis=0) for m in total
-        ]
-        exact = forces[0] - forces[1]
-        y[part.bin_rows] = exact - state.by_eibm[part.bin_of] * (total[0] - total[1])
-        return y
-
-
-def rise_left(clock: Clock, rise_s: float, later_s: float) -> FloatArray:
-    """What is missing of the settled EIBM after a rise with this time constant, relative."""
-    left: FloatArray = (1.0 - clock.opposite) * np.exp(-(clock.pulse_s + later_s) / rise_s)
-    return np.where(clock.voltage_V != 0.0, left, 0.0)
 
 
 def _modes(scene: Scene, k: int, curve: Curve, solved: Solved) -> FloatArray:

@@ -26,7 +26,7 @@ POINTS = 51
 def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     """A free form with its band, along the coordinate in which it says most."""
     slot: Slot = contender.score.candidate.slot  # type: ignore[assignment]
-    found = shapes(fitted, slot)
+    found = shapes(fitted, slot, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
     known = fitted.solution if contender.solution is None else contender.solution

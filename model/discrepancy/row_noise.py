@@ -18,7 +18,7 @@ LEAST_MODE_M = 1e-7
 LEAST_PULSE_N = 1e-8
 CURVE_M = 2e-5  # of a curve's point where none is stated
 READING_N = 3e-5  # of a reading where repeats do not say it
-SWAY = 3e-3  # of the size of a reading's curve, relative
+SWAY_M = 5e-6  # of how far out a reading's curve is
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
         if len(rows):
             yield _Kind(f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), 1.5, LEAST_MODE_M)
     if len(part.sway_rows):
-        yield _Kind(f"{name} sway", part.sway_rows, 1.0, SWAY, 2.0)
+        yield _Kind(f"{name} sway", part.sway_rows, 1.0, SWAY_M, 2.0)
     if len(part.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
         pooled = _pooled(part.bin_variance, part.bin_set)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from model.effects.interface import Clock
 from model.measurements import FloatArray
 
 WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
-MOST_SWAYS = 3  # trends of a curve's size over the readings
+MOST_SWAYS = 3  # trends over the readings of how far out a curve is
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Part:
     trend_of: Index  # (rows,) condition
     is_mean: npt.NDArray[np.bool_]  # (rows,)
     mode_rows: Index  # (K, M); -1: no curve
-    sway: FloatArray  # (rows, n) from readings to trends of the curve's size
+    sway: FloatArray  # (rows, n) from readings to trends of how far out the curve is
     sway_rows: Index
     sway_of: Index
     bin_clock: Clock  # (m,) each part in each of the pulses
@@ -98,8 +98,7 @@ class Layout:
                 slopes = T[1 : 1 + MOST_SWAYS]
                 sway.add(slopes, own, self._new(o.run, len(slopes)), k)
         bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
-        reading_of = _ints([k for k, o in enumerate(seen) for _ in o.force_N])
-        clock = joined([o.clock for o in seen if len(o.force_N)])
+        reading_of, clock = scene.reading_of, scene.clock
         bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
         return Part(
             reading_of, clock, np.concatenate([o.force_N for o in seen]),
@@ -145,17 +144,7 @@ def _moments(seen: tuple[Seen, ...], pulses: tuple[Pulses, ...]) -> tuple[Clock,
     inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
     sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]
     at = [np.full(len(WITHIN) * len(c.run_s), i) for i, (c, _, _) in enumerate(parts)]
-    return joined(inside), joined(sample), np.concatenate([_ints([]), *at])
-
-
-def joined(clocks: list[Clock]) -> Clock:
-    """One after the other."""
-    return Clock(
-        *(
-            np.concatenate([np.zeros(0), *(getattr(c, f.name) for c in clocks)])
-            for f in fields(Clock)
-        )
-    )
+    return Clock.joined(inside), Clock.joined(sample), np.concatenate([_ints([]), *at])
 
 
 def _in_pulse(sample: Clock, at_s: float) -> Clock:

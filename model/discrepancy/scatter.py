@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.point import State, Step, Study, rise_left
+from model.discrepancy.point import State, Step, Study
+from model.discrepancy.timing import rise_left
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).

@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 
 from model.beam import Directions, Equilibria, Problems, Status, finer, solve
 from model.discrepancy.features import Index, Look
-from model.effects.interface import Beam, Held
+from model.effects.interface import Beam, Clock, Held
 from model.field import Field, merged_breaks, padded
 from model.free import free_shape
 from model.gauss import rule
@@ -58,8 +58,13 @@ class Scene:
         nodes = rule(G)
         self.s_m = self.length * np.asarray(nodes.c)
         self.weights = np.asarray(nodes.b)  # of a mean over the free length
+        self.piece_m = self.length * self.weights
         self._make_panels(look, G)
         seen = look.seen
+        self.clock = Clock.joined([o.clock for o in seen if len(o.force_N)])
+        self.reading_of = np.array(
+            [k for k, o in enumerate(seen) for _ in o.force_N], dtype=np.int64
+        )
         self.K = len(seen)
         self.voltage_V = np.array([o.voltage_V for o in seen])
         self.stated_m = np.array([o.position_m for o in seen])
@@ -135,7 +140,7 @@ class Scene:
         return Beam(
             self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
             change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
-            none, none.copy(), none.copy(), none.copy(),
+            none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
         )  # fmt: skip
 
     # -- solving

@@ -34,6 +34,7 @@ class Candidate:
     sizes: tuple[float, ...]
     effect: Effect | None = None
     slot: str = ""
+    part: str = ""  # of the slot; empty: all of it
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.left_out import predictive_gains
 from model.discrepancy.outliers import numbers_of, outlier_candidates, without
 from model.discrepancy.score import (
+    Candidate,
     Projected,
     Score,
     allowed,
@@ -20,16 +21,17 @@ from model.discrepancy.score import (
 )
 from model.discrepancy.settle import Fitted, Problem, settle
 from model.discrepancy.slots import unknowns
-from model.discrepancy.tolerance import Found
+from model.discrepancy.tolerance import Found, whole_step
 from model.effects.interface import Effect
 from model.measurements import FloatArray, ModelError
-from model.noise import Solution
+from model.noise import Solution, weigh
 
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
 CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 MOST_OUTLIERS = 2
+PASSENGER = 0.05  # size against the effects found before, below which it may be their form
 
 
 @dataclass(frozen=True)
@@ -73,29 +75,46 @@ class Outcome:
 
 def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[Contender]:
     """Everything that could be added, best first; the promising ones with the noise beside them."""
-    study = fitted.problem.study
     inside = {f.effect.name for f in fitted.found}
-    projected = Projected.of(study, fitted.linear, fitted.solution)
     every = candidates(fitted, [e for e in effects if e.name not in inside])
     if slots:
         every += unknowns(fitted)
     every += outlier_candidates(fitted)
+    best = _best(fitted, every, fitted.solution)
+    usual = _best(fitted, every, _usual_scatter(fitted))
+    hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
+    result, tried = [], 0
+    for name, one in best.items():
+        outlier = one.candidate.slot == "outlier"
+        promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
+        if not promising and name not in hidden:
+            result.append(Contender(one, one.log_bayes))
+            continue
+        tried += promising and not outlier
+        looks = [one, usual[name]] if name in hidden else [one]
+        both = [(*rescored(fitted, look), look) for look in looks]
+        gain, solution, chosen = max(both, key=lambda item: item[0])
+        result.append(Contender(chosen, gain, solution))
+    result.sort(key=lambda c: -c.gain)
+    return result
+
+
+def _best(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
+    """The best score of each name, at given scatter; best first."""
+    study = fitted.problem.study
+    projected = Projected.of(study, fitted.linear, solution)
     scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
     scores.sort(key=lambda s: -s.log_bayes)
     best: dict[str, Score] = {}
     for one in scores:
         best.setdefault(one.candidate.name, one)
-    result, tried = [], 0
-    for one in best.values():
-        outlier = one.candidate.slot == "outlier"
-        if tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5):
-            gain, solution = rescored(fitted, one)
-            tried += not outlier
-            result.append(Contender(one, gain, solution))
-        else:
-            result.append(Contender(one, one.log_bayes))
-    result.sort(key=lambda c: -c.gain)
-    return result
+    return best
+
+
+def _usual_scatter(fitted: Fitted) -> Solution:
+    """The same fit with no more scatter than is usual: what acts in every set-up hides in it."""
+    least = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
+    return weigh(fitted.linear.data, least)
 
 
 def refined(fitted: Fitted, contender: Contender) -> Contender:
@@ -105,7 +124,7 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
         raise TypeError(f"{candidate.name} is no effect of the catalogue")
     values = unit_values(effect, candidate.values, contender.score.amplitude)
     names = fitted.problem.study.names
-    width = max(3.0, 2.0 * abs(contender.score.amplitude))
+    width = max(contender.score.scale, 2.0 * abs(contender.score.amplitude))
     one = Found(effect, {name: dict(values) for name in names}, width)
     try:
         best = settle(
@@ -114,7 +133,8 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
         )  # fmt: skip
     except (ModelError, np.linalg.LinAlgError):
         return contender
-    gain = 0.5 * (fitted.deviance - best.deviance)
+    # its size was chosen from several, as in `score`
+    gain = 0.5 * (fitted.deviance - best.deviance) - float(np.log(len(candidate.sizes)))
     return replace(contender, gain=gain, fitted=best)
 
 
@@ -181,9 +201,32 @@ def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
     return again
 
 
+def least_gain(fitted: Fitted, threshold: float) -> float:
+    """Evidence that a further effect needs beside those that a model has.
+
+    What is small against them may be what is left of their own form.
+    """
+    return max(threshold, 0.5 * (PASSENGER * _length(fitted)) ** 2)
+
+
+def _length(fitted: Fitted) -> float:
+    """Of all effects of a model together, in standard deviations of the rows."""
+    study, active = fitted.problem.study, fitted.active
+    rows = np.zeros(study.layout.size)
+    for one in active:
+        others = tuple(a for a in active if a is not one)
+        for c, state in enumerate(fitted.linear.states):
+            if study.names[c] in one.values:
+                rows += study.rows_of(
+                    c, state, whole_step(study, c, state, state.base, others, one)
+                )
+    packed = study.layout.pad(rows)
+    return float(np.sqrt(np.einsum("rn,rnm,rm->", packed, fitted.solution.weights, packed)))
+
+
 def _worth(turn: Turn, threshold: float) -> Contender | None:
     """The best effect of the catalogue, if the data ask for it."""
     best = next((c for c in turn.ranking if c.known), None)
-    if best is None or best.gain < threshold or best.fitted is None:
+    if best is None or best.gain < least_gain(turn.before, threshold) or best.fitted is None:
         return None
     return best if supported(turn.before, best.fitted) else None

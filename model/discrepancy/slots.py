@@ -20,6 +20,7 @@ from model.effects.interface import SLOTS, Slot
 from model.measurements import FloatArray
 
 WAVES = 9
+REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 1e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
 UNITS: dict[Slot, str] = {
     "rest_curvature": "1/m", "eibm": "relative", "even_moment": "relative to the EIBM",
@@ -34,47 +35,55 @@ class Shape:
 
     rows: FloatArray  # (N,)
     configuration: str
+    part: str  # what it changes, and along what: one of several that a slot may have
     along: str  # s | position | force | time | place
     wave: Callable[[FloatArray], FloatArray] | None = None  # of a coordinate 0 .. 1
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
 
 
-def shapes(fitted: Fitted, slot: Slot) -> list[Shape]:
-    """All smooth shapes of a slot, each at its typical size."""
-    study, result = fitted.problem.study, []
+@dataclass(frozen=True)
+class Made:
+    """A shape of one configuration before it is rows."""
+
+    part: str
+    along: str
+    wave: Callable[[FloatArray], FloatArray] | None
+    step: Step
+    shared: bool = False  # whether the rig does it to all configurations alike
+
+
+Making = Iterator[Made]
+
+
+def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
+    """All smooth shapes of a slot, or of a part of it, each at its typical size."""
+    study, result = fitted.problem.study, dict[tuple[str, int, str], Shape]()
     for c, state in enumerate(fitted.linear.states):
-        for along, wave, step in _MAKERS[slot](study, c, state):
-            rows = study.rows_of(c, state, step)
-            if np.any(rows):
-                points = step.points_m if slot == "camera" else None
-                result.append(Shape(rows, study.names[c], along, wave, points))
-    return _shared(result) if slot == "camera" else result
+        name, counts = study.names[c], dict[str, int]()
+        for made in _MAKERS[slot](study, c, state):
+            if part not in ("", made.part):
+                continue
+            number = counts[made.part] = counts.get(made.part, 0) + 1
+            key = (made.part, number, "" if made.shared else name)
+            rows = study.rows_of(c, state, made.step)
+            if key in result:
+                result[key] = replace(result[key], rows=result[key].rows + rows)
+            else:
+                points = made.step.points_m if slot == "camera" else None
+                result[key] = Shape(rows, name, made.part, made.along, made.wave, points)
+    return [shape for shape in result.values() if np.any(shape.rows)]
 
 
 def unknowns(fitted: Fitted) -> list[Candidate]:
-    """One candidate for each slot."""
+    """For each slot all of its shapes together, and each part of them alone."""
     result = []
     for slot in SLOTS:
         found = shapes(fitted, slot)
-        if found:
-            columns = np.stack([s.rows for s in found], axis=1)
-            result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot))
+        parts = list(dict.fromkeys(s.part for s in found))
+        for part in ("", *parts) if len(parts) > 1 else ("",) * len(parts):
+            columns = np.stack([s.rows for s in found if part in ("", s.part)], axis=1)
+            result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot, part))
     return result
-
-
-def _shared(found: list[Shape]) -> list[Shape]:
-    """What the camera does, it does to both configurations."""
-    names = list(dict.fromkeys(s.configuration for s in found))
-    if len(names) < 2:
-        return found
-    columns = [[s for s in found if s.configuration == name] for name in names]
-    return [
-        replace(group[0], rows=np.sum([g.rows for g in group], axis=0))
-        for group in zip(*columns, strict=True)
-    ]
-
-
-Making = Iterator[tuple[str, Callable[[FloatArray], FloatArray] | None, Step]]
 
 
 def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
@@ -94,8 +103,25 @@ def _count(study: Study, c: int) -> int:
 
 def _rest_curvature(study: Study, c: int, state: State) -> Making:
     yield from _along(
-        study, c, lambda shape: np.repeat(5.0 * shape[None], state.beam.eibm.shape[0], 0)
+        study, c, lambda shape: np.repeat(REST_PER_M * shape[None], state.beam.eibm.shape[0], 0)
     )
+    # a kink at the clamp is a rest curvature, too
+    scene, none = study.scenes[c], study.no_step(c)
+    beam = np.zeros_like(none.beam)
+    beam[:, -1] = KINK_RAD
+    beam[:, 2 * scene.count + 1] = beam[:, 2 * scene.count + 3] = -KINK_RAD
+    yield Made("s", "s", _kink(scene.length), replace(none, beam=beam))
+
+
+def _kink(length_m: float) -> Callable[[FloatArray], FloatArray]:
+    """The kink as the curvature of a short piece, in units of the other shapes."""
+    area = 0.5 * np.sqrt(np.pi) * KINK_PIECE * length_m
+
+    def value(t: FloatArray) -> FloatArray:
+        result: FloatArray = KINK_RAD / (REST_PER_M * area) * np.exp(-((t / KINK_PIECE) ** 2))
+        return result
+
+    return value
 
 
 def _eibm(study: Study, c: int, state: State) -> Making:
@@ -116,7 +142,7 @@ def _along(
         one = wave(j)
         beam = np.zeros_like(none.beam)
         beam[:, : scene.count] = moment(one(scene.s_m / scene.length))
-        yield "s", one, replace(none, beam=beam)
+        yield Made("s", "s", one, replace(none, beam=beam))
 
 
 def _compliance(study: Study, c: int, state: State) -> Making:
@@ -127,40 +153,51 @@ def _compliance(study: Study, c: int, state: State) -> Making:
         shape = one(scene.s_m / scene.length)
         beam = np.zeros_like(none.beam)
         beam[:, :G], beam[:, G : 2 * G] = total * shape, shape
-        yield "s", one, replace(none, beam=beam)
+        yield Made("s", "s", one, replace(none, beam=beam))
     bent = state.solved.held.curvature - scene.rest(scene.s_m)
     for power in (1, 2):
         beam = np.zeros_like(none.beam)
         beam[:, G : 2 * G] = 0.3 * (np.abs(bent) / 30.0) ** power
         beam[:, :G] = total * beam[:, G : 2 * G]
-        yield "curvature", None, replace(none, beam=beam)
+        yield Made("curvature", "curvature", None, replace(none, beam=beam))
 
 
 def _position(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     scene, none, G = study.scenes[c], study.no_step(c), study.scenes[c].count
     R = scene.sheet.arc_radius_m
-    u = unit(scene.stated_m)
-    for signed in (np.ones(scene.K), np.sign(scene.voltage_V)):
-        for j in range(4):
+    u = _on_arc(study, c)
+    for part, signed in (("position", np.ones(scene.K)), ("polarity", np.sign(scene.voltage_V))):
+        for j in range(7):  # one for each position of the paper: a screw's error may be anything
             one = wave(j, 1e-3)
             beam = np.zeros_like(none.beam)
             beam[:, 2 * G + 1] = beam[:, 2 * G + 3] = one(u) * signed / R
-            yield "position", one, replace(none, beam=beam)
+            yield Made(part, "position", one, replace(none, beam=beam), shared=True)
+
+
+def _on_arc(study: Study, c: int) -> FloatArray:
+    """Where on the arc, 0 .. 1 over all configurations: (K,)."""
+    every = unit(np.concatenate([scene.stated_m for scene in study.scenes]))
+    first = sum(scene.K for scene in study.scenes[:c])
+    return every[first : first + study.scenes[c].K]
 
 
 def _load_cell(study: Study, c: int, state: State) -> Making:
     part, none, w = study.part(c), study.no_step(c), state.weighed
-    u = unit(w.position_m)
-    for j in range(5):
-        one = wave(j, 2e-4)
-        yield "position", one, replace(none, force_N=one(u))
+    on_arc = _on_arc(study, c)[part.reading_of]
+    for name, shared in (("position", True), ("position, each sheet", False)):
+        for j in range(7 if shared else 5):
+            one = wave(j, 2e-4)
+            step = replace(none, force_N=one(on_arc) * w.touching)
+            yield Made(name, "position", one, step, shared)
     scale = max(float(np.std(w.force_N)), 1e-6)
     for power in (2, 3):
-        yield "force", None, replace(none, force_N=2e-4 * (w.force_N / scale) ** power / power**2)
+        force = 2e-4 * (w.force_N / scale) ** power / power**2
+        yield Made("force", "force", None, replace(none, force_N=force), shared=True)
     if np.ptp(part.clock.session) > 0.0:
-        for j in range(1, 4):
+        for j in range(1, 9):
             one = wave(j, 2e-4)
-            yield "time", one, replace(none, force_N=one(part.clock.session))
+            step = replace(none, force_N=one(part.clock.session))
+            yield Made("session", "time", one, step, shared=True)
 
 
 def _camera(study: Study, c: int, state: State) -> Making:
@@ -171,26 +208,29 @@ def _camera(study: Study, c: int, state: State) -> Making:
             shape = 5e-4 * np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
             for normal in (state.solved.nx, state.solved.ny):
                 points = shape * normal * scene.has_curve[:, None]
-                yield "place", None, replace(none, points_m=points)
+                yield Made("place", "place", None, replace(none, points_m=points), shared=True)
 
 
 def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     part, none = study.part(c), study.no_step(c)
     driven = (part.clock.voltage_V != 0.0).astype(float)
-    for name, span in (("session", 1.0), ("run_s", 20.0)):
+    for name, span, count in (("session", 1.0, 8), ("run_s", 20.0, 3)):
         t = np.clip(getattr(part.clock, name) / span, 0.0, 1.0)
         if np.ptp(t) == 0.0:
             continue
-        for j in range(1, 4):
+        for j in range(1, count + 1):
             one = wave(j, 0.1)
-            yield "time", one, replace(none, eibm=one(t) * driven)
-            yield "time", one, replace(none, stiffness=one(t))
+            changes = [("EIBM", replace(none, eibm=one(t) * driven)),
+                       ("stiffness", replace(none, stiffness=one(t)))]  # fmt: skip
             if name == "run_s":
-                yield "time", one, replace(none, force_N=2e-3 * one(t))
+                changes.append(("force", replace(none, force_N=2e-3 * one(t))))
+            for what, step in changes:
+                yield Made(f"{what}, {name.removesuffix('_s')}", "time", one, step, shared=True)
     t = np.clip(part.bin_clock.pulse_s / 0.6, 0.0, 1.0)
     for j in range(3):
         one = wave(j, 0.1)
-        yield "time", one, replace(none, bin_eibm=part.bin_mean(one(t)))
+        step = replace(none, bin_eibm=part.bin_mean(one(t)))
+        yield Made("EIBM, pulse", "time", one, step, shared=True)
 
 
 _MAKERS: dict[Slot, Callable[[Study, int, State], Making]] = {

@@ -19,11 +19,13 @@ from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
 SIGN = 0.25  # and from one voltage or configuration to the other
-WAVES_S = ((1, 0.75), (2, 0.5), (3, 0.43))  # along the sheet: waves, and their shares of `FORM`
+# along the sheet: waves, and their shares of `FORM`
+WAVES_S = ((1, 0.72), (2, 0.48), (3, 0.38), (4, 0.22), (5, 0.16), (6, 0.12), (7, 0.1))
 WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
+RUN = 0.5  # from run to run
 OWN = 1.0  # where each configuration may have its own size
 MOST_LOG_STEP = 0.4
-PULSE_S, PULSES = 0.6, 22.0
+PULSE_S = 0.6
 
 
 @dataclass(frozen=True)
@@ -90,11 +92,21 @@ def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> 
                 yield _weighed(study, c, step, wave), SIGN
         elif along == "time":
             yield from _in_time(study, c, step)
+        elif along == "run":
+            yield from _from_run_to_run(study, c, step)
         elif along == "place":
             u = scene.curve_s / np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
             for j, share in WAVES:
                 points = step.points_m * cosine(j, u)
                 yield replace(study.no_step(c), points_m=points), FORM * share
+
+
+def _from_run_to_run(study: Study, c: int, step: Step) -> Ways:
+    """What differs in each run, such as how far apart frames and edges are."""
+    own = [one.run for one in study.looks[c].seen]
+    for run in study.layout.runs:
+        factor = np.array([float(each == run) for each in own])
+        yield _weighed(study, c, step, factor), RUN
 
 
 def _along_sheet(
@@ -110,30 +122,29 @@ def _along_sheet(
 
 
 def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
-    """Within a pulse as a factor; over pulses and session as something added: drifts cross zero."""
+    """Within a pulse as a factor; over run and session something added, since drifts cross zero."""
     part = study.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
+    driven = part.clock.voltage_V != 0.0
     for j in (1, 2, 3):
         wave, bins = (cosine(j, a / PULSE_S) for a in (at, in_bin))
-        bins = part.bin_mean(bins)
+        wave, bins = wave * driven, part.bin_mean(bins)
         yield replace(
             study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
             force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
             bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
         ), 0.6 * FORM / j  # fmt: skip
-    driven = part.clock.voltage_V != 0.0
-    half = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
-    for name, scale in (("session", 1.0), ("pulse", PULSES)):
-        t = getattr(part.clock, name) / scale
-        if np.ptp(t) == 0.0 or not any(half):
+    size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
+    for name in ("session", "run_s"):
+        t = unit(getattr(part.clock, name))
+        if np.ptp(t) == 0.0 or not (any(size) or np.any(step.force_N)):
             continue
+        force = step.force_N if name == "run_s" else size[2]
         for j in (1, 2, 3):
             wave = cosine(j, t)
-            if name == "pulse":
-                wave = wave * driven
             yield replace(
-                study.no_step(c), eibm=half[0] * wave * driven, stiffness=half[1] * wave,
-                force_N=half[2] * wave,
+                study.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
+                force_N=force * wave,
             ), 0.6 * FORM / j  # fmt: skip
 
 

@@ -14,9 +14,16 @@ SINCE = Knob(
     "since_wetting", "0: over the whole session; 1: under voltage, since the last wetting", "",
     0.0, 0.0, 1.0, tried=(0.0, 1.0),
 )  # fmt: skip
+SETTLES = Knob(
+    "settles", "0: goes on evenly; 1: slows down, 95 % of it is over at the end", "",
+    0.0, 0.0, 1.0, tried=(0.0, 1.0),
+)  # fmt: skip
+SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 
 
-def progress(clock: Clock, since_wetting: float) -> FloatArray:
+def progress(clock: Clock, since_wetting: float, settles: float) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the data, or of a run's time under voltage."""
     done = clock.driven_s / RUN_DRIVEN_S if since_wetting > 0.5 else clock.session
+    if settles > 0.5:
+        done = np.expm1(-done / SETTLES_AFTER) / np.expm1(-1.0 / SETTLES_AFTER)
     return np.asarray(done - 0.5)

@@ -10,17 +10,19 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class CameraScale(Effect):
-    """All points farther from the clamp by the same share."""
+    """All points farther from the clamp by the same share, or only along one axis."""
 
     def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""
-        return p["relative_error"] * points.x_m, p["relative_error"] * points.y_m
+        along_x, along_y = p["axis"] <= 0.5, p["axis"] >= -0.5
+        error = p["relative_error"]
+        return error * along_x * points.x_m, error * along_y * points.y_m
 
 
 EFFECT = CameraScale(
     name="camera_scale",
     meaning="Lengths in the picture come out too long by a constant share.",
-    form="r seen = (1 + c) r, from the clamp",
+    form="r seen = (1 + c) r, from the clamp; or x alone, or y alone (pixels that are not square)",
     slot="camera",
     signature=(
         "Curves that are everywhere too large, the same share at every voltage and position; the"
@@ -28,6 +30,11 @@ EFFECT = CameraScale(
     ),
     isolates="A target of known length in view; the visible end of the sheet.",
     source="Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 6",
-    knobs=(Knob("relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),),
+    knobs=(
+        Knob("relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
+        Knob(
+            "axis", "0: both; -1: x alone; 1: y alone", "", 0.0, -1.0, 1.0, tried=(0.0, -1.0, 1.0)
+        ),
+    ),
     tolerance=("place",),
 )

@@ -19,11 +19,12 @@ from model.effects.examples import (
     example_pulse,
     example_weighed,
 )
-from model.effects.interface import SLOTS, Effect, Knob
+from model.effects.interface import SLOTS, Beam, Effect, Knob
 from model.measurements import FloatArray
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
-ACTIONS = ("beam", "course", "force", "curve", "delay_s")
+ACTIONS = ("beam", "course", "lagging", "force", "curve", "delay_s")
+MOST_LAGGING = 9
 _TOLERANCES = get_args(get_args(get_type_hints(Effect)["tolerance"])[0])
 
 
@@ -109,7 +110,9 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
     found: Results = {}
     if "beam" in acts(effect):
         other = effect.beam(beam, held, p)
-        found |= {f"beam.{f.name}": getattr(other, f.name) for f in fields(other)[2:]}
+        found |= _arrays(other)
+    for number, (shape, much) in enumerate(effect.lagging(beam, held, p)):
+        found |= {f"shape {number} that lags": shape, f"how much of shape {number}": much}
     for name, clock in (("run", run), ("pulse", pulse)):
         if (course := effect.course(clock, p)) is not None:
             found |= {f"EIBM in a {name}": course[0], f"stiffness in a {name}": course[1]}
@@ -149,7 +152,16 @@ def _untouched() -> Results:
     for name, clock in (("run", example_clock()), ("pulse", example_pulse())):
         nothing |= {f"EIBM in a {name}": clock.run_s, f"stiffness in a {name}": clock.run_s}
     found = {name: np.zeros_like(values) for name, values in nothing.items()}
-    return found | {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam)[2:]}
+    for number in range(MOST_LAGGING):
+        found[f"shape {number} that lags"] = np.zeros_like(beam.eibm)
+        found[f"how much of shape {number}"] = np.zeros(len(beam.reading_of))
+    return found | _arrays(beam)
+
+
+def _arrays(beam: Beam) -> Results:
+    """What an effect may change of a beam."""
+    kept = ("sheet", "s_m", "piece_m", "clock", "reading_of")
+    return {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam) if f.name not in kept}
 
 
 def _is_absent_when_neutral(effect: Effect) -> Iterator[str]:

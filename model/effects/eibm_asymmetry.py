@@ -11,13 +11,14 @@ from model.effects.interface import Beam, Effect, Held, Knob, Values
 
 @dataclass(frozen=True)
 class EibmAsymmetry(Effect):
-    """The EIBM at negative voltages times a ratio."""
+    """What is even in the voltage: as much more at one polarity as less at the other."""
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         del held
-        ratio = np.where(beam.voltage_V < 0.0, p["ratio"], 1.0)
-        return replace(beam, eibm=beam.eibm * ratio[:, None])
+        even = (1.0 - p["ratio"]) / (1.0 + p["ratio"])
+        more = 1.0 + even * np.sign(beam.voltage_V)
+        return replace(beam, eibm=beam.eibm * more[:, None])
 
 
 EFFECT = EibmAsymmetry(
@@ -26,7 +27,7 @@ EFFECT = EibmAsymmetry(
         "The EIBM at a negative voltage is not the mirror image of that at the positive one: its"
         " two electrodes, or its two faces, are not alike."
     ),
-    form="Me(-V) = -ratio x Me(+V)",
+    form="Me(+V) = (1 + e) |Me|, Me(-V) = -(1 - e) |Me|, e = (1 - ratio)/(1 + ratio)",
     slot="even_moment",
     signature=(
         "The mean of what +V and -V do differs from what 0 V does. Only a model in which one |EIBM|"

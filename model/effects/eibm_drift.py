@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SINCE, progress
+from model.effects._drift import SETTLES, SINCE, progress
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
@@ -19,7 +19,7 @@ class EibmDrift(Effect):
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name])
+        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
         bounded = np.maximum(change, LEAST - 1.0)
         return bounded, np.zeros_like(bounded)
 
@@ -32,7 +32,8 @@ EFFECT = EibmDrift(
     ),
     form=(
         "Me = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
-        " voltage since the last wetting"
+        " voltage since the last wetting; or settling"
+        " exponentially, with a third of that as its time constant"
     ),
     slot="time",
     signature=(
@@ -44,6 +45,10 @@ EFFECT = EibmDrift(
         "Nemat-Nasser and Thomas 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd"
         " ed., ch. 6 (response against hydration); the paper, section 3.2"
     ),
-    knobs=(Knob("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0), SINCE),
+    knobs=(
+        Knob("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0),
+        SINCE,
+        SETTLES,
+    ),
     tolerance=("time",),
 )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from model.effects.interface import Beam, Effect, Held, Knob, Values
 
 
@@ -16,13 +18,30 @@ class ElongationFlexibility(Effect):
         del held
         if beam.sheet.elongation_m <= 0.0:
             return beam
+        if p["in_the_joint"] > 0.5:
+            return _hinged(beam, p["relative_compliance"])
         return replace(beam, elongation_soft=beam.elongation_soft + p["relative_compliance"])
+
+
+def _hinged(beam: Beam, compliance: float) -> Beam:
+    """A hinge where the free length ends, which lets the contact go as far as the whole would.
+
+    A load F at the lever L bends what is c times as soft as the sheet by c F L^3/3B, and turns a
+    hinge of the compliance h/B by F L h/B. Only the load turns it: the EIBM ends with the sheet.
+    """
+    lever = beam.sheet.arc_radius_m - beam.sheet.free_length_m
+    more = np.zeros_like(beam.soft)
+    more[:, -1] = compliance * lever / (3.0 * beam.piece_m[-1])
+    return replace(beam, soft=beam.soft + more, rest=beam.rest - more * (beam.eibm + beam.bend))
 
 
 EFFECT = ElongationFlexibility(
     name="elongation_flexibility",
     meaning="The elongation, taken as rigid, gives way to the load on it.",
-    form="k = c M/B beyond the free length, c = B over the elongation's stiffness",
+    form=(
+        "k = c M/B beyond the free length, c = B over the elongation's stiffness; or a hinge at its"
+        " end that lets the contact go as far"
+    ),
     slot="compliance",
     signature=(
         "Only with an elongation: it is bent in proportion to the force, most where it leaves the"
@@ -37,6 +56,10 @@ EFFECT = ElongationFlexibility(
         Knob(
             "relative_compliance", "the sheet's stiffness over the elongation's", "", 0.02,
             low=0.0, high=2.0,
+        ),
+        Knob(
+            "in_the_joint", "0: all of it is soft; 1: only the joint, and goes as far", "",
+            0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
     ),
     tolerance=("position",),

@@ -6,9 +6,10 @@ A sheet of 50 mm with an elongation: held at 5 and 25 mm at 0, +2 and -2 V, and 
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from model.effects.interface import Beam, Clock, Held, Points, Weighed
-from model.measurements import SheetGeometry
+from model.measurements import FloatArray, SheetGeometry
 
 NODES, READINGS = 14, 32
 B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
@@ -43,6 +44,7 @@ def example_beam(*, touched: bool = True) -> tuple[Beam, Held]:
         example_sheet(), s, voltage, stated, np.array([1.0, 1, 1, -1, -1, -1, 1]),
         np.full(7, B_NM2), flat.copy(), np.outer(15.0 * voltage, np.ones(NODES)), flat.copy(),
         np.ones((7, NODES)), zero.copy(), zero.copy(), zero.copy(), zero.copy(),
+        LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1], *example_readings(voltage),
     )  # fmt: skip
     held = Held(
         normal * np.cos(gamma), normal, gamma, np.where(held_at, s_hat, np.nan),
@@ -63,6 +65,14 @@ def example_clock() -> Clock:
     return Clock(
         voltage, np.full(READINGS, 0.5), pulse, run_s, session, run_s + 5.0, driven_s, opposite
     )
+
+
+def example_readings(voltage_V: FloatArray) -> tuple[Clock, npt.NDArray[np.int64]]:
+    """The readings of conditions, and of which condition each is."""
+    clock = example_clock()
+    use = [clock.voltage_V == volts for volts in voltage_V]
+    of = np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])
+    return Clock.joined([clock.of(u) for u in use]), of
 
 
 def example_pulse() -> Clock:

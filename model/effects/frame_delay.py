@@ -27,6 +27,16 @@ EFFECT = FrameDelay(
     ),
     isolates="A lamp in the picture switched with the voltage; frames over the whole pulse.",
     source="the paper, section 3.1: 25 frames a second, so that a frame may be 20 ms off",
-    knobs=(Knob("delay_s", "age of the picture at the time of the reading", "s", 0.01, -0.2, 1.0),),
-    tolerance=("time",),
+    knobs=(
+        Knob(
+            "delay_s",
+            "age of the picture at the time of the reading",
+            "s",
+            0.1,
+            -0.2,
+            1.0,
+            tried=(0.02, 0.1, 0.2, 0.3, 0.35, 0.4, 0.43, 0.46),
+        ),
+    ),
+    tolerance=("time", "run"),
 )

@@ -1,8 +1,9 @@
 """What an effect is: one object that says what it is and what it changes.
 
-An effect acts in up to four places, each a method that changes nothing unless it is overridden:
+An effect acts in up to five places, each a method that changes nothing unless it is overridden:
     `beam`    the beam problem: moments, stiffness, rest curvature, where clamp and contact are
     `course`  how EIBM and stiffness go with time, relative to the settled values
+    `lagging` what its memory adds to the rest curvature from reading to reading
     `force`   what the load cell adds to the force
     `curve`   where the camera puts the points of a curve
 All work on arrays; a `Beam` holds K conditions of one configuration, quantities along the sheet are
@@ -13,11 +14,12 @@ values at its G nodes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from model.measurements import FloatArray, SheetGeometry
 
@@ -27,6 +29,7 @@ Slot = Literal[
 SLOTS: tuple[Slot, ...] = (
     "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
 )  # fmt: skip
+Along = Literal["s", "curvature", "position", "voltage", "time", "place", "run"]
 Values = Mapping[str, float]
 
 
@@ -44,6 +47,37 @@ class Knob:
     log: bool = False  # positive, and refined in its logarithm
     # shapes to look for: values that are tried one by one; empty: the size, which is estimated
     tried: tuple[float, ...] = ()
+
+
+@dataclass
+class Clock:
+    """When something was taken: arrays of one shape."""
+
+    voltage_V: FloatArray
+    pulse_s: FloatArray  # since this voltage was set
+    pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
+    run_s: FloatArray  # since the run began
+    session: FloatArray  # 0 .. 1 over the data
+    wetted_s: FloatArray  # since the sheet was last wetted
+    driven_s: FloatArray  # under voltage since then
+    opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
+    rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
+
+    def of(self, use: npt.NDArray[np.bool_]) -> Clock:
+        """Some of these times."""
+        shape = self.voltage_V.shape
+        return Clock(*(np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(Clock)))
+
+    @staticmethod
+    def joined(clocks: Sequence[Clock]) -> Clock:
+        """One after the other."""
+        all_of_it = [clock.of(np.ones(clock.voltage_V.shape, dtype=bool)) for clock in clocks]
+        return Clock(
+            *(
+                np.concatenate([np.zeros(0), *(getattr(clock, f.name) for clock in all_of_it)])
+                for f in fields(Clock)
+            )
+        )
 
 
 @dataclass
@@ -67,6 +101,10 @@ class Beam:
     shift_m: FloatArray  # (K,) of the contact along the arc
     tilt_rad: FloatArray  # (K,) direction in which the sheet leaves the clamp
     offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
+    piece_m: FloatArray  # (G,) of the sheet that each node stands for; their sum is its length
+    # when the readings of each condition were taken (n,), and of which condition each is (n,)
+    clock: Clock
+    reading_of: npt.NDArray[np.int64]
 
 
 @dataclass
@@ -84,21 +122,6 @@ class Held:
     phi_rad: FloatArray  # (K, G)
     curvature: FloatArray  # (K, G) 1/m
     end_phi_rad: FloatArray  # (K,) at the end of the free length
-
-
-@dataclass
-class Clock:
-    """When something was taken: arrays of one shape."""
-
-    voltage_V: FloatArray
-    pulse_s: FloatArray  # since this voltage was set
-    pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
-    run_s: FloatArray  # since the run began
-    session: FloatArray  # 0 .. 1 over the data
-    wetted_s: FloatArray  # since the sheet was last wetted
-    driven_s: FloatArray  # under voltage since then
-    opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
-    rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
 
 
 @dataclass
@@ -136,9 +159,7 @@ class Effect:
     source: str
     knobs: tuple[Knob, ...]
     # along what its form may differ from the one written here
-    tolerance: tuple[Literal["s", "curvature", "position", "voltage", "time", "place"], ...] = (
-        "voltage",
-    )
+    tolerance: tuple[Along, ...] = ("voltage",)
     # whether each configuration may have its own size
     by_configuration: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
@@ -156,6 +177,13 @@ class Effect:
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray] | None:
         """Relative change of EIBM and of stiffness at each time."""
         return None
+
+    def lagging(self, beam: Beam, held: Held, p: Values) -> Sequence[tuple[FloatArray, FloatArray]]:
+        """Change of the rest curvature at each reading of `beam` beyond the mean of its condition.
+
+        As shapes (K, G), 1/m, each with how much of it there is at each reading (n,).
+        """
+        return ()
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray | None:
         """What is added to the force, N."""

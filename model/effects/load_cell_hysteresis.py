@@ -21,14 +21,19 @@ class LoadCellHysteresis(Effect):
         load = np.where(weighed.touching > 0.0, weighed.force_N, 0.0)
         from_no_load = p["from_no_load"] > 0.5
         height = p["force_mN"] * MILLI
-        return -hung(load, weighed.position_m, height, from_no_load=from_no_load)
+        reach = p["reach_mN"] * MILLI or height
+        if reach == 0.0:
+            return np.zeros_like(load)
+        behind = hung(load, weighed.position_m, reach, from_no_load=from_no_load)
+        return -height / reach * behind
 
 
 EFFECT = LoadCellHysteresis(
     name="load_cell_hysteresis",
     meaning="The load cell hangs behind its load: it shows too little as the load grows, too much"
     " as it falls.",
-    form="F measured = F - c sign(last change of F), once F has changed by more than c",
+    form="F measured = F - c sign(last change of F), once F has changed by more than c;"
+        " or by more than the loop's reach",
     slot="load_cell",
     signature=(
         "The forces of the two polarities lie closer together by twice the half height, alike at"
@@ -44,6 +49,10 @@ EFFECT = LoadCellHysteresis(
         Knob(
             "from_no_load", "0: a run begins in the middle of the loop; 1: at no load",
             "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+        ),
+        Knob(
+            "reach_mN", "change of load that turns the loop over; 0: half its height", "mN",
+            0.0, 0.0, 20.0, tried=(0.0, 4.0),
         ),
     ),
     tolerance=("position", "voltage"),

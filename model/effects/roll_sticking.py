@@ -20,7 +20,12 @@ class RollSticking(Effect):
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        ahead = hung(weighed.force_N, weighed.position_m, p["force_mN"] * MILLI, from_no_load=False)
+        ahead = hung(
+            weighed.force_N,
+            weighed.position_m,
+            p["force_mN"] * MILLI,
+            from_no_load=p["from_no_load"] > 0.5,
+        )
         sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
         return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
 
@@ -47,6 +52,10 @@ EFFECT = RollSticking(
         Knob(
             "from_position_mm", "the first position at which it sticks", "mm", 25.0,
             neutral=np.inf, tried=(10.0, 15.0, 20.0, 25.0, 30.0),
+        ),
+        Knob(
+            "from_no_load", "0: a run begins in the middle of the loop; 1: at no load", "",
+            0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
     ),
     tolerance=("position", "voltage"),

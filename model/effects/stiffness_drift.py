@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SINCE, progress
+from model.effects._drift import SETTLES, SINCE, progress
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
@@ -19,7 +19,7 @@ class StiffnessDrift(Effect):
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name])
+        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
         bounded = np.clip(change, 1.0 / MOST - 1.0, MOST - 1.0)
         return np.zeros_like(bounded), bounded
 
@@ -32,7 +32,8 @@ EFFECT = StiffnessDrift(
     ),
     form=(
         "B = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
-        " voltage since the last wetting; never by more than a factor of 2.2"
+        " voltage since the last wetting, or settling exponentially with a third of that as its"
+        " time constant; never by more than a factor of 2.2"
     ),
     slot="time",
     signature=(
@@ -47,6 +48,7 @@ EFFECT = StiffnessDrift(
     knobs=(
         Knob("relative_change", "of the stiffness over the data", "", 0.1, -1.0, 1.2),
         SINCE,
+        SETTLES,
     ),
     tolerance=("time",),
 )

@@ -43,6 +43,6 @@ EFFECT = SurfaceTension(
         " section 4.2, observation 1"
     ),
     knobs=(Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),),
-    tolerance=("position", "voltage"),
+    tolerance=("position", "voltage", "time"),
     by_configuration=True,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,36 +11,100 @@ from model.effects._values import finite
 from model.effects.interface import Beam, Clock, Effect, Held, Knob, Values
 from model.measurements import FloatArray
 
-NEUTRAL_S, FIRST_S = 5.0, 0.1
+NEUTRAL_S, FIRST_S, SAME_M = 5.0, 0.1, 1e-9
+DECADE_S = (2.0, 20.0)  # in which an exponential change is what the logarithm's would be
 
 
 @dataclass(frozen=True)
 class ViscoelasticCreep(Effect):
-    """The stiffness changes with the logarithm of the time since the run began.
+    """What relaxes is the stress of a strain that stays: it becomes the new shape at rest.
 
-    What relaxes is the stress of a strain that stays. Taken strictly (`memory` 1) that is the
-    strain at 0 V, in which the sheet is held all the time; the pulses come and go too quickly.
-    Taken loosely (`memory` 0) the stiffness as a whole goes down.
+    Taken strictly (`time_s` above 0) that is the strain at 0 V, in which the sheet is held all the
+    time, or the mean of both polarities, which come and go too quickly; a standard linear solid.
+    Taken loosely (`time_s` 0) the stiffness as a whole goes down with the logarithm of time.
     """
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
-        if p["memory"] < 0.5:
-            return beam
-        bent = -finite(held.normal_N)[:, None] * finite(held.lever) / beam.stiffness[:, None]
-        stays = np.zeros_like(bent)
-        for k, at in enumerate(beam.stated_m):
-            same = (beam.voltage_V == 0.0) & (np.abs(beam.stated_m - at) < 1e-9)
-            if same.any():
-                stays[k] = bent[same].mean(axis=0)
-        return replace(beam, rest=beam.rest - p["relative_change_per_decade"] * stays)
+        rest = beam.rest
+        for strain, much in remembered(beam, held, p):
+            rest = rest + _mean(much, beam)[:, None] * strain
+        return replace(beam, rest=rest)
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def lagging(self, beam: Beam, held: Held, p: Values) -> Sequence[tuple[FloatArray, FloatArray]]:
+        """See `Effect.lagging`."""
+        return [
+            (strain, much - _mean(much, beam)[beam.reading_of])
+            for strain, much in remembered(beam, held, p)
+        ]
+
+    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray] | None:
         """See `Effect.course`."""
+        if p["time_s"] > 0.0:
+            return None
         decades = np.log10(np.maximum(clock.run_s, FIRST_S) / NEUTRAL_S)
-        if p["memory"] > 0.5:
-            decades = np.where(clock.voltage_V == 0.0, decades, 0.0)
         return np.zeros_like(decades), p["relative_change_per_decade"] * decades
+
+
+def remembered(beam: Beam, held: Held, p: Values) -> list[tuple[FloatArray, FloatArray]]:
+    """Strains, 1/m (K, G), each with the share that has become the shape at rest by now (n,).
+
+    The strain at 0 V stays from when the sheet was placed and wetted; what the mean of the
+    polarities adds to it, from the first pulse; half their difference comes and goes.
+    """
+    if p["time_s"] == 0.0:
+        return []
+    at_zero, mean, half = strains(beam, held)
+    clock = beam.clock
+    driven = np.abs(np.sign(clock.voltage_V))
+    return [
+        (at_zero, _share(lambda tau: -np.expm1(-clock.wetted_s / tau), p)),
+        (mean - at_zero, _share(lambda tau: -driven * np.expm1(-clock.driven_s / tau), p)),
+        (half, _share(lambda tau: driven * alternating(clock, tau), p)),
+    ]
+
+
+def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
+    """By which a strain with this lag has become the shape at rest."""
+    times = p["time_s"] * np.array([1.0 / p["spread"], 1.0, p["spread"]])
+    decade = float(np.mean(np.exp(-DECADE_S[0] / times) - np.exp(-DECADE_S[1] / times)))
+    lagging = np.mean([lag(float(tau)) for tau in times], axis=0)
+    return np.asarray(-p["relative_change_per_decade"] / decade * lagging)
+
+
+def alternating(clock: Clock, tau: float) -> FloatArray:
+    """Lag of pulses +1, -1, ... of equal length that begin at rest, as it is at these times."""
+    n = np.maximum(clock.pulse, 0.0)
+    length = np.where(n > 0.0, (clock.driven_s - clock.pulse_s) / np.maximum(n, 1.0), 1.0)
+    q, sign = np.exp(-np.maximum(length, 0.0) / tau), np.sign(clock.voltage_V)
+    before = -sign * (1.0 - q) / (1.0 + q) * (1.0 - (-q) ** n)
+    left = np.exp(-clock.pulse_s / tau)
+    return np.asarray(before * left + sign * (1.0 - left))
+
+
+def strains(beam: Beam, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each."""
+    load = finite(held.normal_N)[:, None] * finite(held.lever) / beam.stiffness[:, None]
+    strain = beam.soft * (beam.eibm + beam.bend - load)
+    at_zero, mean, half = (np.zeros_like(strain) for _ in range(3))
+    sign = np.sign(beam.voltage_V)
+    for k, at in enumerate(beam.stated_m):
+        same = np.isnan(beam.stated_m) if np.isnan(at) else np.abs(beam.stated_m - at) < SAME_M
+        zero, positive, negative = (same & (sign == v) for v in (0.0, 1.0, -1.0))
+        if np.any(zero):
+            at_zero[k] = strain[zero].mean(axis=0)
+        if np.any(positive) and np.any(negative):
+            both = strain[positive].mean(axis=0), strain[negative].mean(axis=0)
+            mean[k], half[k] = 0.5 * (both[0] + both[1]), 0.5 * (both[0] - both[1])
+    return at_zero, mean, half
+
+
+def _mean(values: FloatArray, beam: Beam) -> FloatArray:
+    """Of the readings of each condition: (K,)."""
+    K = len(beam.voltage_V)
+    count = np.bincount(beam.reading_of, minlength=K)
+    total = np.bincount(beam.reading_of, values, K)
+    return np.asarray(total / np.maximum(count, 1))
 
 
 EFFECT = ViscoelasticCreep(
@@ -48,7 +113,10 @@ EFFECT = ViscoelasticCreep(
         "Held in one place the polymer relaxes: its stiffness changes by the same share in each"
         " tenfold of the time in the run. Negative is the usual sense: it gives way."
     ),
-    form="B = B at 5 s x (1 + c log10(t/5 s)), t since the run began",
+    form=(
+        "B = B at 5 s x (1 + c log10(t/5 s)), t since the run began; or k0 moves towards the strain"
+        " that stays as 1 - exp(-t/tau), by -c between 2 and 20 s"
+    ),
     slot="time",
     signature=(
         "In every run anew, at 0 V too, the force changes quickly in the first seconds and ever"
@@ -65,9 +133,14 @@ EFFECT = ViscoelasticCreep(
             low=-0.4, high=0.4,
         ),
         Knob(
-            "memory", "1: only the strain that stays relaxes; 0: the stiffness as a whole", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            "time_s", "its time constant, where only the strain that stays relaxes; 0: the"
+            " stiffness as a whole, with the logarithm of time", "s",
+            0.0, 0.0, 1e4, tried=(0.0, 2.0, 8.0, 30.0),
+        ),
+        Knob(
+            "spread", "1: one time constant; more: three of them, apart by this factor", "",
+            1.0, 1.0, 100.0, tried=(1.0, 5.0),
         ),
     ),
-    tolerance=("time", "voltage"),
+    tolerance=("time", "position"),
 )  # fmt: skip

@@ -23,6 +23,7 @@ from model.effects.examples import (
 from model.effects.interface import Clock, Weighed
 from model.effects.nonlinear_stiffness import bent, exponent
 from model.effects.roll_friction import slid
+from model.effects.viscoelastic_creep import alternating
 
 WEIGHTS = np.polynomial.legendre.leggauss(NODES)[1] / 2.0  # of a mean over the nodes
 
@@ -133,7 +134,12 @@ def test_the_load_cell_gives_way_where_it_is_pushed():
         ("clamp_angle", {"angle_rad": 0.02}, "tilt_rad", 0.02),
         ("position_error", {"offset_mm": 0.4}, "shift_m", 4e-4),
         ("roll_offset", {"offset_mm": 0.4}, "offset_m", 4e-4),
-        ("elongation_flexibility", {"relative_compliance": 0.03}, "elongation_soft", 0.03),
+        (
+            "elongation_flexibility",
+            {"relative_compliance": 0.03, "in_the_joint": 0.0},
+            "elongation_soft",
+            0.03,
+        ),
     ],
 )
 def test_what_is_simply_added(name, p, field, wanted):
@@ -149,11 +155,27 @@ def test_without_an_elongation_none_can_give_way():
     assert effect("elongation_flexibility").beam(beam, held, {"relative_compliance": 1.0}) is beam
 
 
-def test_the_asymmetry_acts_at_negative_voltages_only():
+def test_the_asymmetry_adds_at_one_polarity_what_it_takes_from_the_other():
     beam, held = example_beam()
     other = effect("eibm_asymmetry").beam(beam, held, {"ratio": 0.8}).eibm
-    assert np.all(other[[2, 5]] == 0.8 * beam.eibm[[2, 5]])
-    assert np.all(np.delete(other, [2, 5], 0) == np.delete(beam.eibm, [2, 5], 0))
+    np.testing.assert_allclose(other[2], -0.8 * other[1])
+    np.testing.assert_allclose(other[1] - other[2], beam.eibm[1] - beam.eibm[2])
+    assert not np.any(other[beam.voltage_V == 0.0])
+
+
+def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
+    beam, held = example_beam()
+    p = {"relative_compliance": 0.03, "in_the_joint": 1.0}
+    other = effect("elongation_flexibility").beam(beam, held, p)
+    turn = np.sum((other.soft - beam.soft) * beam.piece_m, axis=1)  # rad for each N m over B
+    lever = beam.sheet.arc_radius_m - beam.sheet.free_length_m
+    np.testing.assert_allclose(turn * lever**2, 0.03 * lever**3 / 3.0)
+    assert np.all((other.soft - beam.soft)[:, :-1] == 0.0)
+    # the EIBM does not turn it
+    np.testing.assert_allclose(
+        other.rest + other.soft * (other.eibm + other.bend),
+        beam.rest + beam.soft * (beam.eibm + beam.bend), atol=1e-12,
+    )  # fmt: skip
 
 
 def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():
@@ -238,7 +260,7 @@ def weighed(force_mN: list[float], position_mm: float | list[float] = 20.0) -> W
 
 
 def test_the_cell_hangs_behind_by_half_the_height_of_its_loop():
-    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    p = {"force_mN": 0.05, "from_no_load": 0.0, "reach_mN": 0.0}
     loop = effect("load_cell_hysteresis")
     added = loop.force(weighed([0, 2, 2, 3, -1, -1, 2, 2.5]), p) * 1e3
     assert added == pytest.approx([0, -0.05, -0.05, -0.05, 0.05, 0.05, -0.05, -0.05], abs=1e-6)
@@ -246,8 +268,15 @@ def test_the_cell_hangs_behind_by_half_the_height_of_its_loop():
     assert loaded == pytest.approx([-0.05, -0.05, 0.05], abs=1e-6)
 
 
+def test_a_loop_of_long_reach_turns_over_slowly():
+    p = {"force_mN": 0.4, "from_no_load": 0.0, "reach_mN": 4.0}
+    added = effect("load_cell_hysteresis").force(weighed([0.0, 1.0, 100.0, 99.0]), p) * 1e3
+    wanted = [0.0, -0.4 * -np.expm1(-0.25), -0.4, 0.4 - 0.8 * np.exp(-0.25)]
+    assert added == pytest.approx(wanted, abs=1e-9)
+
+
 def test_small_changes_of_load_move_inside_the_loop():
-    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    p = {"force_mN": 0.05, "from_no_load": 0.0, "reach_mN": 0.0}
     loop = effect("load_cell_hysteresis")
     added = loop.force(weighed([1.0, 1.001, 1.002]), p) * 1e3
     assert added == pytest.approx([0.0, -0.001, -0.002], rel=0.05)  # it does not follow at all
@@ -256,7 +285,7 @@ def test_small_changes_of_load_move_inside_the_loop():
 
 
 def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
-    p = {"force_mN": 0.05, "from_no_load": 0.0}
+    p = {"force_mN": 0.05, "from_no_load": 0.0, "reach_mN": 0.0}
     loop = effect("load_cell_hysteresis")
     both = loop.force(weighed([0, 2, -1, -1, 2], [5, 5, 5, 10, 10]), p)
     assert both[3] == 0.0
@@ -269,7 +298,7 @@ def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
 
 
 def test_a_sticking_sheet_keeps_back_a_change_of_force_at_far_positions_only():
-    p = {"force_mN": 0.2, "from_position_mm": 20.0}
+    p = {"force_mN": 0.2, "from_position_mm": 20.0, "from_no_load": 0.0}
     forces = [1.0, 1.0, 3.0, -2.0, 3.0]
     stick = effect("roll_sticking")
     assert not np.any(stick.force(weighed(forces, 15.0), p))
@@ -329,18 +358,45 @@ def test_creep_is_the_same_in_each_decade():
     assert np.diff(stiffness) == pytest.approx(-0.06 / 31)
 
 
-def test_creep_of_what_stays_relaxes_the_strain_at_0_V_alone():
+def creep(**own: float) -> dict[str, float]:
+    return {"relative_change_per_decade": -0.02, "time_s": 8.0, "spread": 1.0, **own}
+
+
+def test_a_strain_that_stays_becomes_the_shape_at_rest():
     beam, held = example_beam()
-    p = values("viscoelastic_creep", relative_change_per_decade=-0.02, memory=1.0)
-    rest = effect("viscoelastic_creep").beam(beam, held, p).rest - beam.rest
-    bent = -(held.normal_N / beam.stiffness)[:, None] * held.lever  # by the contact
-    for k, zero in enumerate((0, 0, 0, 3, 3, 3)):  # the condition at the same place at 0 V
-        np.testing.assert_allclose(rest[k], 0.02 * bent[zero], atol=1e-12)
-    assert not np.any(rest[6])  # nothing touches it
-    clock = example_clock()
-    _, stiffness = effect("viscoelastic_creep").course(clock, p)
-    assert not np.any(stiffness[clock.voltage_V != 0.0])
-    assert np.any(stiffness[clock.voltage_V == 0.0])
+    bent = -(held.normal_N / beam.stiffness)[:, None] * held.lever  # at 0 V, by the contact
+    clock = replace(beam.clock, run_s=0.0 * beam.clock.run_s, wetted_s=beam.clock.wetted_s)
+    share = 0.02 / (np.exp(-0.25) - np.exp(-2.5)) * -np.expm1(-clock.wetted_s / 8.0)
+    rest = effect("viscoelastic_creep").beam(beam, held, creep()).rest - beam.rest
+    for k in (0, 3):
+        mean = np.mean(share[beam.reading_of == k])
+        np.testing.assert_allclose(rest[k], mean * bent[k], atol=1e-12)
+    assert effect("viscoelastic_creep").course(clock, creep()) is None
+
+
+def test_what_lags_behind_is_on_the_average_in_the_beam_already():
+    beam, held = example_beam()
+    lagging = effect("viscoelastic_creep").lagging(beam, held, creep(spread=5.0))
+    assert len(lagging) == 3
+    for _, much in lagging:
+        assert np.bincount(beam.reading_of, much) == pytest.approx(np.zeros(7), abs=1e-12)
+    assert effect("viscoelastic_creep").lagging(beam, held, creep(time_s=0.0)) == []
+
+
+def test_alternating_pulses_lag_as_a_first_order_filter_says():
+    tau, length, step = 1.3, 0.6, 1e-4
+    drive = np.where(np.arange(0.0, 6.0, step) % (2 * length) < length, 1.0, -1.0)
+    y = np.zeros(len(drive) + 1)
+    for k, d in enumerate(drive):
+        y[k + 1] = d + (y[k] - d) * np.exp(-step / tau)
+    pulse = np.arange(10.0)
+    zero = np.zeros(10)
+    clock = Clock(
+        np.where(pulse % 2 == 0.0, 2.0, -2.0), zero + 0.5, pulse, zero, zero, zero,
+        length * pulse + 0.5, zero,
+    )  # fmt: skip
+    wanted = y[np.round((length * pulse + 0.5) / step).astype(int)]
+    assert alternating(clock, tau) == pytest.approx(wanted, abs=2e-4)
 
 
 def drifting(session: list[float], driven_s: list[float]) -> Clock:
@@ -350,16 +406,25 @@ def drifting(session: list[float], driven_s: list[float]) -> Clock:
 @pytest.mark.parametrize(("name", "which"), [("eibm_drift", 0), ("stiffness_drift", 1)])
 def test_a_drift_changes_by_its_size_over_the_data_or_since_wetting(name: str, which: int):
     clock = drifting([0.0, 0.5, 1.0], [13.2, 6.6, 0.0])
-    over = effect(name).course(clock, {"relative_change": 0.1, "since_wetting": 0.0})
-    since = effect(name).course(clock, {"relative_change": 0.1, "since_wetting": 1.0})
+    p = {"relative_change": 0.1, "settles": 0.0}
+    over = effect(name).course(clock, {**p, "since_wetting": 0.0})
+    since = effect(name).course(clock, {**p, "since_wetting": 1.0})
     assert over[which] == pytest.approx([-0.05, 0.0, 0.05])
     assert since[which] == pytest.approx([0.05, 0.0, -0.05])
     assert not np.any(over[1 - which])
 
 
+def test_a_drift_that_settles_goes_as_far_but_sooner():
+    clock = drifting(np.linspace(0.0, 1.0, 11).tolist(), [0.0] * 11)
+    p = {"relative_change": 0.1, "since_wetting": 0.0, "settles": 1.0}
+    found, _ = effect("eibm_drift").course(clock, p)
+    assert found[[0, -1]] == pytest.approx([-0.05, 0.05])
+    assert np.diff(found)[1:] / np.diff(found)[:-1] == pytest.approx(np.exp(-0.3))
+
+
 def test_drying_is_bounded():
     long = drifting([0.0, 1.0], [0.0, 1e4])
-    p = {"relative_change": 1.0, "since_wetting": 1.0}
+    p = {"relative_change": 1.0, "since_wetting": 1.0, "settles": 0.0}
     assert effect("stiffness_drift").course(long, p)[1][1] == pytest.approx(1.2)
     p["relative_change"] = -1.0
     assert effect("stiffness_drift").course(long, p)[1][1] == pytest.approx(1.0 / 2.2 - 1.0)
@@ -371,9 +436,11 @@ def test_drying_is_bounded():
 
 def test_a_wrong_scale_moves_points_away_from_the_clamp():
     points = example_points()
-    x, y = effect("camera_scale").curve(points, {"relative_error": 0.02})
-    assert x == pytest.approx(0.02 * points.x_m)
-    assert y == pytest.approx(0.02 * points.y_m)
+    for axis, along_x, along_y in ((0.0, 1.0, 1.0), (-1.0, 1.0, 0.0), (1.0, 0.0, 1.0)):
+        p = {"relative_error": 0.02, "axis": axis}
+        x, y = effect("camera_scale").curve(points, p)
+        assert x == pytest.approx(0.02 * along_x * points.x_m)
+        assert y == pytest.approx(0.02 * along_y * points.y_m)
 
 
 def test_perspective_is_a_scale_that_changes_across_the_picture():

@@ -152,7 +152,9 @@ def test_a_load_cell_that_gives_way_stands_where_it_was_pushed_to():
 def test_a_soft_elongation_takes_its_share_of_the_deflection():
     one = bench((0.2,), length_m=0.0045, elongation_m=0.04, volts=(0.0,))
     for c in (0.01, 0.3):
-        _, held = one.settled(effect("elongation_flexibility"), {"relative_compliance": c})
+        _, held = one.settled(
+            effect("elongation_flexibility"), {"relative_compliance": c, "in_the_joint": 0.0}
+        )
         far = R - 0.0045
         give = (R**3 - far**3) / 3.0 + c * far**3 / 3.0  # small deflections
         assert held.force_N[0] == pytest.approx(-2e-4 * B / give, rel=1e-3)
