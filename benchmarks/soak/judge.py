@@ -20,6 +20,7 @@ from labrig.session.superblock import unlocked
 from protocols.events import Outcome
 
 LONGEST_S = 1.0  # until 0 V, a hang included
+STANDS_S = LONGEST_S + 0.6  # that a voltage may be left standing: a pulse, and until 0 V
 SETTLED_S = 0.3  # so long after its pulse a reading is in the journal
 DRIVE_OFF_V = 0.05  # of a reading, from what the world had: the converter's noise
 FORCE_OFF_N = 0.3e-3  # the same of the force: the cell's offset and noise
@@ -57,8 +58,11 @@ def judge_output(verdict: Verdict, rows: list[record.Row], fault_s: float) -> No
         verdict.faults.append(f"{verdict.largest_V:.3f} V at the sheet, the limit is {LIMIT_V} V")
     if rows[-1].is_energised:
         verdict.faults.append(f"{rows[-1].drive_V:.3f} V is left at the sheet")
-    if verdict.fault is Fault.JERK and verdict.code == 0:
-        return  # it has connected again and gone on
+    if verdict.fault is Fault.JERK:  # it may connect again and go on, to its end or not
+        stood = [p for p in record.pulses(rows) if p.end_s - max(p.begin_s, fault_s) > STANDS_S]
+        if stood:
+            verdict.faults.append(f"{stood[0].volts:.3f} V stood for more than {STANDS_S} s")
+        return
     if verdict.fault is Fault.HANG and not was_energised(rows, fault_s):
         return  # it was not in the guard's care; awake again it may go on
     verdict.zero_s = record.zero_since(rows, fault_s)
@@ -159,7 +163,7 @@ def _compare_with_world(
     settled = [pulse for pulse in over if pulse.end_s < fault_s - SETTLED_S]
     verdict.finished = len(over) + _zero_readings(begun, over)
     certain = len(settled) + _zero_readings(begun, settled)
-    if verdict.present < certain or verdict.missing > 1:
+    if verdict.present < certain:  # what was over later may be gone
         verdict.faults.append(
             f"{verdict.finished} readings were over, {certain} for more than {SETTLED_S} s; "
             f"{verdict.present} are there"
