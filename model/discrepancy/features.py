@@ -33,7 +33,8 @@ TRENDS = 4  # the mean, and polynomials in time up to the third degree
 PULSE_S = 0.6
 FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
 EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
-RunKey = tuple[str, float, int, int]  # configuration, position (inf: free), mounting, run
+# configuration, position (inf: free), mounting, run, tilt of the rig
+RunKey = tuple[str, float, int, int, float]
 Index = npt.NDArray[np.int64]
 
 
@@ -52,6 +53,7 @@ class Seen:
     curve: Curve | None  # of the mean image, or the mean of the readings' curves
     own_curves: tuple[Curve, ...]  # of each reading; empty: not recorded one by one
     identical: bool = False  # the readings were, which no load cell's are
+    tilt_rad: float = 0.0  # of the rig about the sheet's long axis
 
     @property
     def free(self) -> bool:
@@ -140,7 +142,7 @@ def _seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
         timing.of_no_reading() if free else timing.of(readings, span), curve,
-        () if free else own, identical,
+        () if free else own, identical, condition.tilt_rad,
     )  # fmt: skip
 
 
@@ -201,8 +203,10 @@ class _Timing:
 def run_key(condition: Condition | TimeSeries) -> RunKey:
     """What the conditions of one set-up share."""
     position = np.inf if condition.position_m is None else condition.position_m
-    run = condition.run if isinstance(condition, Condition) else 0
-    return condition.configuration, float(position), condition.mounting, run
+    run, tilt_rad = 0, 0.0  # a series says neither
+    if isinstance(condition, Condition):
+        run, tilt_rad = condition.run, condition.tilt_rad
+    return condition.configuration, float(position), condition.mounting, run, tilt_rad
 
 
 def _first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
@@ -252,7 +256,7 @@ def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
         return
     parts = parts_of_pulses(series)
     for i, one in enumerate(seen):
-        # a series does not say of which turn it is
+        # a series does not say of which turn it is, nor how the rig was tilted
         if one.run[:3] != run_key(series)[:3] or one.voltage_V == 0.0:
             continue
         own = parts.get(float(np.sign(one.voltage_V)))

@@ -20,6 +20,7 @@ from model.measurements import FloatArray, ModelError
 from model.noise import weigh
 
 RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
+TURN_MINUTES = 3.0  # the rig over, and everything in its place again
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,26 @@ class Entry:
 
 
 def _touching(one: Look) -> list[Seen]:
-    return [s for s in one.seen if not s.free]
+    """Every position and voltage once, however often it was measured: as a session would again."""
+    found: dict[tuple[float, float], Seen] = {}
+    for seen in one.seen:
+        if not seen.free:
+            found.setdefault((seen.position_m, seen.voltage_V), seen)
+    return list(found.values())
 
 
-def _again(seen: Seen, mounting: int, up: float | None = None) -> Seen:
+def _again(
+    seen: Seen,
+    mounting: int,
+    *,
+    at_m: float | None = None,
+    up: float = 1.0,
+    tilt_rad: float = 0.0,
+) -> Seen:
     """The same in another set-up, with a number that no session has."""
-    key = (seen.run[0], seen.run[1], mounting, seen.run[3])
-    return replace(seen, run=key, up=seen.up if up is None else up)
+    at_m = seen.position_m if at_m is None else at_m
+    key = (seen.configuration, at_m, mounting, 0, tilt_rad)
+    return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad)
 
 
 def _places(one: Look) -> list[float]:
@@ -54,11 +68,15 @@ def _remount(one: Look) -> tuple[Seen, ...]:
 
 
 def _reversed(one: Look) -> tuple[Seen, ...]:
-    return tuple(_again(s, 91, -1.0) for s in _touching(one))
+    return tuple(_again(s, 91, up=-1.0) for s in _touching(one))
 
 
 def _repeat(one: Look) -> tuple[Seen, ...]:
     return tuple(_again(s, 92) for s in _touching(one))
+
+
+def _turned(one: Look) -> tuple[Seen, ...]:
+    return tuple(_again(s, 98, tilt_rad=np.pi) for s in _touching(one))
 
 
 def _half(one: Look) -> tuple[Seen, ...]:
@@ -88,7 +106,8 @@ def _free(one: Look) -> tuple[Seen, ...]:
             result.append(
                 replace(
                     like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
-                    run=(one.sheet.configuration, np.inf, mounting, 0), position_m=np.nan,
+                    run=(one.sheet.configuration, np.inf, mounting, 0, 0.0), tilt_rad=0.0,
+                    position_m=np.nan,
                     force_N=np.zeros(0), clock=clock, own_curves=(),
                 )
             )  # fmt: skip
@@ -100,9 +119,7 @@ def _between(one: Look) -> tuple[Seen, ...]:
     places = _places(one)
     middle = {a: 0.5 * (a + b) for a, b in pairwise(places)}
     return tuple(
-        replace(s, position_m=middle[s.position_m], run=(s.run[0], middle[s.position_m], 97, 0))
-        for s in _touching(one)
-        if s.position_m in middle
+        _again(s, 97, at_m=middle[s.position_m]) for s in _touching(one) if s.position_m in middle
     )
 
 
@@ -131,6 +148,10 @@ def _runs(one: Look) -> float:
     return RUN_MINUTES * len(_places(one))
 
 
+def _turned_runs(one: Look) -> float:
+    return TURN_MINUTES + _runs(one)
+
+
 MENU: tuple[Entry, ...] = (
     Entry("free_shapes", "six free shapes of each configuration, the load cell moved away",
           _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
@@ -144,6 +165,8 @@ MENU: tuple[Entry, ...] = (
           {"extras": {"half_voltage": True}}),
     Entry("random_order", "all positions again in random order", _runs, _shuffled,
           {"extras": {"random_order": True}}),
+    Entry("turned_over", "all positions again with the rig turned over", _turned_runs, _turned,
+          {"extras": {"tilt_deg": 180.0}}),
     Entry("more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
 )  # fmt: skip
 

@@ -69,6 +69,7 @@ class Scene:
         self.voltage_V = np.array([o.voltage_V for o in seen])
         self.stated_m = np.array([o.position_m for o in seen])
         self.up = np.array([o.up for o in seen])
+        self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         self.free = np.flatnonzero(np.isnan(self.stated_m))
         self._stack_curves()
@@ -141,6 +142,7 @@ class Scene:
             self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
             change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
             none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
+            self.upright,
         )  # fmt: skip
 
     # -- solving

@@ -17,7 +17,8 @@ class Gravity(Effect):
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
-        moment = -p["load_N_per_m"] * arm(beam, held)
+        load = p["load_N_per_m"] * np.broadcast_to(beam.upright, beam.stiffness.shape)
+        moment = -load[:, None] * arm(beam, held)
         return replace(beam, bend=beam.bend + moment / beam.stiffness[:, None])
 
 
@@ -41,9 +42,12 @@ EFFECT = Gravity(
     name="gravity",
     meaning=(
         "The rig is not level, and a part of the sheet's weight acts in the plane of the picture,"
-        " towards negative deflection where the load is positive."
+        " towards negative deflection where the load is positive and the rig is not turned over."
     ),
-    form="M(s) = -q x integral of (x - x(s)) over what lies beyond s, elongation included",
+    form=(
+        "M(s) = -q cos(tilt) x integral of (x - x(s)) over what lies beyond s, elongation"
+        " included; the tilt is that of the rig about the sheet's long axis"
+    ),
     slot="even_moment",
     signature=(
         "The same bending towards one side at every voltage, most near the clamp, and less where"

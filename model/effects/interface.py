@@ -105,6 +105,8 @@ class Beam:
     # when the readings of each condition were taken (n,), and of which condition each is (n,)
     clock: Clock
     reading_of: npt.NDArray[np.int64]
+    # (K,) share of the weight's push towards -y: -1 where the rig is turned over
+    upright: FloatArray | float = 1.0
 
 
 @dataclass

@@ -78,6 +78,17 @@ def test_readings_that_are_not_valid_do_not_count():
     assert np.max(look(odd, "long").seen[0].force_N) < 1.0
 
 
+def test_a_position_with_the_rig_turned_over_is_a_run_of_its_own():
+    m = session()
+    over = tuple(replace(c, tilt_rad=np.pi) for c in m.conditions)
+    seen = look(replace(m, conditions=(*m.conditions, *over)), "long").seen
+    half = len(seen) // 2
+    assert [s.tilt_rad for s in seen] == [0.0] * half + [np.pi] * half
+    assert not {s.run for s in seen[:half]} & {s.run for s in seen[half:]}
+    # its pulses are counted on their own
+    np.testing.assert_array_equal(seen[1].clock.pulse, seen[half + 1].clock.pulse)
+
+
 def test_a_free_shape_has_a_curve_and_no_force(measure):
     made_here = measure(names=("long",), free=True)
     seen = [s for s in look(made_here, "long").seen if s.free]

@@ -113,6 +113,21 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
     assert left < 2e-3 * change
 
 
+def test_a_rig_turned_over_is_one_whose_weight_pulls_the_other_way(measure):
+    made = measure(names=("long",), free=True, positions_mm=(0, 10, 25))
+    turned = replace(made, conditions=tuple(replace(c, tilt_rad=np.pi) for c in made.conditions))
+    gravity, forces = effect("gravity"), []
+    for m, load in ((made, -0.01), (turned, 0.01)):
+        seen = look(m, "long")
+        s, k = seen.sheet.initial_curvature
+        study = Study([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
+        active = (Active(gravity, {"long": {"load_N_per_m": load}}),)
+        solved = study.state(0, base(study.scenes[0], "long"), active).solved
+        forces.append((solved.force_N, solved.modes_m))
+    for one, other in zip(*forces, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-15)
+
+
 def test_projection_finds_the_polynomials_it_is_of():
     s = np.linspace(0.0, 0.05, 40)
     t = 2.0 * s / 0.05 - 1.0

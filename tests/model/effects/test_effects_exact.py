@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.effects import effect
+from model.effects import catalogue, effect
 from model.effects.conformance import plausible
 from model.effects.examples import (
     LENGTH_M,
@@ -103,6 +103,17 @@ def test_the_weight_of_a_bent_sheet_counts_with_its_arm():
     tail = 0.02 * (np.sin(k * end) / k - x) + 0.5 * 0.02**2 * cos_end
     moment = bend[6] * beam.stiffness[6]
     assert moment == pytest.approx(-0.01 * (on_sheet + tail), rel=2e-3)
+
+
+def test_the_weight_changes_sides_where_the_rig_is_turned_over_and_nothing_else_does():
+    beam, held = example_beam()
+    turned = replace(beam, upright=np.array([1.0, -1, 1, -1, 1, -1, 0.5]))
+    for one in catalogue().values():
+        before, after = (one.beam(b, held, plausible(one)) for b in (beam, turned))
+        for name in ("rest", "eibm", "soft", "shift_m", "tilt_rad", "offset_m", "stiffness"):
+            np.testing.assert_array_equal(getattr(after, name), getattr(before, name))
+        sign = turned.upright[:, None] if one.name == "gravity" else 1.0
+        np.testing.assert_allclose(after.bend, sign * before.bend, rtol=1e-14)
 
 
 # --------------------------------------------------------------------------- clamp, contact, object

@@ -1,0 +1,63 @@
+"""The menu: what each entry would add to a session, and what it would tell apart."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.features import look
+from model.discrepancy.menu import MENU, extended, separation
+from model.discrepancy.score import candidates
+from model.effects import effect
+from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
+
+ENTRIES = {entry.name: entry for entry in MENU}
+
+
+@pytest.mark.parametrize("entry", MENU, ids=list(ENTRIES))
+def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
+    for name in ("long", "short"):
+        one = look(session(), name)
+        added = entry.add(one)
+        assert not {s.run for s in added} & {s.run for s in one.seen}
+        keys = [(*s.run, s.voltage_V) for s in added]
+        assert len(set(keys)) == len(keys) > 0
+        assert entry.minutes(one) > 0.0
+
+
+def test_an_entry_is_measured_once_at_each_place_however_often_it_was_before():
+    plain = look(session(), "long")
+    often = look(session(Case(seed=1, extras=Extras(remounts=3, reversed_approach=True))), "long")
+    assert len(often.seen) > len(plain.seen)
+    for entry in MENU:
+        assert len(entry.add(often)) == len(entry.add(plain)), entry.name
+
+
+def test_only_the_rig_turned_over_is_turned_over():
+    one = look(session(), "long")
+    tilted = look(
+        replace(session(), conditions=tuple(
+            replace(c, tilt_rad=np.pi) for c in session().conditions
+        )), "long",
+    )  # fmt: skip
+    for entry in MENU:
+        wanted = np.pi if entry.name == "turned_over" else 0.0
+        for known in (one, tilted):
+            assert {s.tilt_rad for s in entry.add(known)} == {wanted}, entry.name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("other", ["initial_curvature", "force_offset"])
+def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
+    """Weight changes sides; repeating everything as it was tells less."""
+
+    def apart(fitted) -> float:
+        pair = tuple(candidates(fitted, [effect(name)])[0] for name in ("gravity", other))
+        return separation(fitted, pair, 1.0)
+
+    fit = base_fit()
+    now = apart(fit)
+    over, again = (apart(extended(fit, ENTRIES[n])) for n in ("turned_over", "more_repeats"))
+    assert over > 1.5 * again > now
