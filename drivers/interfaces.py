@@ -300,7 +300,8 @@ class Camera(Protocol):
 class Prompt:
     """Something the operator is asked to do before the run goes on."""
 
-    kind: str  # move | moisten | mount | free | touch | remount | dead_weight | confirm
+    # move | moisten | mount | free | touch | remount | dead_weight | turn_over | confirm
+    kind: str
     text: str  # one sentence, ready to show
     configuration: str | None = None
     position_m: float | None = None

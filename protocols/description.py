@@ -19,6 +19,7 @@ TAKES_S = {
     "touch": 15.0,
     "free": 15.0,
     "dead_weight": 30.0,
+    "turn_over": 180.0,
 }
 MOVE_TAKES_S = 10.0
 OTHER_TAKES_S = 10.0

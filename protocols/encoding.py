@@ -1,12 +1,13 @@
 """A schedule as plain data (for JSON) and back. Reading is strict: nothing missing, nothing more.
 
-What a field may hold is taken from the dataclasses themselves, so the two cannot drift apart.
+What a field may hold is taken from the dataclasses themselves, so the two cannot drift apart. What
+has a default may be missing: a session that was recorded before there was such a field.
 """
 
 from __future__ import annotations
 
 import types
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -72,14 +73,15 @@ def _decode_dataclass(kind: Any, data: Any, where: str) -> Any:
     if not isinstance(data, dict):
         raise ScheduleError(f"{where}: a table is wanted, not {data!r}")
     names = [f.name for f in fields(kind)]
+    needed = [f.name for f in fields(kind) if f.default is MISSING]
     for name in data:
         if name not in names:
             raise ScheduleError(f"{where}: the key {name!r} is not known")
-    for name in names:
+    for name in needed:
         if name not in data:
             raise ScheduleError(f"{where}: the key {name!r} is missing")
     hints = get_type_hints(kind)
-    return kind(**{name: _decode(hints[name], data[name], f"{where}.{name}") for name in names})
+    return kind(**{name: _decode(hints[name], data[name], f"{where}.{name}") for name in data})
 
 
 def _decode_optional(kind: Any, data: Any, where: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isfinite
+from math import isfinite, pi
 
 from protocols.definition import fits
 from protocols.errors import ScheduleError
@@ -50,6 +50,11 @@ def _general_faults(schedule: Schedule) -> Iterator[str]:
         yield "the schedule has no runs"
     if [run.index for run in schedule.runs] != list(range(len(schedule.runs))):
         yield "the runs are not numbered 0, 1, 2, ..."
+    tilts = {run.tilt_rad for run in schedule.runs}
+    if not tilts <= {0.0, pi}:
+        yield "a rig stands upright (tilt_rad 0) or is turned over (pi), nothing between"
+    elif len(tilts) > 1:
+        yield "the rig cannot be turned over between two runs of a session"
     if not (isfinite(schedule.frame_rate_hz) and schedule.frame_rate_hz > 0):
         yield f"frame_rate_hz = {schedule.frame_rate_hz} must be larger than 0"
 

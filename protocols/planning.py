@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from math import pi
 from typing import Literal
 
 from protocols.definition import Builder, Definition, StepsAndReadings, require_measure
@@ -46,6 +47,7 @@ class Extras:
     dead_weights_N: tuple[float, ...] = ()  # hung on the load cell before everything else
     approach_from_m: float = 0.002  # how far beside a position its approach begins
     approach: Literal["up", "down"] = "up"  # from which side all positions are approached
+    turned_over: bool = False  # the whole session with the rig turned over: weight changes sides
 
     def __post_init__(self) -> None:
         require_count("extras: remounts", self.remounts, least=0)
@@ -200,6 +202,7 @@ class _Planner:
                 readings=readings,
                 duration_s=duration_s,
                 via_m=via_m,
+                tilt_rad=pi if self._extras.turned_over else 0.0,
             )
         )
 

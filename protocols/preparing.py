@@ -16,6 +16,7 @@ class Situation:
     mounting: int = 0
     touching: bool = False  # the sheet is between the rolls of the load cell
     loaded: bool = False  # a dead weight hangs on the load cell
+    turned_over: bool = False  # the whole rig, about the sheet's long axis
 
 
 @dataclass(frozen=True)
@@ -30,17 +31,21 @@ Action = Prompt | Move
 
 def preparation(before: Situation, run: PlannedRun) -> tuple[list[Action], Situation]:
     """What to do before a run, in order, and the situation that it leads to."""
+    if run.tilt_rad and not before.turned_over:
+        actions, now = preparation(replace(before, turned_over=True), run)
+        return [_turn_over(run), *actions], now
     if run.purpose is Purpose.DEAD_WEIGHT:
         load_N = run.load_N or 0.0
         return [_weigh(run, load_N)], replace(before, touching=False, loaded=load_N > 0)
-    actions: list[Action] = [_weigh(run, 0.0)] if before.loaded else []
+    actions = [_weigh(run, 0.0)] if before.loaded else []
     now = replace(before, loaded=False)
+    mounted = replace(now, configuration=run.configuration, mounting=run.mounting, touching=False)
     if before.configuration != run.configuration:
         actions.append(_mount(run))
-        now = Situation(run.configuration, run.mounting)
+        now = mounted
     elif run.mounting > 0:  # every such run is a position set anew
         actions.append(_remount(run))
-        now = Situation(run.configuration, run.mounting)
+        now = mounted
     if run.purpose is Purpose.MEASUREMENT and run.position_m is not None:
         actions += _approach(run, run.position_m, touching=now.touching)
         now = replace(now, touching=True)
@@ -59,6 +64,14 @@ def _approach(run: PlannedRun, position_m: float, *, touching: bool) -> list[Act
     if run.via_m is None:
         return [Move(position_m), *touch]
     return [Move(run.via_m), *touch, Move(position_m)]
+
+
+def _turn_over(run: PlannedRun) -> Prompt:
+    text = (
+        "Turn the whole rig over about the sheet's long axis, unless it is turned over already; it "
+        "stays so for this session. Turn it back afterwards."
+    )
+    return Prompt("turn_over", text, run.configuration)
 
 
 def _weigh(run: PlannedRun, load_N: float) -> Prompt:

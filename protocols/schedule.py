@@ -67,6 +67,8 @@ class PlannedRun:
     duration_s: float
     # go here first, so that the position is approached from the right side; None: go straight
     via_m: float | None = None
+    # of the rig about the sheet's long axis: 0, or pi where it is turned over; of all runs alike
+    tilt_rad: float = 0.0
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""

@@ -29,6 +29,8 @@ class SimulatedPerson:
                 self._world.remount()
             case "dead_weight":
                 self._world.hang(prompt.load_N or 0.0)
+            case "turn_over":
+                self._world.turn_over()
             case "confirm":
                 pass
             case other:

@@ -43,6 +43,7 @@ def conditions_of(
                     curve=None if seen is None else seen.mean,
                     mounting=run.planned.mounting,
                     approach=cast("Literal['up', 'down', '']", run.planned.approach),
+                    tilt_rad=run.planned.tilt_rad,
                     run=turn[run.planned.index],
                     contact=None if seen is None else seen.contact,
                 )

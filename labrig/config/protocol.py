@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from labrig.config.base import Closed, parse_toml, read_text, validate
 from labrig.errors import BadInputError
@@ -119,6 +119,17 @@ class ExtrasConfig(Closed):
     )
     remounts: int = Field(0, ge=0, le=100, description="positions set anew and measured again")
     dead_weights_mN: tuple[Annotated[float, Field(gt=0)], ...] = ()
+    tilt_deg: float = Field(
+        0.0,
+        description="180: the whole session with the rig turned over about the sheet's long axis",
+    )
+
+    @field_validator("tilt_deg")
+    @classmethod
+    def _upright_or_turned_over(cls, tilt_deg: float) -> float:
+        if tilt_deg not in (0.0, 180.0):
+            raise ValueError("the rig stands upright (0) or is turned over (180), nothing between")
+        return tilt_deg
 
     @model_validator(mode="after")
     def _paper_mode_has_none(self) -> ExtrasConfig:
@@ -128,7 +139,7 @@ class ExtrasConfig(Closed):
             if getattr(self, key)
         ]
         asked += [key for key in ("remounts", "dead_weights_mN") if getattr(self, key)]
-        asked += ["approach"] * (self.approach != "up")
+        asked += ["approach"] * (self.approach != "up") + ["tilt_deg"] * (self.tilt_deg != 0.0)
         if self.mode == "paper" and asked:
             raise ValueError(f'mode "paper" has no extras; remove {asked[0]} or use mode "default"')
         return self
@@ -147,6 +158,7 @@ class ExtrasConfig(Closed):
             free_shapes=on(self.free_shapes),
             reversed_approach=on(self.reversed_approach),
             approach=self.approach,
+            turned_over=self.tilt_deg == 180.0,
             dead_weights_N=tuple(load / 1000 for load in self.dead_weights_mN),
         )
 

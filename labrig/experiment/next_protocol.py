@@ -131,8 +131,12 @@ def _random_order(_tables: Tables, _places: Places, extras: Tables) -> None:
     extras["random_order"] = True
 
 
+def _turned_over(_tables: Tables, _places: Places, extras: Tables) -> None:
+    extras["tilt_deg"] = 180.0
+
+
 _MAKERS = {
     "free_shapes": _free_shapes, "remount": _remount, "reversed_approach": _reversed,
     "between": _between, "half_voltage": _half_voltage, "random_order": _random_order,
-    "more_repeats": _everything,
+    "turned_over": _turned_over, "more_repeats": _everything,
 }  # fmt: skip

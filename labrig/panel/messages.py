@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from math import degrees
 from typing import Any
 
 from drivers.interfaces import Prompt
@@ -237,6 +238,7 @@ def _run(run: PlannedRun) -> Message:
         "approach": run.approach,
         "moisten": run.moisten,
         "load_mN": _milli(run.load_N),
+        "tilt_deg": round(degrees(run.tilt_rad), 9),
         "duration_s": run.duration_s,
         "steps": [[round(step.time_s, 6), step.voltage_V] for step in run.steps],
         "readings": [

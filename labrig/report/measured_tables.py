@@ -41,6 +41,7 @@ def _again(condition: Condition) -> str:
     told = [f"mounting {condition.mounting}"] if condition.mounting else []
     told += [f"run {condition.run}"] if condition.run else []
     told += [condition.approach] if condition.approach == "down" else []
+    told += [f"rig at {np.degrees(condition.tilt_rad):.4g}°"] if condition.tilt_rad else []
     return f" ({', '.join(told)})" if told else ""
 
 

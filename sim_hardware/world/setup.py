@@ -61,6 +61,7 @@ class Setup:
     configuration: str
     position_m: float | None  # as asked for; None: nothing touches the sheet
     scatter: Scatter
+    turned_over: bool = False  # the whole rig, about the sheet's long axis
 
     @property
     def stiffness_Nm2(self) -> float:
@@ -120,7 +121,7 @@ class Setup:
                 clamp_rad=s.clamp.tilt_rad + self.scatter.tilt_rad,
                 # mrad/(N mm) = rad/(N m)
                 clamp_compliance_m=s.clamp.compliance_mrad_per_Nmm * B,
-                load_per_m3=(0.0, -s.gravity_N_per_m / B),
+                load_per_m3=(0.0, (1 if self.turned_over else -1) * s.gravity_N_per_m / B),
             ),
             s.chain.link_mm * MILLI,
         )

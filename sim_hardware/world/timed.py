@@ -71,6 +71,7 @@ class Visit:
     approach: Literal["up", "down"] = "up"
     turn: int = 0  # counts visits with the same configuration, position and mounting
     odd: Scatter | None = None  # set-up gone wrong: instead of the scatter that is drawn
+    turned_over: bool = False  # the rig
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,9 @@ class _Runner:
         for number, visit in enumerate(visits):
             train = free_train if visit.position_m is None else self._train
             scatter = visit.odd or Scatter.draw(self._settings, number)
-            setup = Setup(self._settings, visit.configuration, visit.position_m, scatter)
+            setup = Setup(
+                self._settings, visit.configuration, visit.position_m, scatter, visit.turned_over
+            )
             if setup.uncrept.reachable:
                 yield self._run(number, visit, train, setup, start_s)
             start_s += train.run_s

@@ -52,6 +52,7 @@ class World:
         self._record: Record | None = None
         self._recorded_s = -np.inf
         self._drawn = 0
+        self._turned_over = False
         self._amplifier = Amplifier(settings.amplifier, clock.now())
         self._cell = LoadCell(settings.load_cell, settings.seed)
         self._relay = Relay(settings.interlock.hold_s, closed=not settings.interlock.line)
@@ -95,6 +96,18 @@ class World:
         """Take the sheet out and put it back, the load cell to where it was."""
         with self._lock:
             self._set_up(self.configuration, self.position_m)
+
+    def turn_over(self) -> None:
+        """Turn the rig over about the sheet's long axis: weight pulls the other way.
+
+        What is mounted stays as it is. A rig that is turned over already stays so.
+        """
+        with self._lock:
+            self._turned_over = True
+            now, stage = self._now(), self._history.stage
+            setup = replace(stage.setup, turned_over=True)
+            self._history.begin(Stage(now, setup, stage.load_N, stage.moved_up))
+            self._write_row(now)
 
     def moisten(self) -> None:
         """Moisten the sheet."""
@@ -272,7 +285,7 @@ class World:
     def _new_setup(self, configuration: str, position_m: float | None) -> Setup:
         scatter = Scatter.draw(self.settings, self._drawn)
         self._drawn += 1
-        return Setup(self.settings, configuration, position_m, scatter)
+        return Setup(self.settings, configuration, position_m, scatter, self._turned_over)
 
     def _set_up(
         self, configuration: str, position_m: float | None, *, moved_up: bool = True

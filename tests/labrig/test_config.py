@@ -116,6 +116,14 @@ def test_all_faults_of_a_file_are_told_together_a_line_each() -> None:
             "[hold]\n[extras]\nmode = 'paper'\nremounts = 1\n" + PLACES,
             r'mode "paper" has no extras',
         ),
+        (
+            "[hold]\n[extras]\nmode = 'paper'\ntilt_deg = 180\n" + PLACES,
+            r'mode "paper" has no extras; remove tilt_deg',
+        ),
+        (
+            "[hold]\n[extras]\ntilt_deg = 90\n" + PLACES,
+            r"\[extras\] tilt_deg = 90: the rig stands upright \(0\) or is turned over",
+        ),
     ],
 )
 def test_a_fault_in_protocol_toml_is_named(text: str, said: str) -> None:

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 
 import pytest
 
@@ -50,11 +51,20 @@ def damaged(change):
         (lambda d: d["runs"][0].update(moisten=0), "moisten: a bool is wanted, not 0"),
         (lambda d: d["runs"][0].update(duration_s=0.5), "not over when its step is"),
         (lambda d: d.update(frame_rate_hz=float("nan")), "frame_rate_hz"),
+        (lambda d: d["runs"][0].update(tilt_rad=0.5), r"upright .* or is turned over .*, nothing"),
+        (lambda d: d["runs"][0].update(tilt_rad=math.pi), "be turned over between two runs"),
     ],
 )
 def test_data_that_is_not_a_schedule_is_refused_by_the_name_of_its_key(change, says):
     with pytest.raises(ScheduleError, match=says):
         schedule_from_dict(damaged(change))
+
+
+def test_a_schedule_from_before_a_rig_could_be_turned_over_is_that_of_an_upright_one():
+    data = damaged(lambda d: [run.pop("tilt_rad") for run in d["runs"]])
+    assert schedule_from_dict(data) == SCHEDULE
+    over = make_schedule(PulseTrain(), [Place("long", (0.0,))], extras=Extras(turned_over=True))
+    assert schedule_from_dict(json.loads(json.dumps(schedule_to_dict(over)))) == over
 
 
 @pytest.mark.parametrize("data", [None, [], "x", 3])

@@ -1,5 +1,6 @@
 """A session as its events tell it."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -272,6 +273,20 @@ def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
     assert len(rig.of_kind(OperatorAsked)) == len([t for t in told if "mm" not in t])
     loads_N = [p.load_N for p in rig.operator.asked if p.kind == "dead_weight"]
     assert loads_N == [0.0, 0.02, 0.0]
+
+
+def test_the_rig_is_turned_over_once_before_everything_else(rig):
+    extras = Extras(dead_weights_N=(0.02,), remounts=1, turned_over=True)
+    places = [Place("long", (0.0, 0.01)), Place("short", (0.0,))]
+    schedule = make_schedule(PulseTrain(), places, extras=extras)
+    ends_well(rig, schedule)
+    kinds = [p.kind for p in rig.operator.asked]
+    assert kinds[:2] == ["turn_over", "dead_weight"]
+    assert kinds.count("turn_over") == 1
+    assert kinds.count("mount") == 2
+    assert {run.tilt_rad for run in schedule.runs} == {math.pi}
+    upright = make_schedule(PulseTrain(), places)
+    assert {run.tilt_rad for run in upright.runs} == {0.0}
 
 
 def test_a_manual_stages_questions_are_told_once_when_it_shares_the_operator(rig):

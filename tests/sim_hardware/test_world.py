@@ -512,6 +512,24 @@ def test_the_person_does_what_is_asked() -> None:
         person.ask(Prompt("juggle", ""))
 
 
+def test_a_rig_turned_over_is_a_world_whose_weight_pulls_the_other_way() -> None:
+    clock, quiet = HandClock(), settings_with(**QUIET)
+    up, down, over = (
+        World(quiet.model_copy(update={"gravity_N_per_m": load}), clock)
+        for load in (0.01, -0.01, 0.01)
+    )
+    for _ in range(2):  # one that is turned over already stays so
+        assert SimulatedPerson(over).ask(Prompt("turn_over", ""))
+    shapes = [world.true_shape(clock.now()) for world in (up, down, over)]
+    assert np.max(np.abs(shapes[0] - shapes[1])) > 1e-4
+    np.testing.assert_array_equal(shapes[2], shapes[1])
+    for world in (up, down, over):
+        world.mount("long")
+        world.place(0.01)
+    forces = [world.true_force_N(clock.now()) for world in (up, down, over)]
+    assert forces[2] == forces[1] != forces[0]
+
+
 def test_a_sheet_that_the_world_does_not_have_cannot_be_mounted() -> None:
     world, _ = quiet_world()
     with pytest.raises(WorldError, match=r"no configuration wide.*long, short"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 
 import pytest
@@ -238,7 +239,7 @@ def proposing(monkeypatch):
 
 EXTRAS = [
     "free_shapes", "remount", "reversed_approach", "between", "half_voltage", "random_order",
-    "more_repeats",
+    "turned_over", "more_repeats",
 ]  # fmt: skip
 
 
@@ -268,6 +269,7 @@ def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_
         assert voltages == {0.0, 1.0, -1.0}
     else:
         assert sorted(positions) == [0.0, 0.01, 0.02, 0.03]
+    assert {r.tilt_rad for r in runs} == {math.pi if extra == "turned_over" else 0.0}
     if extra != "half_voltage":
         assert voltages == {0.0, 2.0, -2.0}
 
