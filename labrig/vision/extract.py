@@ -12,7 +12,7 @@ import numpy.typing as npt
 from labrig.vision.check import Verdict, judge
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.ends import Tip, find_tip
-from labrig.vision.face import find_face
+from labrig.vision.face import FaceSearch
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
@@ -346,16 +346,19 @@ class _Job:
 
     def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
-        found, face = plain, None
-        for _ in range(FACE_ROUNDS):  # the curve moves when the face is taken off, the face with it
-            if found.verdict.covered < 0.5:
-                break
-            face = find_face(found.fit, found.setting, face)
+        if plain.verdict.covered < 0.5:
+            return plain
+        search = FaceSearch(plain.fit, plain.setting)
+        found, face = plain, search.first()
+        for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
             if face is None:
                 return plain  # where the face led the curve, a band alone explains as much
             band = face.on(found.fit.band, found.fit.shape)
-            fit = fit_intensities(found.fit.shape, found.setting, band)
-            found = self._judged(fit, found.setting)
+            found = self._judged(
+                fit_intensities(found.fit.shape, found.setting, band), found.setting
+            )
+            if turn < FACE_ROUNDS - 1:
+                face = search.again(found.fit, face)
         return found
 
     def _judged(self, fit: Fit, setting: Setting) -> Candidate:

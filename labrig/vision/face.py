@@ -16,24 +16,25 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit import Fit
-from labrig.vision.setting import Band, Setting, measured, pixels_beside
+from labrig.vision.setting import Band, Pixels, Setting, measured, pixels_beside
 from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
 
 DEPTHS = (0.012, 0.025)  # to begin with: the sheet's width over the far edge's distance
-SHARE = 0.5  # and the face's grey over the edge's
+SHARES = (0.4, 0.9)  # and the face's grey over the edge's
 MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
 CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
-LIKELY_GAIN = 12.0  # twice a log-likelihood: what a rough guess must explain to be refined
-LEAST_GAIN = 30.0  # and the likeliest face
-LEAST_COMMON_GAIN = 5.0
+LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
+LEAST_GAIN = 15.0  # and the likeliest face
 COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
-COMMON_SHARE = 0.08
+COMMON_SHARE = 0.02
 PIECE_CELLS = 24
 EVALUATIONS = 130
+MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
+NEAR_PX = 0.25  # so far a displacement has the effect that its derivative says
 LEAST_BLUR_PX = 0.5
 
 
@@ -60,25 +61,14 @@ class Face:
         return replace(looking, face=self.widths(shape), face_share=self.share)
 
 
-def find_face(fit: Fit, setting: Setting, known: Face | None = None) -> Face | None:
-    """The far face beside a fitted curve; None where a band alone explains as much.
+class FaceSearch:
+    """The search for the far face, from a curve that was fitted without one.
 
-    `known`: a face from which to start, of the curve before it was fitted again.
+    That curve runs in the middle of edge and face together; one fitted with a face, on the edge.
     """
-    search = _Search(fit, setting)
-    guess = search.first() if known is None else known
-    if guess is None:
-        return None
-    face, gains = search.refined(guess)
-    enough = _enough(gains) if known is None else float(gains.sum()) > LIKELY_GAIN
-    return face if enough else None
-
-
-class _Search:
-    """What a face would explain of the picture, the curve's own displacement taken off."""
 
     def __init__(self, fit: Fit, setting: Setting) -> None:
-        self.fit, self.setting = fit, setting
+        self.setting, self.noise, self.used = setting, fit.noise, fit.used
         rows, columns = setting.picture.grey.shape
         optics = setting.optics
         away = optics.vanishing_px((columns, rows))
@@ -87,54 +77,87 @@ class _Search:
         self.silhouette = optics.look == "silhouette"
         self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
         self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
-        self.pixels = pixels_beside(fit.shape, setting, self.plain.reach + 6.0)
-        self.nothing = self._misfits(self.plain)
+        self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
+        self.nothing = self._misfits(self.seen, self.plain)
 
     def first(self) -> Face | None:
-        """The best of a few guesses, if it explains enough."""
-        share = 1.0 if self.silhouette else SHARE
-        centre = (float(self.centre[0]), float(self.centre[1]))
-        half = float(self.plain.half_width[-1])
-        guesses = [self._sharper(Face(depth, share, centre, 1.0, half)) for depth in DEPTHS]
-        best = min(guesses, key=self._total)
-        return best if float((self.nothing - self.costs(best)).sum()) > LIKELY_GAIN else None
+        """The likeliest face beside the curve without one; None where that explains as much."""
+        guesses = [self._guess(depth, share) for depth in DEPTHS for share in self._shares()]
+        best = min(guesses, key=lambda face: float(self._costs(self.seen, face).sum()))
+        if float((self.nothing - self._costs(self.seen, best)).sum()) < LIKELY_GAIN:
+            return None
+        self._settle()
+        face = self._refined(self.seen, best)
+        return face if self._explains(self.seen, face) else None
 
-    def _sharper(self, face: Face) -> Face:
-        """The same with the blur that is left when the face explains a part of it."""
-        band = self.plain
-        thick, wide = 2 * band.half_width, np.abs(face.widths(self.fit.shape))
-        grey = face.share * wide
+    def again(self, fit: Fit, face: Face) -> Face | None:
+        """The likeliest face beside the curve that was fitted with the last one."""
+        seen = _Seen(fit, self.setting, self.seen.reach, on_edge=True)
+        face = self._refined(seen, face)
+        return face if self._explains(seen, face) else None
+
+    def _explains(self, seen: _Seen, face: Face) -> bool:
+        """Whether a face explains enough, and not one place only, as something beside it would."""
+        gains = self.nothing - self._costs(seen, face)
+        total = float(gains.sum()) - self._oddness(face)
+        common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
+        return total > LEAST_GAIN and (seen.on_edge or common > COMMON_SHARE * total)
+
+    def _shares(self) -> tuple[float, ...]:
+        return (1.0,) if self.silhouette else tuple(min(s, self.most_share) for s in SHARES)
+
+    def _guess(self, depth: float, share: float) -> Face:
+        """A face, with the blur and the elongation's width that are left beside it."""
+        band, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
+        face = Face(depth, share, centre, 1.0, 1.0)
+        thick, wide = 2 * band.half_width, np.abs(face.widths(self.seen.shape))
+        grey = share * wide
         # second moment of band and face together, less the band's own
         spread = grey * wide**2 / 12 + thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
-        more = float(np.mean(spread / (thick + grey)))
-        return replace(face, blur=float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2))))
+        more = float(np.mean((spread / (thick + grey))[~band.elongation]))
+        blur = float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2)))
+        half = float(band.half_width[-1])
+        if band.elongation.any():
+            half = max(half - 0.5 * float(np.median(grey[band.elongation])), 0.5)
+        return replace(face, blur=blur, elongation_half=half)
 
-    def refined(self, face: Face) -> tuple[Face, FloatArray]:
-        """The likeliest face, from a guess, and what it explains in each piece."""
-        self._settle()
+    def _refined(self, seen: _Seen, face: Face) -> Face:
+        """The likeliest face, from a guess."""
         start = np.array(
             [np.log(face.depth), face.share, 0, 0, np.log(face.blur), face.elongation_half]
         )
         start[2:4] = (np.array(face.centre) - self.centre) / self.spread
         steps = np.array([0.3, -0.15, 0.4, 0.4, 0.15, 0.2])
         used = slice(0, 6 if self.plain.elongation.any() else 5)
-        found = self._face(_lowest(self._unlikely, start, steps, used, EVALUATIONS))
-        return found, self.nothing - self.costs(found)
+
+        def unlikely(p: FloatArray) -> float:
+            outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
+            face = self._face(p)
+            left = float(self._costs(seen, face).sum())
+            return left + self._oddness(face) + 100.0 * float(outside)
+
+        return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
+
+    def _oddness(self, face: Face) -> float:
+        off = (np.array(face.centre) - self.centre) / self.spread
+        return float(off @ off)
 
     def _settle(self) -> None:
         """Give the band alone its best chance: an elongation may be thick, a lens may blur."""
 
         def band(p: FloatArray) -> Band:
-            return self.plain.retuned(
-                max(float(np.exp(p[0])), LEAST_BLUR_PX), max(float(p[1]), 0.5)
-            )
+            blur, half = np.clip([np.exp(p[0]), p[1]], [LEAST_BLUR_PX, 0.5], [6.0, 40.0])
+            return self.plain.retuned(float(blur), float(half))
 
         start = np.array([np.log(self.plain.blur), float(self.plain.half_width[-1])])
         used = slice(0, 2 if self.plain.elongation.any() else 1)
         steps = np.array([0.15, 0.3])
-        best = _lowest(lambda p: float(self._misfits(band(p)).sum()), start, steps, used, 40)
-        self.plain = band(best)
-        self.nothing = self._misfits(self.plain)
+
+        def unlikely(p: FloatArray) -> float:
+            return float(self._misfits(self.seen, band(p)).sum())
+
+        self.plain = band(_lowest(unlikely, start, steps, used, 40))
+        self.nothing = self._misfits(self.seen, self.plain)
 
     def _face(self, p: FloatArray) -> Face:
         x, y = self.centre + self.spread * p[2:4]
@@ -143,37 +166,40 @@ class _Search:
         depth = float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH))
         return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
-    def _unlikely(self, p: FloatArray) -> float:
-        """What a face leaves unexplained, and how odd it is; outside of the bounds ever more."""
-        outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
-        return self._total(self._face(p)) + float(p[2:4] @ p[2:4]) + 100.0 * float(outside)
-
-    def _total(self, face: Face) -> float:
-        return float(self.costs(face).sum())
-
-    def costs(self, face: Face) -> FloatArray:
+    def _costs(self, seen: _Seen, face: Face) -> FloatArray:
         """(pieces,) what a face leaves unexplained."""
-        return self._misfits(face.on(self.plain, self.fit.shape))
+        return self._misfits(seen, face.on(self.plain, seen.shape))
 
-    def _misfits(self, band: Band) -> FloatArray:
-        """(pieces,) squared residuals over the noise's, each piece displaced as it likes."""
-        fit = self.fit
+    def _misfits(self, seen: _Seen, band: Band) -> FloatArray:
+        """(pieces,) squared residuals over the noise's, each piece displaced a little."""
         # weights that forgive little would count a missing face as an outlier
-        cells = measured(self.pixels, band, 3 * fit.noise, fit.used)
-        cells = np.where(fit.used[:, None], cells, 0.0)
+        cells = measured(seen.pixels_for(band), band, 3 * self.noise, self.used)
+        cells = np.where(self.used[:, None], cells, 0.0)
         pieces = np.arange(0, len(cells), PIECE_CELLS)
         information, pull, misfit = (
             np.add.reduceat(cells[:, column], pieces) for column in (3, 4, 5)
         )
-        left = misfit - pull**2 / np.maximum(information, 1e-9)
-        return np.asarray(np.maximum(left, 0.0) / fit.noise**2)
+        offset = np.clip(pull / np.maximum(information, 1e-9), -NEAR_PX, NEAR_PX)
+        left = misfit - 2 * offset * pull + offset**2 * information
+        return np.asarray(np.maximum(left, 0.0) / self.noise**2)
 
 
-def _enough(gains: FloatArray) -> bool:
-    """Whether a face explains enough, and nearly everywhere: a wire lies beside a part only."""
-    total = float(gains.sum())
-    common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
-    return total > LEAST_GAIN and common > max(LEAST_COMMON_GAIN, COMMON_SHARE * total)
+class _Seen:
+    """The pixels beside a curve."""
+
+    def __init__(self, fit: Fit, setting: Setting, reach: float, *, on_edge: bool) -> None:
+        self.shape, self.reach, self.on_edge = fit.shape, reach, on_edge
+        self.pixels = pixels_beside(fit.shape, setting, reach)
+
+    def pixels_for(self, band: Band) -> Pixels:
+        """With distances from the edge's middle, where a curve runs in that of edge and face."""
+        if self.on_edge or band.face_share == 0:
+            return self.pixels
+        value, distance, first = self.pixels
+        thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
+        middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
+        middle = np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX)
+        return value, distance + np.repeat(middle, np.diff(first)), first
 
 
 def _lowest(

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,12 +64,24 @@ def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
     assert np.mean(miss_mm < 1.96 * curve.sigma_m * 1000) > 0.8
 
 
-def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known):
-    scene = scenes.make_scene(scenes.mixed(830_073))
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "face"), [(960_082, 0.7), (960_154, 0.85), (960_115, 0.85)])
+def test_a_face_beside_a_bent_or_a_short_sheet_is_told_from_its_edge(scenes, known, seed, face):
+    """Taken for a part of the edge it moved these curves by 1.2 to 1.3 pixels."""
+    scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert curve.face_share == pytest.approx(face, abs=0.12)
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.15
+
+
+@pytest.mark.parametrize(("seed", "most_px"), [(830_073, 0.02), (700_326, 0.03)])
+def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, seed, most_px):
+    scene = scenes.make_scene(scenes.mixed(seed))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
     assert curve.face_share == 0
-    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.02
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < most_px
 
 
 def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
