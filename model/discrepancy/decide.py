@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.search import Contender, Outcome, Turn, least_gain, rank, refine_best
+from model.discrepancy.search import Contender, Outcome, Turn, apart, rank, refine_best
 from model.discrepancy.settle import Fitted, settle
 from model.effects.interface import Effect
 
@@ -70,13 +70,13 @@ def choices(
             continue
         rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
         without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
-        least = least_gain(without, threshold)
-        if 0.5 * (without.deviance - final.deviance) < least:
+        ranking = refine_best(without, rank(without, effects, slots=False))
+        own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
+        gain = 0.5 * (without.deviance - final.deviance)
+        if min(gain, apart(without, own)) < threshold:
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold)
-        ranking = refine_best(without, rank(without, effects, slots=False))
-        own = next((c for c in ranking if c.name == turn.chosen.name), None)
-        result.append(choice(own, ranking) if own else choice(turn.chosen, turn.ranking))
+        result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
     return result, final
 
 
@@ -89,6 +89,7 @@ class Leftover:
     slot: str  # of the best free form
     first: Contender  # the free form on the base model
     last: Contender | None  # the same on the final model
+    apart: float  # its gain beside what the names explain
 
     @property
     def share(self) -> float:
@@ -112,4 +113,5 @@ def leftover(outcome: Outcome, final: Fitted, effects: Sequence[Effect]) -> Left
     rest = max(last, key=lambda c: c.gain, default=None)
     gain = rest.gain if rest is not None else 0.0
     total = max(best.gain, explained + max(gain, 0.0))
-    return Leftover(gain, total, best.name.split(":")[1], best, rest)
+    beside = apart(final, rest) if rest is not None else 0.0
+    return Leftover(gain, total, best.name.split(":")[1], best, rest, beside)

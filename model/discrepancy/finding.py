@@ -29,7 +29,7 @@ from model.discrepancy.result import (
 )
 from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate, candidates
-from model.discrepancy.search import Contender, Outcome, least_gain
+from model.discrepancy.search import Contender, Outcome
 from model.discrepancy.settle import Fitted
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.where import places
@@ -120,8 +120,7 @@ class Finding:
         rest = leftover(self.outcome, known, self.effects)
         if rest is None or not self._enough:
             return _Decision(named, known, None, known)
-        least = least_gain(known, self.threshold) + SLOT_MARGIN
-        if rest.gain < least or rest.share < LEFT:
+        if rest.apart < self.threshold + SLOT_MARGIN or rest.share < LEFT:
             return _Decision(named, known, None, known)
         if _alone(rest, base, known):
             named, known = [], base

@@ -14,7 +14,7 @@ from model.discrepancy.result import FormCurve, Unknown
 from model.discrepancy.search import Contender
 from model.discrepancy.settle import Fitted
 from model.discrepancy.slots import UNITS, Shape, shapes
-from model.discrepancy.tolerance import FORM, WAVES_S, cosine, whole_step
+from model.discrepancy.tolerance import FORM, cosine, waves_along, whole_step
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.noise import weigh
@@ -151,7 +151,7 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
     share = _share_of_form(fitted, np.stack(rows, axis=1), deviation)
     # the waves along the sheet come first, behind what may differ between configurations
     first += len(study.names) > 1 and not one.effect.by_configuration
-    places = np.arange(first, min(first + len(WAVES_S), span.stop))
+    places = np.arange(first, min(first + one.effect.waves, span.stop))
     if one.effect.tolerance[:1] != ("s",) or not len(places):
         return share, None
     return share, _form_curve(fitted, *steps[0], places)
@@ -164,8 +164,7 @@ def _form_curve(fitted: Fitted, c: int, step: Step, places: Index) -> FormCurve:
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]
     values = along[int(np.argmax(np.max(np.abs(along), axis=1)))]
     t = scene.s_m / scene.length
-    waves = np.stack([FORM * share * cosine(j, t) for j, share in WAVES_S], axis=1)
-    waves = waves[:, : len(places)]
+    waves = np.stack([FORM * share * cosine(j, t) for j, share in waves_along(len(places))], axis=1)
     C = solution.covariance[np.ix_(places, places)]
     factor = 1.0 + waves @ solution.beta[places]
     sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))

@@ -31,7 +31,7 @@ CLOSE = 0.25  # contenders that are refined: those with so much less evidence, r
 CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 MOST_OUTLIERS = 2
-PASSENGER = 0.05  # size against the effects found before, below which it may be their form
+PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
 
 @dataclass(frozen=True)
@@ -201,32 +201,42 @@ def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
     return again
 
 
-def least_gain(fitted: Fitted, threshold: float) -> float:
-    """Evidence that a further effect needs beside those that a model has.
+def apart(fitted: Fitted, contender: Contender) -> float:
+    """Evidence of a further effect where each number may be off by some of what the others do.
 
-    What is small against them may be what is left of their own form.
+    What is small against them everywhere may be what is left of their own form.
     """
-    return max(threshold, 0.5 * (PASSENGER * _length(fitted)) ** 2)
+    if not fitted.found:
+        return contender.gain
+    study, data = fitted.problem.study, fitted.linear.data
+    # with the usual scatter, in which nothing hides
+    usual = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
+    doubt = study.layout.pad((PASSENGER * _rows(fitted)) ** 2)
+    worth = []
+    for one in (data, replace(data, fixed=data.fixed + doubt)):
+        projected = Projected.of(study, fitted.linear, weigh(one, usual))
+        worth.append(score(study, projected, contender.score.candidate).log_bayes)
+    certain, doubted = worth
+    kept = float(np.clip(doubted / certain, 0.0, 1.0)) if certain > 0.0 else 1.0
+    return kept * contender.gain
 
 
-def _length(fitted: Fitted) -> float:
-    """Of all effects of a model together, in standard deviations of the rows."""
+def _rows(fitted: Fitted) -> FloatArray:
+    """What all effects of a model do to the rows, (N,)."""
     study, active = fitted.problem.study, fitted.active
     rows = np.zeros(study.layout.size)
     for one in active:
         others = tuple(a for a in active if a is not one)
         for c, state in enumerate(fitted.linear.states):
             if study.names[c] in one.values:
-                rows += study.rows_of(
-                    c, state, whole_step(study, c, state, state.base, others, one)
-                )
-    packed = study.layout.pad(rows)
-    return float(np.sqrt(np.einsum("rn,rnm,rm->", packed, fitted.solution.weights, packed)))
+                step = whole_step(study, c, state, state.base, others, one)
+                rows += np.abs(study.rows_of(c, state, step))
+    return rows
 
 
 def _worth(turn: Turn, threshold: float) -> Contender | None:
     """The best effect of the catalogue, if the data ask for it."""
     best = next((c for c in turn.ranking if c.known), None)
-    if best is None or best.gain < least_gain(turn.before, threshold) or best.fitted is None:
+    if best is None or best.fitted is None or apart(turn.before, best) < threshold:
         return None
     return best if supported(turn.before, best.fitted) else None

@@ -19,8 +19,7 @@ from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
 SIGN = 0.25  # and from one voltage or configuration to the other
-# along the sheet: waves, and their shares of `FORM`
-WAVES_S = ((1, 0.72), (2, 0.48), (3, 0.38), (4, 0.22), (5, 0.16), (6, 0.12), (7, 0.1))
+FALLS = -0.6  # power with which waves along the sheet grow smaller
 WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
 RUN = 0.5  # from run to run
 OWN = 1.0  # where each configuration may have its own size
@@ -78,7 +77,8 @@ def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> 
     scene = study.scenes[c]
     for along in effect.tolerance:
         if along == "s":
-            yield from _along_sheet(study, c, step, scene.s_m / scene.length, WAVES_S)
+            waves = waves_along(effect.waves)
+            yield from _along_sheet(study, c, step, scene.s_m / scene.length, waves)
         elif along == "curvature":
             bent = np.abs(held.curvature - scene.rest(scene.s_m))
             yield from _along_sheet(study, c, step, bent / max(float(np.max(bent)), 1e-9), WAVES)
@@ -107,6 +107,13 @@ def _from_run_to_run(study: Study, c: int, step: Step) -> Ways:
     for run in study.layout.runs:
         factor = np.array([float(each == run) for each in own])
         yield _weighed(study, c, step, factor), RUN
+
+
+def waves_along(count: int) -> tuple[tuple[int, float], ...]:
+    """Waves along the sheet with their shares of `FORM`; finer ones are smaller."""
+    numbers = np.arange(1, count + 1)
+    shares = numbers**FALLS / np.sqrt(np.sum(numbers ** (2.0 * FALLS)))
+    return tuple(zip(numbers.tolist(), shares.tolist(), strict=True))
 
 
 def _along_sheet(
@@ -179,7 +186,7 @@ def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[S
     """The form itself, and its deviations times their standard deviations: (N, 1 + J)."""
     whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
     columns = [np.sum(whole, axis=0)]
-    if len(steps) > 1 and all(np.any(w) for w in whole):
+    if len(steps) > 1 and all(np.any(w) for w in whole) and not effect.of_the_rig:
         share = OWN if effect.by_configuration else SIGN
         signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
         columns.append(share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0))

@@ -48,4 +48,5 @@ EFFECT = CameraPerspective(
         ),
     ),
     tolerance=("place",),
+    of_the_rig=True,
 )  # fmt: skip

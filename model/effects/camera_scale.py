@@ -37,4 +37,5 @@ EFFECT = CameraScale(
         ),
     ),
     tolerance=("place",),
+    of_the_rig=True,
 )

@@ -42,5 +42,6 @@ EFFECT = EibmAsymmetry(
         ),
     ),
     tolerance=("s",),
+    waves=7,
     by_configuration=True,
 )  # fmt: skip

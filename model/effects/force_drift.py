@@ -34,4 +34,5 @@ EFFECT = ForceDrift(
         Knob("force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20),
     ),
     tolerance=("time",),
+    of_the_rig=True,
 )

@@ -39,4 +39,5 @@ EFFECT = FrameDelay(
         ),
     ),
     tolerance=("time", "run"),
+    of_the_rig=True,
 )

@@ -37,5 +37,6 @@ EFFECT = InitialCurvature(
         ),
     ),
     tolerance=("s",),
+    waves=7,
     by_configuration=True,
 )  # fmt: skip

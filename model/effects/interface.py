@@ -162,8 +162,10 @@ class Effect:
     knobs: tuple[Knob, ...]
     # along what its form may differ from the one written here
     tolerance: tuple[Along, ...] = ("voltage",)
+    waves: int = 3  # of a deviation along the sheet: more where the form itself has no shape
     # whether each configuration may have its own size
     by_configuration: bool = False
+    of_the_rig: bool = False  # not of the sheet: the same for all configurations
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     needs_session: bool = False  # says nothing where nobody wrote down when in the session
 

@@ -34,4 +34,5 @@ EFFECT = LoadCellCompliance(
         Knob("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
     ),
     tolerance=("position",),
+    of_the_rig=True,
 )  # fmt: skip

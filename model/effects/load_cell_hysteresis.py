@@ -56,4 +56,5 @@ EFFECT = LoadCellHysteresis(
         ),
     ),
     tolerance=("position", "voltage"),
+    of_the_rig=True,
 )  # fmt: skip

@@ -38,4 +38,5 @@ EFFECT = LoadCellMisalignment(
     source="the paper, section 3.2: the cell has to stand square to the tangent of the trajectory",
     knobs=(Knob("angle_rad", "from the arc's tangent to the cell's axis", "rad", 0.05, -0.8, 0.8),),
     tolerance=("position",),
+    of_the_rig=True,
 )

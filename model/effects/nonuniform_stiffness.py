@@ -39,5 +39,6 @@ EFFECT = NonuniformStiffness(
         Knob("relative_change", "of the stiffness from root to end", "", 0.15, -1.8, 1.8),
     ),
     tolerance=("s",),
+    waves=7,  # a step is as likely as a line
     by_configuration=True,
 )  # fmt: skip

@@ -31,4 +31,5 @@ EFFECT = PositionError(
     source="the paper, section 3.1: the load cell is repositioned by hand between experiments",
     knobs=(Knob("offset_mm", "true less stated position along the arc", "mm", 0.3, -10.0, 10.0),),
     tolerance=("position",),
+    of_the_rig=True,
 )

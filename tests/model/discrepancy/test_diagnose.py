@@ -25,6 +25,9 @@ OTHER_FORM = Case((Hiding("nonuniform_eibm", "cosh"),), seed=4)
 PAIR = Case((Hiding("gravity"), Hiding("eibm_drift")), seed=3)
 OUTSIDE = Case((Hiding("local_eibm"),), seed=5)
 BADLY_SET = Case((Hiding("nonuniform_eibm"),), seed=6, outlier=True)
+TILTED = Case((Hiding("clamp_angle", size=0.008),), seed=7)
+DRYING = Case((Hiding("stiffness_drift", "exp", 0.4),), seed=8)
+STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
         "sentence", "notes"}  # fmt: skip
 NAMED_KEYS = {"name", "slot", "parameters", "interval90", "by_configuration", "confidence",
@@ -98,6 +101,29 @@ def test_an_effect_taken_from_the_catalogue_is_never_replaced_with_confidence():
     sure = [e for e in found.effects if e.confidence > 0.95 and not e.confusable_with]
     assert found.verdict == "unknown_effect" or not sure
     assert found.verdict != "nothing_missing"
+
+
+@pytest.mark.slow
+def test_what_is_alike_in_every_set_up_does_not_hide_in_their_scatter():
+    """A tilt of the clamp would make each set-up tilted, if nobody asked why always to one side."""
+    found = diagnosed(TILTED, DiagnoseOptions(exclude=("clamp_angle",)))
+    assert found.verdict == "unknown_effect"
+    assert found.unknown is not None
+    assert found.unknown.slot == "rest_curvature"
+    assert found.unknown.peak_mm < 5.0
+
+
+@pytest.mark.slow
+def test_what_is_left_of_a_large_effect_s_form_is_no_second_effect():
+    found = diagnosed(DRYING)
+    assert (found.verdict, names(found)) == ("effect_named", ["stiffness_drift"])
+    assert found.closed > 0.95
+
+
+@pytest.mark.slow
+def test_a_weak_effect_in_other_rows_is_named_beside_a_strong_one():
+    found = diagnosed(STRONG_AND_WEAK)
+    assert sorted(names(found)) == ["charging_lag", "nonuniform_eibm"]
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from model.discrepancy.tolerance import (
     effect_columns,
     moved,
     unit,
+    waves_along,
     whole_step,
 )
 from model.effects import SLOTS, catalogue, effect
@@ -186,3 +187,44 @@ def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see
     blind = prepare(measure(curves=False, scatter=0.0), Options())
     assert "unknown:camera" not in [c.name for c in unknowns(fitted(measure(curves=False)))]
     assert any("has no curves" in note for note in blind.notes)
+
+
+def test_what_the_rig_does_it_does_to_every_configuration_alike():
+    for name in ("force_offset", "position_error", "camera_scale"):
+        one, study, states, steps = steps_of(name)
+        assert one.of_the_rig
+        columns = atoms(study, states, one, steps)
+        whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+        np.testing.assert_allclose(columns[:, 0], whole[0] + whole[1])
+        opposite = whole[0] - whole[1]
+        for column in columns[:, 1:].T:
+            cosine = column @ opposite / np.linalg.norm(column) / np.linalg.norm(opposite)
+            assert abs(cosine) < 0.99, name
+
+
+def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
+    base = base_fit()
+    found = [(c.name, c.part) for c in unknowns(base) if c.slot in ("position", "eibm")]
+    assert found == [
+        ("unknown:eibm", ""), ("unknown:position", ""), ("unknown:position", "position"),
+        ("unknown:position", "polarity"),
+    ]  # fmt: skip
+    whole, *parts = [c.columns for c in unknowns(base) if c.slot == "position"]
+    assert whole.shape[1] == sum(p.shape[1] for p in parts)
+    assert len(shapes(base, "position", "polarity")) == parts[1].shape[1]
+
+
+def test_a_screw_s_error_at_each_position_is_one_shape_for_both_sheets():
+    base = base_fit()
+    layout = base.problem.study.layout
+    own = [np.concatenate([p.trend_rows for p in (part,)]) for part in layout.parts]
+    for shape in shapes(base, "position", "position"):
+        assert all(np.any(shape.rows[rows]) for rows in own)
+
+
+def test_waves_along_the_sheet_have_the_form_s_standard_deviation_however_many():
+    for count in (1, 3, 7):
+        numbers, shares = zip(*waves_along(count), strict=True)
+        assert numbers == tuple(range(1, count + 1))
+        assert np.sum(np.square(shares)) == pytest.approx(1.0)
+        assert np.all(np.diff(shares) < 0.0)
