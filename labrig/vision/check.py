@@ -34,16 +34,19 @@ class Verdict:
     worth: float  # to choose between candidates: how much of the picture the curve explains
 
 
-def judge(fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False) -> Verdict:
+def judge(
+    fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False, beside: bool = True
+) -> Verdict:
     """All tests of a fitted curve.
 
-    `followed`: from the picture before, whose end and surroundings were looked at.
+    `followed`: from the picture before, whose end and surroundings were looked at. `beside`: look
+    at what lies beside the curve.
     """
     covered = float(fit.used[2:-2].mean())
     residual = smooth_residual_px(fit)
     strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
-    faults = [fault for fault in _faults(fit, setting, tip, residual, followed) if fault]
+    faults = [fault for fault in _faults(fit, setting, tip, residual, followed, beside) if fault]
     return Verdict(
         why=faults[0] if faults else "",
         warnings=tuple(_warnings(setting, tip, covered)),
@@ -66,7 +69,9 @@ def smooth_residual_px(fit: Fit) -> float:
     return float(np.sqrt(np.mean((mean[seen] / total[seen]) ** 2)))
 
 
-def _faults(fit: Fit, setting: Setting, tip: Tip, residual: float, followed: bool) -> list[str]:
+def _faults(
+    fit: Fit, setting: Setting, tip: Tip, residual: float, followed: bool, beside: bool
+) -> list[str]:
     shape, optics = fit.shape, setting.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
     end_u, end_v = setting.nodes_px(shape)[-1]
@@ -116,11 +121,11 @@ def _faults(fit: Fit, setting: Setting, tip: Tip, residual: float, followed: boo
         if steepest > 1.5 * MOST_CURVATURE_PER_M
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
-        if not followed and is_an_edge(fit, setting)
+        if beside and not followed and is_an_edge(fit, setting)
         else "",
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."
-        if runs_beside_opposite(fit, setting)
+        if beside and runs_beside_opposite(fit, setting)
         else "",
         f"the sheet ends {'at least ' if tip.at_least else ''}"
         f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
 from model.measurements import Curve
+
+if TYPE_CHECKING:
+    from labrig.vision.wires import Wire
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -20,6 +24,7 @@ class StripGeometry:
     free_length_m: float
     elongation_m: float = 0.0  # rigid and straight, beyond the free length
     thickness_m: float = 0.21e-3
+    thickness_known: bool = True  # else `thickness_m` is a guess, and the picture is asked
 
     def __post_init__(self) -> None:
         if not 0 < self.free_length_m < 10:
@@ -86,6 +91,7 @@ class NeutralCurve:
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
     face_share: float = 0.0  # its grey over the edge's
+    wires: tuple[Wire, ...] = ()  # that hide parts of the sheet
     smoothness_per_m3: float = 0.0  # q of the prior int (dk/ds)^2 ds / q, as the picture chose it
 
     def as_curve(self) -> Curve:

@@ -14,14 +14,15 @@ from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.ends import Tip, find_tip
 from labrig.vision.face import FaceSearch
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
-from labrig.vision.optics import Optics
+from labrig.vision.optics import Look, Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
 from labrig.vision.report import report
 from labrig.vision.setting import Band, Setting, roll_mask
 from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
+from labrig.vision.thickness import visible_thickness_m
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
 from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
-from labrig.vision.wires import find_wires, hidden_by
+from labrig.vision.wires import Wire, find_wires, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -74,10 +75,14 @@ def neutral_curve(
         picture = read_picture(image, optics)
     except PictureError as error:
         return NeutralCurve(ok=False, why=str(error))
+    if not strip.thickness_known:
+        seen_m = start.thickness_m if start is not None and start.ok else None
+        strip = replace(strip, thickness_m=seen_m or visible_thickness_m(picture, optics, strip))
     job = _Job(picture, optics, strip)
     best = job.followed(start) if start is not None and start.ok else None
     if best is not None and start is not None:
-        return report(best.fit, best.setting, best.verdict, start.excess_px)
+        curve = report(best.fit, best.setting, best.verdict, start.excess_px)
+        return replace(curve, wires=start.wires)
     best = job.cold()
     if best is None:
         return NeutralCurve(
@@ -95,7 +100,7 @@ def neutral_curve(
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
     curve = report(best.fit, best.setting, best.verdict, excess)
-    return replace(curve, warnings=curve.warnings + job.wires_told(best))
+    return replace(curve, warnings=curve.warnings + job.wires_told(best), wires=job.wires)
 
 
 def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
@@ -117,8 +122,8 @@ class _Job:
             coefficients_for(free_px),
             LONGEST_STEP_M * optics.px_per_m,
         )
-        self.mask = roll_mask(optics, picture.grey.shape)
-        self.wires: npt.NDArray[np.uint8] | None = None
+        self.open_mask = self.mask = roll_mask(optics, picture.grey.shape)
+        self.wires: tuple[Wire, ...] = ()
         self.only = 0.0  # the polarity, once it is known
 
     def setting(self, sign: float) -> Setting:
@@ -136,6 +141,7 @@ class _Job:
         """The curve near an earlier one; None when the sheet is not (quite) there any more."""
         if len(start.parameters) != self.basis.size:
             return None
+        self._hide(start.wires)
         setting = self.setting(1.0 if start.polarity == "bright" else -1.0)
         setting = replace(setting, spectral=start.smoothness_per_m3 / self.optics.px_per_m**3)
         shape = self._shape_of(start)
@@ -178,6 +184,7 @@ class _Job:
 
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
+        self._hide(())
         best = self._searched()
         if best is not None and self._hides_wires(best):
             best = self._searched(best)
@@ -192,7 +199,7 @@ class _Job:
         if known is not None:
             found = [self._improved(known.fit.shape, known.setting.sign)]
             self.only = known.setting.sign
-        found += self._candidates(width=120, hasty=True)
+        found += self._candidates(width=90, hasty=True)
         if all(c.verdict.why for c in found):
             found += self._candidates(width=800, hasty=False)
         best = max(found, key=lambda c: c.rank, default=None)
@@ -212,18 +219,23 @@ class _Job:
             if wire.length_beside_px(nodes, reach) > LEAST_OF_A_WIRE_PX
             and (best.verdict.why or wire.distance_px(nodes) < wire.half_px + reach)
         ]
-        if not wires:
-            return False
-        self.wires = hidden_by(wires, self.mask.shape)
-        self.mask = np.maximum(self.mask, self.wires)
-        return True
+        self._hide(tuple(wires))
+        return bool(wires)
+
+    def _hide(self, wires: tuple[Wire, ...]) -> None:
+        """Use no pixel of these any more."""
+        self.wires = wires
+        if wires:
+            self.mask = np.maximum(self.open_mask, hidden_by(wires, self.mask.shape))
+        else:
+            self.mask = self.open_mask
 
     def _candidates(self, *, width: int, hasty: bool) -> list[Candidate]:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
-        if self.wires is not None:
-            ridges = ridges.hidden(self.wires)
+        if self.wires:
+            ridges = ridges.hidden(hidden_by(self.wires, self.mask.shape))
         self.ridges = ridges
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if self.only:
@@ -242,10 +254,11 @@ class _Job:
 
     def wires_told(self, found: Candidate) -> tuple[str, ...]:
         """A warning, where a wire hides some of the sheet."""
-        if self.wires is None:
+        if not self.wires:
             return ()
+        hidden = hidden_by(self.wires, self.mask.shape)
         u, v = np.round(found.setting.nodes_px(found.fit.shape)).astype(int).T
-        share = float(self.wires[v, u].mean())
+        share = float(hidden[v, u].mean())
         if share < LEAST_TOLD:
             return ()
         return (
@@ -346,7 +359,9 @@ class _Job:
 
     def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
-        if plain.verdict.covered < 0.5:
+        # a thicker sheet looks like one with a face as dark as its edge
+        told_apart = self.strip.thickness_known or self.optics.look != Look.AUTO
+        if plain.verdict.covered < 0.5 or not told_apart:
             return plain
         search = FaceSearch(plain.fit, plain.setting)
         found, face = plain, search.first()
@@ -378,7 +393,9 @@ class _Job:
         moved = shape.slid(known * beyond)
         setting = replace(found.setting, spectral=found.fit.spectral)
         fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
-        return Candidate(fit, found.setting, found.tip, judge(fit, found.setting, found.tip))
+        # what lies beside it was looked at: the line is the same
+        verdict = judge(fit, found.setting, found.tip, beside=False)
+        return Candidate(fit, found.setting, found.tip, verdict)
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""

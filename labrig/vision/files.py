@@ -27,20 +27,25 @@ class _Strip(Closed):
 
     free_length_mm: float = Field(gt=0, le=1000)
     elongation_mm: float = Field(0.0, ge=0, le=1000)
-    thickness_mm: float = Field(0.21, gt=0, le=10)
+    thickness_mm: float | None = Field(None, gt=0, le=10)
 
 
 def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
-    """The strip of a sheet.toml, which may be as little as `free_length_mm = 50`."""
+    """The strip of a sheet.toml, which may be as little as `free_length_mm = 50`.
+
+    Where it states no thickness, that is taken from the picture.
+    """
     data = parse_toml(read_text(path), str(path))
     data.pop("arc", None)
     table = data if "free_length_mm" in data else _chosen(data, configuration, path)
     known = {key: value for key, value in table.items() if key in _Strip.model_fields}
     odd = [key for key in table if key not in Sheet.model_fields]
     strip = validate(_Strip, known | {key: table[key] for key in odd}, str(path))
-    return StripGeometry(
-        strip.free_length_mm / 1000, strip.elongation_mm / 1000, strip.thickness_mm / 1000
-    )
+    free_m, elongation_m = strip.free_length_mm / 1000, strip.elongation_mm / 1000
+    if strip.thickness_mm is None:
+        guess_m = min(StripGeometry.thickness_m, 0.1 * free_m)
+        return StripGeometry(free_m, elongation_m, guess_m, thickness_known=False)
+    return StripGeometry(free_m, elongation_m, strip.thickness_mm / 1000)
 
 
 def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict[str, Any]:

@@ -130,6 +130,8 @@ def ridge_points(
         reach.astype(np.int64),
         setting.sign,
     )
+    if not setting.mask.any():
+        return offset, height, width
     rows, columns = setting.mask.shape
     place = centre + np.nan_to_num(offset)[:, None] * beside
     at = np.clip(np.round(place).astype(int), 0, [columns - 1, rows - 1])

@@ -8,6 +8,7 @@ the rolls are.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from labrig.vision.trace import RidgeMaps
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
+IntArray = npt.NDArray[np.int64]
 MaskArray = npt.NDArray[np.uint8]
 
 INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
@@ -78,7 +80,7 @@ def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
     return found
 
 
-def hidden_by(wires: list[Wire], shape: tuple[int, int]) -> MaskArray:
+def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
     """(rows, columns): not 0 where a wire is seen."""
     import cv2
 
@@ -102,18 +104,29 @@ def _entries(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
     one, other = np.ones_like(across), np.ones_like(down)
     u = np.concatenate([across, right * other, across[::-1] + 1, inset * other])
     v = np.concatenate([inset * one, down, bottom * one, down[::-1] + 1])
-    m = layer[v, u].astype(np.float64)
-    gap, split = 0.5 * (m[:, 0] - m[:, 2]), np.hypot(0.5 * (m[:, 0] - m[:, 2]), m[:, 1])
-    across_it = 0.5 * np.arctan2(m[:, 1], gap) + (math.pi / 2 if sign > 0 else 0.0)
-    slope = np.abs(m[:, 3] * np.cos(across_it) + m[:, 4] * np.sin(across_it))
-    bend = split - sign * 0.5 * (m[:, 0] + m[:, 2]) - 0.7 * slope
-    around = np.max([np.roll(bend, q) for q in range(-4, 5)], axis=0)
-    peaks = np.flatnonzero((bend >= around) & (bend > LEAST_BEND))
+    bend, angle = _bends(layer, sign, u, v)
+    peaks = np.flatnonzero(bend > LEAST_BEND)
+    around = peaks[:, None] + np.arange(-4, 5)
+    peaks = peaks[bend[peaks] >= bend[around % len(bend)].max(axis=1)]
     peaks = peaks[np.argsort(-bend[peaks])][:MOST_ENTRIES]
-    angle = across_it[peaks] + math.pi / 2
-    inward = np.cos(angle) * (columns / 2 - u[peaks]) + np.sin(angle) * (rows / 2 - v[peaks])
+    u, v, angle = u[peaks], v[peaks], angle[peaks]
+    inward = np.cos(angle) * (columns / 2 - u) + np.sin(angle) * (rows / 2 - v)
     angle = angle + np.where(inward < 0, math.pi, 0)
-    return list(np.stack([u[peaks], v[peaks], angle, np.full(len(peaks), inset)], axis=1))
+    return list(np.stack([u, v, angle, np.full(len(peaks), inset)], axis=1))
+
+
+@jit
+def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[FloatArray, FloatArray]:
+    """How much a ridge the places are in whichever direction, and that direction."""
+    bend, angle = np.empty(len(u)), np.empty(len(u))
+    for i in range(len(u)):
+        m = layer[v[i], u[i]]
+        gap, mean = 0.5 * (m[0] - m[2]), 0.5 * (m[0] + m[2])
+        across = 0.5 * math.atan2(m[1], gap) + (math.pi / 2 if sign > 0 else 0.0)
+        slope = abs(m[3] * math.cos(across) + m[4] * math.sin(across))
+        bend[i] = math.hypot(gap, m[1]) - sign * mean - 0.7 * slope
+        angle[i] = across + math.pi / 2
+    return bend, angle
 
 
 def _followed(maps: MapArray, sign: float, entry: FloatArray) -> FloatArray | None:

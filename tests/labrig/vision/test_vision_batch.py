@@ -78,6 +78,7 @@ def test_a_sheet_file_may_be_small_or_whole(tmp_path):
     path = tmp_path / "sheet.toml"
     path.write_text("free_length_mm = 50\nelongation_mm = 0\n")
     assert load_strip(path).length_m == pytest.approx(0.05)
+    assert not load_strip(path).thickness_known
     path.write_text(
         "[arc]\nradius_mm = 40\n[long]\nfree_length_mm = 50\nwidth_mm = 11\nthickness_mm = 0.3\n"
         "[short]\nfree_length_mm = 4.5\nelongation_mm = 40\nwidth_mm = 11\nthickness_mm = 0.2\n"

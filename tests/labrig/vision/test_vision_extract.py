@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labrig.vision import Tracker, neutral_curve
+from labrig.vision import StripGeometry, Tracker, neutral_curve
 
 
 def normal_errors_mm(curve, scene):
@@ -88,6 +88,34 @@ def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
     scene = scenes.make_scene(scenes.mixed(900_080))
     curve = neutral_curve(scene.image, *known(scene))
     assert not curve.ok or scenes.rmse_px(curve.points_px, scene.truth_px) < 1
+
+
+@pytest.mark.parametrize("thickness_mm", [0.1, 0.21, 0.5, 1.2])
+def test_a_thickness_that_nobody_stated_is_taken_from_the_picture(scenes, known, thickness_mm):
+    recipe = scenes.Recipe(seed=3, physical=True, thickness_mm=thickness_mm)
+    scene = scenes.make_scene(recipe)
+    optics, _ = known(scene)
+    curve = neutral_curve(scene.image, optics, StripGeometry(0.05, thickness_known=False))
+    assert curve.ok
+    assert curve.warnings == ()
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
+    assert curve.thickness_m == pytest.approx(thickness_mm / 1000, abs=0.12e-3)
+    again = neutral_curve(
+        scene.image, optics, StripGeometry(0.05, thickness_known=False), start=curve
+    )
+    assert again.thickness_m == pytest.approx(curve.thickness_m)
+
+
+def test_a_wire_is_left_out_while_a_sheet_is_followed_too(scenes, known):
+    scene = scenes.make_scene(scenes.mixed(990_058))
+    tracker = Tracker(*known(scene))
+    first = tracker.curve(scene.image)
+    noise = np.random.default_rng(1).normal(0, 2, scene.image.shape)
+    followed = tracker.curve(np.clip(scene.image + noise, 0, 255).astype(np.uint8))
+    assert first.wires
+    assert followed.wires == first.wires
+    # with the wire's pixels it is off by more than one
+    assert scenes.rmse_px(followed.points_px, scene.truth_px) < 0.3
 
 
 def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
