@@ -9,13 +9,14 @@ from model.effects.interface import Beam, Effect, Held, Knob, Values
 
 @dataclass(frozen=True)
 class NonuniformStiffness(Effect):
-    """B(s) on a straight line, with its mean in the middle of the free length."""
+    """B(s) on a straight line, with B in the middle of the free length."""
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         del held
-        stiffness = 1.0 + p["relative_change"] * (beam.s_m / beam.sheet.free_length_m - 0.5)
-        return replace(beam, soft=beam.soft / stiffness)
+        change = p["relative_change"]
+        stiffness = 1.0 + change * beam.s_m / beam.sheet.free_length_m
+        return replace(beam, soft=beam.soft * (1.0 + 0.5 * change) / stiffness)
 
 
 EFFECT = NonuniformStiffness(
@@ -24,7 +25,7 @@ EFFECT = NonuniformStiffness(
         "The bending stiffness grows from the clamp to the end of the free length (falls, when"
         " negative): thickness, electrodes or water differ along the sheet."
     ),
-    form="B(s) = B (1 + c (s/l - 1/2)), c = (B(l) - B(0))/B(l/2)",
+    form="B(s) = B (1 + c s/l)/(1 + c/2), c = B(l)/B(0) - 1",
     slot="compliance",
     signature=(
         "With c positive a held sheet bends more near the clamp and less near its end than its"
@@ -36,7 +37,7 @@ EFFECT = NonuniformStiffness(
         " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
     ),
     knobs=(
-        Knob("relative_change", "of the stiffness from root to end", "", 0.15, -1.8, 1.8),
+        Knob("relative_change", "of the stiffness, end to root", "", 0.15, -0.9, 9.0),
     ),
     tolerance=("s",),
     waves=7,  # a step is as likely as a line

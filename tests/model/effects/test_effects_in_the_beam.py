@@ -165,7 +165,8 @@ def test_a_stiffness_along_the_sheet_gives_the_force_of_the_unit_load_theorem():
     s = (np.arange(20000) + 0.5) * (R / 20000)
     for c in (-0.6, 0.6):
         _, held = one.settled(effect("nonuniform_stiffness"), {"relative_change": c})
-        give = float(np.sum((R - s) ** 2 / (1.0 + c * (s / 0.05 - 0.5)))) * R / 20000
+        stiffness = (1.0 + c * s / 0.05) / (1.0 + 0.5 * c)
+        give = float(np.sum((R - s) ** 2 / stiffness)) * R / 20000
         assert held.force_N[0] == pytest.approx(-2e-4 * B / give, rel=1e-4)
 
 
