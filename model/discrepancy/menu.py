@@ -171,15 +171,13 @@ MENU: tuple[Entry, ...] = (
 )  # fmt: skip
 
 
-def separation(fitted: Fitted, pair: tuple[Candidate, Candidate], size: float) -> float:
-    """Sigmas between two candidates, the first at a size that is `size` sigmas long."""
+def separation(fitted: Fitted, which: Sequence[Candidate], size: float) -> float:
+    """Sigmas from the first candidate, `size` times its own size, to all the others can imitate."""
     study = fitted.problem.study
     weighed = Projected.of(study, fitted.linear, fitted.solution)
-    both = np.stack([c.columns[:, 0] for c in pair], axis=1)
-    A, _ = weighed.normal(study, both)
-    if A[0, 0] <= 0.0 or A[1, 1] <= 0.0:
-        return float(np.sqrt(max(A[0, 0], 0.0))) * size
-    rest = A[0, 0] - A[0, 1] ** 2 / A[1, 1]
+    A, _ = weighed.normal(study, np.stack([c.columns[:, 0] for c in which], axis=1))
+    own, others = A[0, 1:], A[1:, 1:]
+    rest = A[0, 0] - own @ np.linalg.lstsq(others, own, rcond=1e-12)[0]
     return float(np.sqrt(max(rest, 0.0))) * size
 
 
@@ -189,16 +187,18 @@ def next_measurement(
     values: Sequence[dict[str, float]],
     sizes: Sequence[float],
 ) -> Next | None:
-    """The entry that separates the two (or the most alike of several) best for its time."""
+    """The entry that separates the first two best for its time; None: there is none.
+
+    `values` are the form of each, `sizes` the multiples of it that the data speak of.
+    """
     if len(between) < 2:
         return None
-    first, second = between[0], between[1]
-    now = _apart(fitted, first, second, values, sizes)
+    pair = _as_long(fitted, [Suspect(*s) for s in zip(between, values, sizes, strict=True)][:2])
+    now = _apart(fitted, pair)
     best: tuple[float, Entry, float, float] | None = None
     for entry in MENU:
         try:
-            larger = extended(fitted, entry)
-            then = _apart(larger, first, second, values, sizes)
+            then = _apart(extended(fitted, entry), pair)
         except (ModelError, np.linalg.LinAlgError):
             continue
         minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
@@ -208,26 +208,48 @@ def next_measurement(
     if best is None:
         return None
     _, entry, then, minutes = best
+    first, second = (one.effect.name for one in pair)
     why = (
-        f"{entry.what}: it would set {first.name} and {second.name} {then:.1f} sigma apart"
+        f"{entry.what}: it would set {first} and {second} {then:.1f} sigma apart"
         f" (now {now:.1f}), in about {minutes:.0f} minutes"
     )
     return Next(why, entry.name, now, then, minutes, entry.protocol)
 
 
-def _apart(
-    fitted: Fitted, first: Effect, second: Effect, values: Sequence[dict[str, float]],
-    sizes: Sequence[float],
-) -> float:  # fmt: skip
-    """The smaller of the distances of each from the other."""
-    pools = [candidates(fitted, [e]) for e in (first, second)]
-    picked = []
-    for pool, wanted in zip(pools, values, strict=True):
-        match = [c for c in pool if dict(c.values) == dict(wanted)]
-        picked.append(match[0] if match else pool[len(pool) // 2])
+@dataclass(frozen=True)
+class Suspect:
+    """One of two effects that look alike."""
+
+    effect: Effect
+    values: dict[str, float]  # its form
+    size: float  # multiples of it
+
+    def forms(self, fitted: Fitted) -> list[Candidate]:
+        """All its forms in a design, its own one first."""
+        pool = candidates(fitted, [self.effect])
+        return sorted(pool, key=lambda c: dict(c.values) != self.values)
+
+
+def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:
+    """Both as large as they must be to explain what the one that explains more does.
+
+    The second one's own size may be what the first one has left of it, next to nothing.
+    """
+    first, second = pair
+    units = [separation(fitted, (one.forms(fitted)[0],), 1.0) for one in pair]
+    length = max(one.size * unit for one, unit in zip(pair, units, strict=True))
+    sizes = [
+        length / unit if unit > 0.0 else one.size for one, unit in zip(pair, units, strict=True)
+    ]
+    return replace(first, size=sizes[0]), replace(second, size=sizes[1])
+
+
+def _apart(fitted: Fitted, pair: tuple[Suspect, Suspect]) -> float:
+    """Sigmas from either of two to the nearest form of the other; the smaller of the two."""
     return min(
-        separation(fitted, (picked[0], picked[1]), sizes[0]),
-        separation(fitted, (picked[1], picked[0]), sizes[1]),
+        separation(fitted, (one.forms(fitted)[0], form), one.size)
+        for one, other in (pair, pair[::-1])
+        for form in other.forms(fitted)
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from model.discrepancy.features import look
-from model.discrepancy.menu import MENU, extended, separation
+from model.discrepancy.menu import MENU, extended, next_measurement, separation
 from model.discrepancy.score import candidates
 from model.effects import effect
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
@@ -61,3 +61,14 @@ def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
     now = apart(fit)
     over, again = (apart(extended(fit, ENTRIES[n])) for n in ("turned_over", "more_repeats"))
     assert over > 1.5 * again > now
+
+
+@pytest.mark.slow
+def test_a_size_that_is_next_to_nothing_hides_no_difference():
+    """What the first effect leaves of the second says nothing of how far the two are apart."""
+    fit = base_fit()
+    pair = [effect("gravity"), effect("clamp_angle")]
+    values = [dict(candidates(fit, [e])[0].values) for e in pair]
+    equal, unequal = (next_measurement(fit, pair, values, s) for s in ([0.1, 0.1], [0.1, 1e-9]))
+    assert unequal.separation > 0.5 * min(equal.separation, 8.0) > 0.0
+    assert unequal.expected > unequal.separation
