@@ -41,13 +41,21 @@ Files = tuple[Path, Path, Path]  # rig.toml, protocol.toml, sheet.toml
 
 
 def run_and_follow(
-    rig: Path, protocol: Path, sheet: Path, output: Path, *, yes: bool, follows: str = ""
+    rig: Path,
+    protocol: Path,
+    sheet: Path,
+    output: Path,
+    *,
+    yes: bool,
+    follows: str = "",
+    earlier: int = 0,
 ) -> Result:
     """`labrig run`: read the files, run the schedule, show the progress.
 
     `follows`: identifier of the session that this one adds to; it is kept with the session's files.
+    `earlier`: how many sessions there are already that it is taken together with.
     """
-    plan = load_plan(rig, protocol, sheet)
+    plan = replace(load_plan(rig, protocol, sheet), earlier=earlier)
     if follows:
         plan = replace(plan, texts={**plan.texts, FOLLOWS: follows})
     return _run(plan, output, None, yes=yes)

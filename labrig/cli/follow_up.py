@@ -58,7 +58,13 @@ class _AtTheRig:
         with open_session(sessions[0]) as session:
             follows = session.identifier
         result = run_and_follow(
-            self.rig, protocol, self.sheet, output, yes=self.yes, follows=follows
+            self.rig,
+            protocol,
+            self.sheet,
+            output,
+            yes=self.yes,
+            follows=follows,
+            earlier=len(sessions),
         )
         say(f"{result.path}: {result.outcome.value}: {result.status.text}.")
         return result.code

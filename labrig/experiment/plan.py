@@ -37,6 +37,8 @@ class Plan:
     optics: Optics | None
     schedule: Schedule
     texts: Mapping[str, str]  # the files as written, by the names they have in a session
+    # sessions that this one adds to: a simulated rig has other noise and set-ups in each of them
+    earlier: int = 0
 
     @property
     def arc_radius_m(self) -> float:

@@ -24,6 +24,7 @@ def _nobody(_event: Event) -> None:
 
 
 SIMULATED = "simulated"
+_DAY = 1_000_003  # from the seed of one session to that of the next
 
 
 def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody) -> Rig:
@@ -106,6 +107,10 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         settings = load_world(config.simulated.world if config.simulated else None)
     except WorldError as error:
         raise BadInputError(str(error)) from None
+    if plan.earlier:  # not the same set-ups and noise once more: another day, with the same sheet
+        settings = settings.model_copy(
+            update={"seed": (settings.seed + _DAY * plan.earlier) % 2**63}
+        )
     clock = VirtualClock()
     world = World(settings, clock)
     server = NiDeviceServer(world, clock, seed=settings.seed)
