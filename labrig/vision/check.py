@@ -10,7 +10,7 @@ import numpy.typing as npt
 from labrig.vision.beside import is_an_edge, runs_beside_opposite
 from labrig.vision.beyond import seen_beyond_px
 from labrig.vision.ends import Tip, missing_end_px
-from labrig.vision.fit import Fit
+from labrig.vision.fit import Fit, spread
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
 
@@ -19,6 +19,8 @@ BoolArray = npt.NDArray[np.bool_]
 LEAST_IN_VIEW = 0.3  # of the curve; its band says how well the rest is known
 LEAST_COVERED = 0.6  # of what is in view
 LEAST_START_COVERED = 0.4
+MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
+WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
 LEAST_SNR = 2.0
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
@@ -87,6 +89,8 @@ def _faults(
     tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
     in_view = float(fit.in_view[2:-2].mean())
     seen = _share(fit.used, fit.in_view, slice(2, -2))
+    whole = fit.used.mean() > WHOLLY_SEEN
+    loose = float(spread(shape.normal_modes(), fit.covariance).max()) if not whole else 0.0
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
@@ -109,6 +113,10 @@ def _faults(
         else "",
         f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
         if snr < LEAST_SNR
+        else "",
+        f"where the sheet is hidden or unclear it is known to ±{loose:.1f} pixels only; make more "
+        "of it visible."
+        if loose > MOST_LOOSE_PX
         else "",
         f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
         if residual > most_residual

@@ -235,7 +235,7 @@ class _Job:
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
         if self.wires:
-            ridges = ridges.hidden(hidden_by(self.wires, self.mask.shape))
+            ridges.hide(hidden_by(self.wires, self.mask.shape))
         self.ridges = ridges
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if self.only:
@@ -271,20 +271,20 @@ class _Job:
         half = float(found.fit.band.half_width.max())
         # at the clamp two sheets are one
         apart_from = len(nodes) // 12
-        wiped = self.ridges.without(nodes[apart_from:], 2 + half + found.fit.band.blur)
-        sign, optics = found.setting.sign, self.optics
-        other = trace_from_clamp(
-            wiped, optics, self.strip, sign, width=60, share=0.5, offsets=BESIDE_CLAMP
-        )
-        if other is None or other.score < LEAST_DOUBLE_SCORE:
-            return False
-        # only now is the whole of it worth a fit; its own start stands for the clamp
-        start = (float(other.path[0, 0]), float(other.path[0, 1]))
-        moved = optics.model_copy(update={"clamp_px": start})
-        job = _Job(self.picture, moved, self.strip)
-        trace = trace_from_clamp(wiped, moved, self.strip, sign, width=120)
+        sign, optics, ridges = found.setting.sign, self.optics, self.ridges
+        with ridges.without(nodes[apart_from:], 2 + half + found.fit.band.blur):
+            other = trace_from_clamp(
+                ridges, optics, self.strip, sign, width=60, share=0.5, offsets=BESIDE_CLAMP
+            )
+            if other is None or other.score < LEAST_DOUBLE_SCORE:
+                return False
+            # only now is the whole of it worth a fit; its own start stands for the clamp
+            start = (float(other.path[0, 0]), float(other.path[0, 1]))
+            moved = optics.model_copy(update={"clamp_px": start})
+            trace = trace_from_clamp(ridges, moved, self.strip, sign, width=120)
         if trace is None:
             return False
+        job = _Job(self.picture, moved, self.strip)
         second = job.refine(trace, sign)
         apart = _distance(second, nodes).max()
         return second.confirmed and second.verdict.covered > 0.8 and bool(apart > 4)
@@ -317,8 +317,8 @@ class _Job:
         """Other ways the sheet may go on, where a wire may have been taken for its end."""
         for share in (0.7, 0.45):
             tail = trace.path[round(share * len(trace.path)) :]
-            wiped = ridges.without(tail, 1.5 + 0.5 * self.thickness_px)
-            rival = trace_from_clamp(wiped, self.optics, self.strip, sign, width=width)
+            with ridges.without(tail, 1.5 + 0.5 * self.thickness_px):
+                rival = trace_from_clamp(ridges, self.optics, self.strip, sign, width=width)
             if rival is not None:
                 other = self.refine(rival, sign)
                 # a wiped stretch is no excuse for a curve that is hardly seen

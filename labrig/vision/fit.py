@@ -53,10 +53,21 @@ class Fit:
         return self.present > LEAST_PRESENT
 
     @property
+    def covariance(self) -> FloatArray:
+        """(parameters, parameters), from noise and clamp, smoothness included."""
+        full = penalised(self.normal, self.shape, self.spectral)
+        return np.asarray(np.linalg.inv(full), dtype=np.float64)
+
+    @property
     def offsets_px(self) -> tuple[FloatArray, FloatArray]:
         """Each cell's own measured distance from the curve, and its standard deviation."""
         information = np.maximum(self.cells[:, 3], 1e-12)
         return self.cells[:, 4] / information, self.noise / np.sqrt(information)
+
+
+def spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
+    """(n,) standard deviation of rows (n, parameters) of what has a covariance."""
+    return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
 
 
 def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:

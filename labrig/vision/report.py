@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from labrig.vision.check import Verdict
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.fit import Fit, penalised
+from labrig.vision.fit import Fit, spread
 from labrig.vision.setting import Setting
 
 FloatArray = npt.NDArray[np.float64]
@@ -15,7 +15,6 @@ FloatArray = npt.NDArray[np.float64]
 LOOK_SIGMA_PX = 0.004
 FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
-MOST_NOISE_PX = 2.0  # a curve that is known less well anywhere is none
 
 
 def report(
@@ -27,19 +26,16 @@ def report(
     """
     warnings = setting.picture.warnings + verdict.warnings
     if verdict.why:
-        return _refusal(verdict.why, verdict, warnings)
-    shape, ppm = fit.shape, setting.optics.px_per_m
-    covariance = np.asarray(
-        np.linalg.inv(penalised(fit.normal, shape, fit.spectral)), dtype=np.float64
-    )
-    modes = shape.normal_modes()
-    noise_px = _spread(modes, covariance)
-    if noise_px.max() > MOST_NOISE_PX:
-        said = (
-            f"where the sheet is hidden or unclear it is known to ±{noise_px.max():.1f} pixels "
-            "only; make more of it visible."
+        return NeutralCurve(
+            ok=False,
+            why=verdict.why,
+            warnings=warnings,
+            covered=verdict.covered,
+            residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
         )
-        return _refusal(said, verdict, warnings)
+    shape, ppm = fit.shape, setting.optics.px_per_m
+    covariance, modes = fit.covariance, shape.normal_modes()
+    noise_px = spread(modes, covariance)
     rows = shape.basis.curvature
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
@@ -69,7 +65,7 @@ def report(
             (noise_px**2 + (excess / 2) ** 2) / ppm**2 + systematic_m(fit, setting) ** 2
         ),
         excess_px=excess,
-        curvature_sigma_per_m=_spread(rows, covariance[2:, 2:]) * ppm,
+        curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
         points_px=setting.nodes_px(shape),
         covered=verdict.covered,
@@ -91,20 +87,6 @@ def report(
         face_share=fit.band.face_share,
         smoothness_per_m3=fit.spectral * ppm**3,
     )
-
-
-def _refusal(why: str, verdict: Verdict, warnings: tuple[str, ...]) -> NeutralCurve:
-    return NeutralCurve(
-        ok=False,
-        why=why,
-        warnings=warnings,
-        covered=verdict.covered,
-        residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
-    )
-
-
-def _spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
 
 
 def systematic_m(fit: Fit, setting: Setting) -> FloatArray:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,8 +40,9 @@ class RidgeMaps:
     maps: MapArray
     scale: int
 
-    def without(self, path: FloatArray, radius: float) -> RidgeMaps:
-        """The same with everything near a path (raw pixels) wiped out."""
+    @contextmanager
+    def without(self, path: FloatArray, radius: float) -> Iterator[None]:
+        """Wipe out everything near a path (raw pixels) for a while; copies would take long."""
         import cv2
 
         mask = np.zeros(self.maps.shape[1:3], np.uint8)
@@ -54,18 +57,19 @@ class RidgeMaps:
             lineType=cv2.LINE_8,
             shift=4,
         )
-        return self._cleared(mask)
-
-    def hidden(self, mask: MaskArray) -> RidgeMaps:
-        """The same without what a mask of the picture hides."""
-        rows, columns = self.maps.shape[1:3]
-        return self._cleared(mask[:: self.scale, :: self.scale][:rows, :columns])
-
-    def _cleared(self, mask: MaskArray) -> RidgeMaps:
-        maps = self.maps.copy()
         rows, columns = np.nonzero(mask)
-        maps[:, rows, columns] = 0
-        return RidgeMaps(maps, self.scale)
+        kept = self.maps[:, rows, columns]
+        self.maps[:, rows, columns] = 0
+        try:
+            yield
+        finally:
+            self.maps[:, rows, columns] = kept
+
+    def hide(self, mask: MaskArray) -> None:
+        """Wipe out what a mask of the picture hides."""
+        rows, columns = self.maps.shape[1:3]
+        hidden = np.nonzero(mask[:: self.scale, :: self.scale][:rows, :columns])
+        self.maps[:, hidden[0], hidden[1]] = 0
 
 
 def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMaps:
@@ -82,7 +86,8 @@ def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMap
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA) * np.float32(scale)
     narrow = max(1.2, 0.45 * thickness_px / scale)
     blurs = [narrow, 2.5 * narrow] if wide else [narrow]
-    return RidgeMaps(np.stack([_derivatives(grey, blur) for blur in blurs]), scale)
+    layers = [_derivatives(grey, blur) for blur in blurs]
+    return RidgeMaps(np.stack(layers) if len(layers) > 1 else layers[0][None], scale)
 
 
 def _derivatives(grey: MapArray, blur: float) -> MapArray:

@@ -37,7 +37,7 @@ BOW_PX = 10.0  # how far from straight the lens may make it
 PIECE_STEPS = 10
 GAP_PX = 300.0  # that rolls, clamp and sheet may make in it
 WIDTH_REACH_PX = 8
-MARGIN_PX = 2.0  # beyond half its width at half height: the blurred flank
+MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
 SAME_PX = 4.0
 
