@@ -43,6 +43,7 @@ class Case:
     symmetric: bool = False  # |EIBM(-2 V)| = |EIBM(+2 V)| where nothing is hidden
     extras: Extras = Extras()
     series_hz: float = 100.0
+    further: str = ""  # an entry of the menu of further measurements, measured instead
 
     @property
     def name(self) -> str:

@@ -48,6 +48,17 @@ class Unseen:
 
 
 @dataclass(frozen=True)
+class Further:
+    """A further measurement that was made because the first session did not allow a verdict."""
+
+    extra: str  # entry of the menu
+    said: list[str]  # named from the first session alone
+    reported: list[str]  # ... and what these may be confused with
+    nearest: float  # distance in sigmas of the next effect of the catalogue, then
+    expected: float  # sigmas promised between the two that looked alike
+
+
+@dataclass(frozen=True)
 class Record:
     """One case with the diagnosis's answer."""
 
@@ -72,6 +83,7 @@ class Record:
     seconds: float = 0.0
     cpu_s: float = 0.0
     error: str = ""
+    further: Further | None = None  # all else is then what both sessions together say
     baselines: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     @property
@@ -110,6 +122,8 @@ def from_json(line: str) -> Record:
     raw["truth"] = [Hid(**t) for t in raw["truth"]]
     raw["named"] = [Name(**n) for n in raw["named"]]
     raw["unknown"] = None if raw["unknown"] is None else Unseen(**raw["unknown"])
+    further = raw.get("further")
+    raw["further"] = None if further is None else Further(**further)
     raw["ranking"] = [(n, g) for n, g in raw["ranking"]]
     known = {f.name for f in fields(Record)}
     return Record(**{k: v for k, v in raw.items() if k in known})

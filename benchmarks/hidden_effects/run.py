@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.hidden_effects.cases import Case, Hiding
-from benchmarks.hidden_effects.records import Hid, Name, Record, Unseen
+from benchmarks.hidden_effects.further import with_further
+from benchmarks.hidden_effects.records import Further, Hid, Name, Record, Unseen
 from benchmarks.hidden_effects.registry import form_of
 from benchmarks.hidden_effects.sessions import Hidden, hidden_session
 from benchmarks.hidden_effects.sizes import curve_gap_mm, force_gap_mN, size_for, size_for_gap
@@ -99,7 +100,33 @@ def record(task: Task, baselines: Baselines | None = None) -> Record:
         return replace(kept, error=f"{type(error).__name__}: {error}")
     kept = _answered(kept, found)
     kept = replace(kept, seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu)
+    if task.family == "ambiguous" and found.verdict == "indistinguishable":
+        kept = _measured_further(one, found, kept)
     return kept if baselines is None else replace(kept, baselines=baselines(one))
+
+
+def _measured_further(one: Made, found: Diagnosis, kept: Record) -> Record:
+    """What both sessions together say; as it was where nothing is proposed."""
+    proposed = found.next_measurement
+    if proposed is None:
+        return kept
+    further = Further(
+        proposed.extra, list(kept.said), sorted(kept.reported), kept.nearest, proposed.expected
+    )
+    try:
+        both, visible = with_further(one.hidden, one.bare, proposed.extra, one.task.exclude)
+        again = diagnose(both, options_of(one.task))
+    except Exception as error:  # noqa: BLE001 - whatever it is, the case has failed
+        return replace(kept, further=further, error=f"{type(error).__name__}: {error}")
+    truth = [
+        replace(t, d=d, alone=alone)
+        for t, d, alone in zip(kept.truth, visible.d, visible.alone, strict=True)
+    ]
+    kept = replace(
+        kept, truth=truth, near=dict(visible.near), left=dict(visible.left),
+        left_tolerant=dict(visible.left_tolerant), further=further,
+    )  # fmt: skip
+    return _answered(kept, again)
 
 
 def _not_made(task: Task, why: str) -> Record:

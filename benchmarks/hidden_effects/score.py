@@ -104,6 +104,16 @@ def named_in_its_class(r: Record) -> bool:
     return len(r.said) == 1 and r.unknown is None and r.said[0] in same
 
 
+def told_apart(r: Record) -> bool:
+    """The true effect alone, no other that it may be confused with."""
+    return exactly(r) and r.reported == {*r.names}
+
+
+def right_after_further(r: Record) -> bool:
+    """The true effect where both sessions can tell it from all others; else its class."""
+    return told_apart(r) if clear(r) else named_in_its_class(r) and r.names[0] in r.reported
+
+
 def ranked_first(r: Record) -> bool:
     """The true effect before all others of the catalogue."""
     return bool(r.ranking) and r.ranking[0][0] in r.names
@@ -177,6 +187,7 @@ def scored(records: Sequence[Record]) -> list[Row]:
     realistic = [r for r in of("realistic") if _is_realistic(r) and clear(r)]
     means = [r for r in of("means_only") if r.d >= SEEN or r.d < NOT_SEEN]
     pairs = [r for r in of("pair") if r.d >= SEEN and clear(r)]
+    further = [r for r in of("ambiguous") if r.further is not None]
     beyond = [r for r in of("outside", "excluded") if outside(r)]
     strict = [r for r in of("outside", "excluded") if outside(r, "left")]
     caught = [r for r in beyond if is_unknown(r) and r.unknown is not None]
@@ -203,6 +214,10 @@ def scored(records: Sequence[Record]) -> list[Row]:
         at_least("two effects, d 8 - 30: exactly both", 0.90, pairs, exactly),
         at_least("two effects: both among the named", 0.95, pairs,
                  lambda r: set(r.names) <= set(r.said)),
+        at_least("ambiguous, after the recommended measurement: right", 0.99, further,
+                 right_after_further),
+        at_least("the same, where it leaves nothing else within 4 sigma", 0.99,
+                 [r for r in further if clear(r)], told_apart),
         at_least("outside the catalogue, d >= 30: 'unknown'", 0.95, beyond, is_unknown),
         at_least("the same, imitations judged without tolerance", 0.95, strict, is_unknown),
         at_most("in the catalogue, d >= 8: 'unknown'", 0.05, within, is_unknown),
@@ -320,6 +335,9 @@ def _told(r: Record, wanted: Sequence[str]) -> str:
         beside += f", its own entry leaves {max(own):.0%}"
     said = ", ".join(f"{n.name} {n.confidence:.2f}" for n in r.named) or "nothing"
     unknown = "" if r.unknown is None else f" + unknown {r.unknown.slot} at {r.unknown.peak:.0f}"
+    if r.further is not None:
+        then = ", ".join(r.further.reported)
+        beside += f", after {r.further.extra} (before: {then}, next {r.further.nearest:.1f})"
     return (
         f"{r.key} [{r.conditions}] {truth or 'nothing'}{beside}: said {said}{unknown}"
         f" {r.error} <- {'; '.join(wanted)}"

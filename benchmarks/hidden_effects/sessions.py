@@ -12,21 +12,19 @@ from benchmarks.hidden_effects.forms import Form
 from benchmarks.hidden_effects.recipe import BOTH, Recipe, base_recipe, geometry
 from benchmarks.hidden_effects.registry import CATALOGUE, form_of
 from benchmarks.hidden_effects.truth import HiddenEffect, Truth
+from benchmarks.hidden_effects.visits import FREE_TRAIN, POSITIONS_M, train_of, visits
 from model import Condition, Curve, Measurements, Reading, TimeSeries
 from sim_hardware.world import (
     CurveErrors,
     Scatter,
     TimedReading,
     TimedRun,
-    Train,
     Visit,
     WorldSettings,
     timed_session,
 )
 
-POSITIONS_M = tuple(round(0.005 * k, 3) for k in range(7))
-FREE_TRAIN = Train(zero_readings=2, kept=2)
-_ORDER_STREAM, _OUTLIER_STREAM = 0xCE140, 0xCE141
+_OUTLIER_STREAM = 0xCE141
 
 
 @dataclass(frozen=True)
@@ -43,11 +41,16 @@ def hidden_session(case: Case) -> Hidden:
     recipe, effects = prepared(case)
     world = recipe.settings()
     outlier = _outlier(case)
-    visits = list(_visits(case))
+    planned = list(visits(case))
     if outlier is not None:
-        visits[outlier] = _set_up_badly(visits[outlier], world, outlier)
+        planned[outlier] = _set_up_badly(planned[outlier], world, outlier)
     runs = timed_session(
-        world, visits, free_train=FREE_TRAIN, errors=CurveErrors(), series_hz=case.series_hz
+        world,
+        planned,
+        train=train_of(case),
+        free_train=FREE_TRAIN,
+        errors=CurveErrors(),
+        series_hz=case.series_hz,
     )
     truth = Truth(
         effects,
@@ -89,25 +92,7 @@ def _mean_eibm(world: WorldSettings, name: str) -> dict[float, float]:
     return {volts: mean * world.eibm.settled(volts) for volts in (2.0, -2.0)}
 
 
-# ------------------------------------------------------------------------------------ the visits
-
-
-def _visits(case: Case) -> Iterator[Visit]:
-    """The runs in their order, as a schedule has them."""
-    extras = case.extras
-    random = np.random.default_rng((case.seed, _ORDER_STREAM))
-    for name in BOTH:
-        if extras.free_shapes:
-            yield Visit(name, None)
-        positions = list(POSITIONS_M)
-        if extras.random_order:
-            positions = [positions[k] for k in random.permutation(len(positions))]
-        yield from (Visit(name, position) for position in positions)
-        if extras.reversed_approach:
-            yield Visit(name, POSITIONS_M[len(POSITIONS_M) // 2], approach="down", turn=1)
-        for k in range(extras.remounts):
-            again = round(k * (len(POSITIONS_M) - 1) / max(1, extras.remounts - 1))
-            yield Visit(name, POSITIONS_M[again % len(POSITIONS_M)], mounting=1)
+# -------------------------------------------------------------------------------- an outlier
 
 
 def _outlier(case: Case) -> int | None:
@@ -146,7 +131,7 @@ def _conditions(case: Case, run: TimedRun) -> Iterator[Condition]:
         yield Condition(
             visit.configuration, visit.position_m, voltage, readings,
             _curve(run.s_m, points, run.curve_sigma_m), visit.mounting, visit.approach,
-            run=visit.turn,
+            run=visit.turn, tilt_rad=np.pi if visit.turned_over else 0.0,
         )  # fmt: skip
 
 

@@ -171,6 +171,29 @@ def _excluded(i: int) -> Task:
     return Task("", "", _of((form,)), "d", (_spread(i, 36.0, 150.0),), exclude=(name,))
 
 
+# Effects that have a neighbour within four sigmas at sizes at which others are clear.
+CLOSE = (
+    "stiffness_drift", "eibm_drift", "viscoelastic_creep", "first_pulse_transient",
+    "back_relaxation", "charging_lag", "force_offset", "force_drift", "surface_tension",
+    "camera_scale", "camera_perspective",
+)  # fmt: skip
+
+
+def _ambiguous(i: int) -> Task:
+    """Three that look like others also when they are larger, then one that is hardly found.
+
+    Only those count of which the diagnosis says that they cannot be told apart.
+    """
+    turn, j = divmod(i, 4)
+    pool, low, high = _shuffled([*forms(own=True), *forms(own=False)]), 6.0, 9.0
+    form = pool[turn % len(pool)]
+    if j < 3:
+        pool, low, high = [f for f in pool if f.effect in CLOSE], 8.0, 24.0
+        form = pool[(3 * turn + j) % len(pool)]
+    task = Task("", "", _of((form,)), "d", (_spread(i, low, high),))
+    return replace(task, case=replace(task.case, streams=("all", "means")[turn % 2]))
+
+
 FAMILIES = (
     Family("nothing", 400, _nothing),
     Family("own_form", 196, _single(3.0, 120.0, own=True)),
@@ -180,6 +203,7 @@ FAMILIES = (
     Family("pair", 84, _pairs()),
     Family("outside", 78, _outside),
     Family("excluded", 56, _excluded),
+    Family("ambiguous", 40, _ambiguous),
 )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.hidden_effects.sessions import POSITIONS_M
+from benchmarks.hidden_effects.visits import POSITIONS_M
 from model import Condition, Measurements
 
 FIRST, LAST = POSITIONS_M[0], POSITIONS_M[-1]

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.hidden_effects import CATALOGUE, OUTSIDE, forms_of
 from benchmarks.hidden_effects.compared import table as compared
 from benchmarks.hidden_effects.figures import matrix
-from benchmarks.hidden_effects.records import Hid, Name, Record, Unseen, append, load
+from benchmarks.hidden_effects.records import Further, Hid, Name, Record, Unseen, append, load
 from benchmarks.hidden_effects.score import (
     Row,
     confidently_wrong,
@@ -102,6 +102,29 @@ def test_effects_that_can_hardly_be_seen_do_not_count() -> None:
     assert row([weak], "other form, d >= 8: truth in").count == 0
 
 
+def test_after_a_further_measurement_the_truth_is_wanted_or_the_class_that_is_left() -> None:
+    made = Further("turned_over", ["clamp_angle"], ["clamp_angle", "gravity"], 1.0, 9.0)
+    plain = replace(record("ambiguous", [hid("gravity")], [said("gravity")]), further=made)
+    near = {"clamp_angle": 2.0}
+    wrong = [
+        replace(plain, named=[said("clamp_angle")], key="another"),
+        replace(plain, named=[said("gravity", 0.7, "clamp_angle")], key="class, though clear"),
+        replace(plain, named=[said("clamp_angle")], near=near, key="without the truth"),
+        replace(plain, named=[], verdict="nothing_missing", key="nothing"),
+    ]
+    right = [
+        plain,
+        replace(plain, near=near, named=[said("clamp_angle", 0.6, "gravity")]),
+    ]
+    unasked = replace(plain, further=None, named=[said("clamp_angle")])
+    found = row([*wrong, *right, unasked], "ambiguous, after")
+    assert found.count == 6
+    assert found.failed == [r.key for r in wrong]
+    clear = row([*wrong, *right, unasked], "the same, where it leaves")
+    assert (clear.count, clear.failed) == (4, [wrong[0].key, wrong[1].key, wrong[3].key])
+    assert "after turned_over (before: clamp_angle, gravity, next 1.0)" in failures([found], wrong)
+
+
 def test_unknown_is_asked_for_only_where_the_catalogue_imitates_it_badly() -> None:
     bump = hid("local_eibm", 50.0, place_mm=[22.0, 38.0])
     unknown = Unseen("eibm", "long", "s", 39.0)
@@ -159,6 +182,7 @@ def test_a_larger_suite_has_the_cases_of_a_smaller_one_and_every_form() -> None:
 def test_a_record_comes_back_from_its_line_and_a_broken_line_is_no_record(tmp_path: Path) -> None:
     path = tmp_path / "all.jsonl"
     one = record("own_form", [hid("gravity")], [said("gravity", 0.9, "clamp_angle")])
+    one = replace(one, further=Further("remount", ["gravity"], ["gravity"], 2.0, 5.0))
     one = replace(one, unknown=Unseen("eibm", "long", "s", 1.0), ranking=[("gravity", 12.5)])
     append(path, [one])
     with path.open("a", encoding="utf-8") as file:
