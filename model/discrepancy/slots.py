@@ -75,12 +75,13 @@ def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
 
 
 def unknowns(fitted: Fitted) -> list[Candidate]:
-    """For each slot all of its shapes together, and each part of them alone."""
+    """For each slot all of its shapes together, and each part of them that has a profile alone."""
     result = []
     for slot in SLOTS:
         found = shapes(fitted, slot)
         parts = list(dict.fromkeys(s.part for s in found))
-        for part in ("", *parts) if len(parts) > 1 else ("",) * len(parts):
+        alone = [p for p in parts if any(s.part == p and s.wave for s in found)]
+        for part in ("", *alone) if len(parts) > 1 else ("",) * len(parts):
             columns = np.stack([s.rows for s in found if part in ("", s.part)], axis=1)
             result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot, part))
     return result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from model.discrepancy.prepare import FEWEST_SETUPS
@@ -44,11 +45,17 @@ def sentence(
 
 def _gap(left_out: BeforeAfter) -> str:
     before, after = left_out.before, left_out.after
-    return (
-        f"the gap on left-out positions goes from {before.force_rmse_mN:.3f} to"
-        f" {after.force_rmse_mN:.3f} mN and from {before.curve_rmse_mm:.3f} to"
-        f" {after.curve_rmse_mm:.3f} mm"
-    )
+    told = [
+        f"from {old:.3f} to {new:.3f} {unit}"
+        for old, new, unit in (
+            (before.force_rmse_mN, after.force_rmse_mN, "mN"),
+            (before.curve_rmse_mm, after.curve_rmse_mm, "mm"),
+        )
+        if math.isfinite(old) and math.isfinite(new)
+    ]
+    if not told:
+        return "there is no position to be left out, so that the gap cannot be told"
+    return f"the gap on left-out positions goes {' and '.join(told)}"
 
 
 def notes(

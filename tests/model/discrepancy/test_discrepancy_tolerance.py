@@ -228,3 +228,11 @@ def test_waves_along_the_sheet_have_the_form_s_standard_deviation_however_many()
         assert numbers == tuple(range(1, count + 1))
         assert np.sum(np.square(shares)) == pytest.approx(1.0)
         assert np.all(np.diff(shares) < 0.0)
+
+
+def test_what_is_looked_for_alone_has_a_profile_to_be_told():
+    base = base_fit()
+    for one in unknowns(base):
+        found = shapes(base, one.slot, one.part)
+        assert len(found) == one.columns.shape[1]
+        assert one.slot == "camera" or any(shape.wave for shape in found), (one.slot, one.part)

@@ -1,0 +1,28 @@
+"""The verdict as a sentence, also where there is nothing to be said of a kind."""
+
+from __future__ import annotations
+
+import pytest
+
+from model.discrepancy.result import BeforeAfter, Gap, Named
+from model.discrepancy.words import sentence
+
+NAN = float("nan")
+NAMED = Named("gravity", "even_moment", {}, {}, 1.0, (), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "wanted"),
+    [
+        (Gap(0.2, 1.5, 9.0), Gap(0.03, 0.04, 1.0),
+         "goes from 0.200 to 0.030 mN and from 1.500 to 0.040 mm."),
+        (Gap(0.2, NAN, 9.0), Gap(0.03, NAN, 1.0), "goes from 0.200 to 0.030 mN."),
+        (Gap(NAN, 1.5, 9.0), Gap(NAN, 0.04, 1.0), "goes from 1.500 to 0.040 mm."),
+        (Gap(NAN, NAN, NAN), Gap(NAN, NAN, NAN), "the gap cannot be told."),
+    ],
+)  # fmt: skip
+def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
+    said = sentence("effect_named", [NAMED], None, BeforeAfter(before, after), 14)
+    assert said.startswith("gravity is missing: with it ")
+    assert said.endswith(wanted)
+    assert "nan" not in said
