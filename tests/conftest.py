@@ -18,8 +18,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+# Begun first, or one worker waits for the other at the end. The soak stays last: it wants quiet.
+LONGEST = ("tests/end_to_end/test_demo.py", "tests/end_to_end/test_closed_loop")
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Real hardware is touched only when a rig is named."""
+    """The longest come first; real hardware is touched only when a rig is named."""
+    items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
     if config.getoption("--rig") is not None:
         return
     skip = pytest.mark.skip(reason="needs a rig: -m real_hardware --rig rig.toml")

@@ -67,7 +67,7 @@ def test_weight_pulls_the_other_way_where_the_rig_is_turned_over() -> None:
         assert np.allclose(*forces, rtol=0.0, atol=1e-12) == alike
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:
     bare = hidden_session(WEIGHT.bare).measurements
     both, visible = with_further(first(), bare, "turned_over")

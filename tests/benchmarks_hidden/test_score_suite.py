@@ -104,10 +104,14 @@ def test_sizes_are_found_for_a_wanted_d_and_the_pool_gives_the_same_as_one_proce
     assert one.visible.alone == one.visible.d
     (pooled,) = run([NOTHING], jobs=2)
     alone = record(NOTHING)
-    assert pooled.ranking == alone.ranking
+    names, gains = zip(*alone.ranking, strict=True)
+    assert [name for name, _ in pooled.ranking] == [*names]
+    # processes that are many give linear algebra one thread: the last digits may differ
+    assert [gain for _, gain in pooled.ranking] == pytest.approx([*gains], rel=1e-6)
     assert pooled.said == alone.said
 
 
+@pytest.mark.thorough
 def test_simpler_methods_name_what_is_not_there_or_name_nothing() -> None:
     found = answers(made(NOTHING))
     assert found["repeats_bic"]["named"]  # repeats do not hold the scatter of set-ups

@@ -26,7 +26,9 @@ def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
 @pytest.mark.slow
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("configuration", ["long", "short"])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(s, marks=pytest.mark.thorough) for s in (2, 3))]
+)
 def test_curves_of_mean_images_are_right_to_a_tenth_of_a_millimetre(
     configuration: str, seed: int
 ) -> None:

@@ -18,7 +18,9 @@ E_PA = {"long": 150e6, "short": 100e6}  # of the default world
 THICKNESS_M, WIDTH_M = 0.21e-3, 11e-3
 
 
-@pytest.fixture(scope="module", params=[1, 2, 3])
+@pytest.fixture(
+    scope="module", params=[1, *(pytest.param(s, marks=pytest.mark.thorough) for s in (2, 3))]
+)
 def measured(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = make_rig(tmp_path_factory.mktemp("seed") / "rig", world=f"seed = {request.param}\n")
     path = run_rig(folder)

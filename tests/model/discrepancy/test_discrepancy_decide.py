@@ -60,7 +60,7 @@ def test_a_free_form_cannot_be_chosen_as_a_name():
 @pytest.mark.parametrize(("gain", "total", "share"), [(5.0, 50.0, 0.1), (-1.0, 50.0, 0.0)])
 def test_what_is_left_is_a_share_of_all_there_was(gain, total, share):
     first = contender("unknown:time", total)
-    assert Leftover(gain, total, "time", first, first).share == pytest.approx(share)
+    assert Leftover(gain, total, "time", first, first, gain).share == pytest.approx(share)
 
 
 # ------------------------------------------------------------------------------- nulls
