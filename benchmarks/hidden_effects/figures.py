@@ -88,8 +88,9 @@ def _power(records: Sequence[Record], path: Path) -> Path:
             ("exactly the true effect", "tab:blue", "o", exactly),
         ):
             at, share, low, high = _binned([(r.d, right(r)) for r in own])
-            axes.errorbar(at, share, np.maximum([share - low, high - share], 0.0), marker=mark, capsize=3,
-                          color=colour, label=what, markersize=9 if mark == "s" else 5,
+            reach = np.maximum([share - low, high - share], 0.0)  # an end may be rounded
+            axes.errorbar(at, share, reach, marker=mark, capsize=3, color=colour,
+                          label=what, markersize=9 if mark == "s" else 5,
                           markerfacecolor="none" if mark == "s" else colour)  # fmt: skip
         axes.set_xscale("log")
         axes.set_xticks([2, 4, 8, 16, 32, 64, 128], ["2", "4", "8", "16", "32", "64", "128"])
