@@ -129,7 +129,7 @@ def _profile(axes: Axes, one: Unknown) -> None:
         label="90 %",
     )  # fmt: skip
     axes.plot(at, one.profile, color=CONSTANT, label=f"{one.configuration} sheet")
-    axes.set_xlabel(_coordinate(one.along, "s" if one.along == "time" else "mm"))
+    axes.set_xlabel(_coordinate(one.along, one.at_unit))
     axes.set_ylabel(f"added to the {one.slot.replace('_', ' ')} ({one.unit})")
     axes.legend(fontsize=8)
 

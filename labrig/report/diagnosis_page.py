@@ -46,7 +46,7 @@ def _cards(found: Diagnosis) -> list[Card]:
     if named:
         cards.append(Card("Named, and how sure", tuple(named)))
     if found.unknown is not None:
-        where = f"{found.unknown.peak_mm:.0f} {'s' if found.unknown.along == 'time' else 'mm'}"
+        where = f"{found.unknown.peak_mm:.3g} {found.unknown.at_unit}"
         cards.append(
             Card("Unknown", ((found.unknown.slot.replace("_", " "), f"most at {where}", ""),))
         )

@@ -3,59 +3,34 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.check import Verdict, judge
+from labrig.vision.check import judge
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.ends import Tip, find_tip
-from labrig.vision.face import FaceSearch
-from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
-from labrig.vision.optics import Look, Optics
+from labrig.vision.ends import Tip
+from labrig.vision.fit import fit_intensities, fit_points
+from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
+from labrig.vision.refine import Candidate, Refiner
 from labrig.vision.report import report
-from labrig.vision.setting import Band, Setting, roll_mask
-from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis, make_shape
+from labrig.vision.setting import Band
+from labrig.vision.shape import Shape, make_shape
 from labrig.vision.thickness import visible_thickness_m
-from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, shape_through, trace_from_clamp
+from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
 from labrig.vision.wires import Wire, find_wires, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
-WELL_COVERED = 0.95
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
-LONGEST_STEP_M = 0.45e-3  # between the points of a curve
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
-FACE_ROUNDS = 3
 LEAST_OF_A_WIRE_PX = 60.0
 LEAST_TOLD = 0.02  # of the sheet hidden by wires
-LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A fitted curve and what the self-check says of it."""
-
-    fit: Fit
-    setting: Setting
-    tip: Tip
-    verdict: Verdict
-
-    @property
-    def confirmed(self) -> bool:
-        """Whether it passes, and its end is seen where it should be."""
-        tip = self.tip
-        return not self.verdict.why and tip.beyond_px is not None and not tip.at_least
-
-    @property
-    def rank(self) -> tuple[bool, bool, float]:
-        """What passes comes first, then what ends where it should, then what explains most."""
-        return not self.verdict.why, self.confirmed, self.verdict.worth
 
 
 def neutral_curve(
@@ -109,33 +84,14 @@ def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
     return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))
 
 
-class _Job:
-    """One picture on its way to a curve."""
+class _Job(Refiner):
+    """One picture on its way to a curve: where the sheet may be, and which of that it is."""
 
     def __init__(self, picture: Picture, optics: Optics, strip: StripGeometry) -> None:
-        self.picture, self.optics, self.strip = picture, optics, strip
-        self.thickness_px = strip.thickness_m * optics.px_per_m
-        free_px = strip.free_length_m * optics.px_per_m
-        self.basis: ShapeBasis = make_basis(
-            free_px,
-            strip.length_m * optics.px_per_m,
-            coefficients_for(free_px),
-            LONGEST_STEP_M * optics.px_per_m,
-        )
-        self.open_mask = self.mask = roll_mask(optics, picture.grey.shape)
+        super().__init__(picture, optics, strip)
+        self.open_mask = self.mask
         self.wires: tuple[Wire, ...] = ()
         self.only = 0.0  # the polarity, once it is known
-
-    def setting(self, sign: float) -> Setting:
-        optics = self.optics
-        return Setting(
-            picture=self.picture,
-            optics=optics,
-            sign=sign,
-            prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
-            spectral=SPECTRAL_PER_M3 / optics.px_per_m**3,
-            mask=self.mask,
-        )
 
     def followed(self, start: NeutralCurve) -> Candidate | None:
         """The curve near an earlier one; None when the sheet is not (quite) there any more."""
@@ -145,7 +101,7 @@ class _Job:
         setting = self.setting(1.0 if start.polarity == "bright" else -1.0)
         setting = replace(setting, spectral=start.smoothness_per_m3 / self.optics.px_per_m**3)
         shape = self._shape_of(start)
-        beyond = self._beyond()
+        beyond = self.beyond()
         half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
         band = Band(half, start.blur_px, beyond, start.face_px[1:].copy(), start.face_share)
         found = None
@@ -178,10 +134,6 @@ class _Job:
         first = np.array([curve.x_m[0], curve.y_m[0]]) * ppm
         return make_shape(self.basis, first - parameters[0] * sideways, heading, parameters)
 
-    def _beyond(self) -> npt.NDArray[np.bool_]:
-        middle = 0.5 * (self.basis.s[1:] + self.basis.s[:-1])
-        return np.asarray(middle > self.basis.free_px)
-
     def cold(self) -> Candidate | None:
         """The best curve without any idea where the sheet is."""
         self._hide(())
@@ -197,7 +149,7 @@ class _Job:
         """
         found = []
         if known is not None:
-            found = [self._improved(known.fit.shape, known.setting.sign)]
+            found = [self.improved(known.fit.shape, known.setting.sign)]
             self.only = known.setting.sign
         found += self._candidates(width=90, hasty=True)
         if all(c.verdict.why for c in found):
@@ -297,7 +249,7 @@ class _Job:
         band = replace(found.fit.band, spoilt=spoilt_cells(excess))
         setting = replace(found.setting, spectral=found.fit.spectral)
         fit = fit_intensities(found.fit.shape, setting, band)
-        again = self._judged(fit, found.setting)
+        again = self.judged(fit, found.setting)
         if not again.verdict.why:
             excess = excess_width_px(fit, found.setting)
             curve = report(fit, found.setting, again.verdict, excess)
@@ -335,78 +287,3 @@ class _Job:
         scores = [trace.score if trace else -1.0 for trace in short]
         best = max(scores)
         return [s for s, score in zip(signs, scores, strict=True) if score > best - 0.25]
-
-    def refine(self, trace: Trace, sign: float) -> Candidate:
-        """From a traced path to a judged curve."""
-        shape = shape_through(trace, self.optics, self.basis, self.setting(sign).spectral)
-        return self._improved(shape, sign)
-
-    def _improved(self, shape: Shape, sign: float) -> Candidate:
-        setting = self.setting(sign)
-        half = self._elongation_half_width(shape, setting)
-        shape = fit_points(shape, setting, half_width=half)
-        beyond = self._beyond()
-        band = Band(
-            np.where(beyond, half, self.thickness_px / 2), 1.0, beyond, np.zeros(len(beyond))
-        )
-        best = self._judged(fit_intensities(shape, setting, band), setting)
-        if best.verdict.covered < WELL_COVERED:
-            # parts were lost: look for them further from the curve, now that most of it is known
-            again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
-            other = self._judged(fit_intensities(again, setting, best.fit.band), setting)
-            best = max(best, other, key=lambda c: c.verdict.worth)
-        return self._anchored(self._faced(best))
-
-    def _faced(self, plain: Candidate) -> Candidate:
-        """The curve with the far face taken off, where one is seen."""
-        # a thicker sheet looks like one with a face as dark as its edge
-        told_apart = self.strip.thickness_known or self.optics.look != Look.AUTO
-        if plain.verdict.covered < 0.5 or not told_apart:
-            return plain
-        search = FaceSearch(plain.fit, plain.setting)
-        found, face = plain, search.first()
-        for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
-            if face is None:
-                return plain  # where the face led the curve, a band alone explains as much
-            band = face.on(found.fit.band, found.fit.shape)
-            found = self._judged(
-                fit_intensities(found.fit.shape, found.setting, band), found.setting
-            )
-            if turn < FACE_ROUNDS - 1:
-                face = search.again(found.fit, face)
-        return found
-
-    def _judged(self, fit: Fit, setting: Setting) -> Candidate:
-        tip = find_tip(fit, setting)
-        return Candidate(fit, setting, tip, judge(fit, setting, tip))
-
-    def _anchored(self, found: Candidate) -> Candidate:
-        """Move the start along the clamped sheet to where its end says that it is.
-
-        The clamp's place is known to a pixel only, the length much better.
-        """
-        beyond, clamp = found.tip.beyond_px, self.optics.clamp_sigma_px
-        if beyond is None or abs(beyond) > 4 * clamp or found.verdict.why:
-            return found
-        known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
-        shape = found.fit.shape
-        moved = shape.slid(known * beyond)
-        setting = replace(found.setting, spectral=found.fit.spectral)
-        fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
-        # what lies beside it was looked at: the line is the same
-        verdict = judge(fit, found.setting, found.tip, beside=False)
-        return Candidate(fit, found.setting, found.tip, verdict)
-
-    def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
-        """Half the elongation's visible width, from its height's halves; the sheet's if none."""
-        if self.strip.elongation_m == 0:
-            return self.thickness_px / 2
-        beyond = self.basis.s > self.basis.free_px
-        reach = np.full(len(beyond), round(12 + 4 * self.thickness_px))
-        _, _, width = ridge_points(shape, setting, reach)
-        seen = beyond & np.isfinite(width)
-        if not seen.any():
-            return self.thickness_px / 2
-        # the blur of lens and smoothing makes a thin band look about 2.7 pixels wide
-        full = float(np.median(width[seen]))
-        return 0.5 * max(float(np.sqrt(max(full**2 - 2.7**2, 0.0))), self.thickness_px)

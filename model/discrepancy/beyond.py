@@ -38,25 +38,24 @@ def beyond_first_order(
     force = np.nan_to_num(state.solved.force_N)
     first = force[of] + state.by_eibm[of] * course.eibm
     first = first + (force - state.by_eibm)[of] * course.stiffness
-    exact = course.force(_powers(state.response)[:, of])
+    powers = _powers(state.response)
+    exact = course.force(powers[:, of])
     y[part.trend_rows] = part.trend @ np.nan_to_num(exact - first)
     bent = np.where(driven, course.ratio - 1.0 - course.eibm + course.stiffness, 0.0)
     y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
     count = np.maximum(np.bincount(of, minlength=scene.K), 1)
     mean = np.bincount(of, bent, scene.K) / count
     y[part.mode_rows[scene.has_curve]] = (state.modes_by_eibm * mean[:, None])[scene.has_curve]
-    y[part.bin_rows] = _in_pulses(study, c, state, inner)
+    y[part.bin_rows] = _in_pulses(study, c, state, inner, powers)
     return y
 
 
 def _in_pulses(
-    study: Study, c: int, state: State, inner: list[tuple[Effect, Values]]
+    study: Study, c: int, state: State, inner: list[tuple[Effect, Values]], powers: FloatArray
 ) -> FloatArray:
     """The same of the parts of the pulses, less that at their samples: (b,)."""
     part, of = study.part(c), study.part(c).bin_of
     rise = max(study.scenes[c].sheet.rise_time_s, 1e-6)
-    assert state.response is not None  # noqa: S101 - where it is asked for
-    powers = _powers(state.response)[:, of]
     eibm, stiffness = study.mean_course(c, inner)
     force, slope = np.nan_to_num(state.solved.force_N[of]), state.by_eibm[of]
     both = []
@@ -68,7 +67,7 @@ def _in_pulses(
             a, b = a + change[0], b + change[1]
         course = _Course.of(a, b, eibm[of], stiffness[of])
         first = slope * course.eibm + (force - slope) * course.stiffness
-        both.append(course.force(powers) - first)
+        both.append(course.force(powers[:, of]) - first)
     return np.nan_to_num(both[0] - both[1])
 
 
@@ -94,7 +93,7 @@ class _Course:
         return _Course(a - 1.0 - eibm, b - 1.0 - stiffness, a / (1.0 + eibm) / b_more, b_more)
 
     def force(self, powers: FloatArray) -> FloatArray:
-        """B F(a/b), F a polynomial (L, n)."""
+        """The force b F(a/b), F a polynomial (L, n)."""
         share = np.vander(self.ratio - 1.0, len(LEVELS)).T
         result: FloatArray = self.b * np.sum(powers * share, axis=0)
         return result

@@ -13,7 +13,7 @@ from model.discrepancy.point import Step
 from model.discrepancy.result import FormCurve, Unknown
 from model.discrepancy.search import Contender
 from model.discrepancy.settle import Fitted
-from model.discrepancy.slots import UNITS, Shape, shapes
+from model.discrepancy.slots import TIMES, Shape, shapes, unit_of
 from model.discrepancy.tolerance import FORM, cosine, waves_along, whole_step
 from model.effects.interface import Slot
 from model.measurements import FloatArray
@@ -21,6 +21,7 @@ from model.noise import weigh
 from model.setup import ActiveEffect, Profile
 
 POINTS = 51
+Key = tuple[str, str, str]  # configuration, part, along
 
 
 def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
@@ -35,29 +36,34 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
     if slot == "camera":
         return _seen_wrong(fitted, found, beta, C)
-    name, along = _strongest(fitted, found, columns, beta)
-    waves = [s.wave if (s.configuration, s.along) == (name, along) else None for s in found]
+    key = _strongest(fitted, found, columns, beta)
+    name, part, along = key
+    waves = [s.wave if _key(s) == key else None for s in found]
     use = np.array([w is not None for w in waves])
     t = np.linspace(0.0, 1.0, POINTS)
     by = np.stack([w(t) for w in waves if w is not None], axis=1)
-    factor = _factor(slot)
+    unit, factor = unit_of(slot, part)
     values = factor * by @ beta[use]
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
-    at = t * _span(fitted, name, along)
-    return Unknown(slot, name, at, values, band, UNITS[slot], along, _depends(slot, along))
+    span, at_unit = _span(fitted, name, part, along)
+    return Unknown(
+        slot, name, t * span, values, band, unit, along, _depends(slot, part, along), at_unit
+    )
 
 
-def _strongest(
-    fitted: Fitted, found: list[Shape], columns: FloatArray, beta: FloatArray
-) -> tuple[str, str]:
-    """The configuration and the coordinate along which the waves explain most."""
+def _strongest(fitted: Fitted, found: list[Shape], columns: FloatArray, beta: FloatArray) -> Key:
+    """The part of which the waves explain most, of the configuration where they do."""
     noise = variance(fitted)
 
-    def weight(key: tuple[str, str]) -> float:
-        use = [(s.configuration, s.along) == key and s.wave is not None for s in found]
+    def weight(key: Key) -> float:
+        use = [_key(s) == key and s.wave is not None for s in found]
         return float(np.sum((columns[:, use] @ beta[use]) ** 2 / noise))
 
-    return max({(s.configuration, s.along): None for s in found if s.wave}, key=weight)
+    return max({_key(s): None for s in found if s.wave}, key=weight)
+
+
+def _key(shape: Shape) -> Key:
+    return shape.configuration, shape.part, shape.along
 
 
 def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatArray) -> Unknown:
@@ -71,7 +77,7 @@ def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatAr
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
         "camera", name, s * 1e3, moved[k][keep] * 1e3, band * 1e3, "mm", "s",
-        _depends("camera", "place"),
+        _depends("camera", "place", "place"),
     )  # fmt: skip
 
 
@@ -87,22 +93,18 @@ def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
     )  # fmt: skip
 
 
-def _factor(slot: Slot) -> float:
-    return {"rest_curvature": 5.0, "even_moment": 0.3, "position": 1e3, "load_cell": 1e3,
-            "camera": 1e3}.get(slot, 1.0)  # fmt: skip
-
-
-def _span(fitted: Fitted, name: str, along: str) -> float:
-    """The coordinate's end: mm along the sheet, mm on the arc, or seconds in the run."""
-    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)] if name else None
-    if scene is None:
-        return 1.0
+def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, str]:
+    """The coordinate's end, and its unit."""
+    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
     if along == "position":
-        return float(np.nanmax(scene.stated_m)) * 1e3
-    return scene.length * 1e3 if along in ("s", "place") else 20.0
+        every = np.concatenate([one.stated_m for one in fitted.problem.study.scenes])
+        return float(np.nanmax(every)) * 1e3, "mm"
+    if along != "time":
+        return scene.length * 1e3, "mm"
+    return TIMES.get(part.rpartition(", ")[2], TIMES["session"])
 
 
-def _depends(slot: Slot, along: str) -> str:
+def _depends(slot: Slot, part: str, along: str) -> str:
     said = {
         "rest_curvature": "the same at all voltages and positions",
         "eibm": "in proportion to the EIBM, so it changes sign with the voltage",
@@ -113,7 +115,10 @@ def _depends(slot: Slot, along: str) -> str:
         "camera": "in the pictures alone, not in the forces",
         "time": "goes with time",
     }[slot]
-    return said if along != "time" else said + ", along the run"
+    if along == "time":
+        during = part.rpartition(", ")[2]
+        return f"{said}, in the course of {'each' if during != 'session' else 'the'} {during}"
+    return said + (", the other way at the other polarity" if part == "polarity" else "")
 
 
 def unknown_effect(one: Unknown) -> ActiveEffect:

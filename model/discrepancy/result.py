@@ -51,12 +51,13 @@ class Unknown:
 
     slot: Slot
     configuration: str
-    s_mm: FloatArray  # the coordinate: along the sheet in mm; position in mm; or time in s
+    s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, or in time
     profile: FloatArray
     band: FloatArray  # standard uncertainty
     unit: str
     along: str  # "s", "position", "time"
     depends: str  # on voltage, position and time: one sentence
+    at_unit: str = "mm"  # of the coordinate
 
     @property
     def peak_mm(self) -> float:

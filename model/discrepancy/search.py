@@ -84,14 +84,16 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
     usual = _best(fitted, every, _usual_scatter(fitted))
     hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
     result, tried = [], 0
-    for name, one in best.items():
+    for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
         outlier = one.candidate.slot == "outlier"
         promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
         if not promising and name not in hidden:
             result.append(Contender(one, one.log_bayes))
             continue
         tried += promising and not outlier
-        looks = [one, usual[name]] if name in hidden else [one]
+        looks = [one]
+        if name in hidden and not _alike(one, usual[name]):
+            looks.append(usual[name])
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
         result.append(Contender(chosen, gain, solution))
@@ -109,6 +111,11 @@ def _best(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dic
     for one in scores:
         best.setdefault(one.candidate.name, one)
     return best
+
+
+def _alike(one: Score, other: Score) -> bool:
+    """Whether they are the same columns of the same scale."""
+    return one.candidate is other.candidate and one.scale == other.scale
 
 
 def _usual_scatter(fitted: Fitted) -> Solution:

@@ -20,13 +20,18 @@ from model.effects.interface import SLOTS, Slot
 from model.measurements import FloatArray
 
 WAVES = 9
+EVEN, FORCE_N = 0.3, 2e-3
 REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 1e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
-UNITS: dict[Slot, str] = {
-    "rest_curvature": "1/m", "eibm": "relative", "even_moment": "relative to the EIBM",
-    "compliance": "relative", "position": "mm", "load_cell": "mN", "camera": "mm",
-    "time": "relative",
+# units in which a slot's profile is told, and what its waves count in them
+UNITS: dict[Slot, tuple[str, float]] = {
+    "rest_curvature": ("1/m", REST_PER_M), "eibm": ("relative", 1.0),
+    "even_moment": ("relative to the EIBM", EVEN), "compliance": ("relative", 1.0),
+    "position": ("mm", 1e3), "load_cell": ("mN", 1e3), "camera": ("mm", 1e3),
+    "time": ("relative", 1.0),
 }  # fmt: skip
+# how long that takes along which a shape of time goes, with its unit
+TIMES = {"session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s")}
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,11 @@ def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
     return value
 
 
+def unit_of(slot: Slot, part: str) -> tuple[str, float]:
+    """Unit of a profile, and what its waves count in it."""
+    return ("mN", FORCE_N * 1e3) if part == "force, run" else UNITS[slot]
+
+
 def _count(study: Study, c: int) -> int:
     return WAVES if study.scenes[c].count > 8 else 3
 
@@ -132,7 +142,7 @@ def _eibm(study: Study, c: int, state: State) -> Making:
 def _even_moment(study: Study, c: int, state: State) -> Making:
     typical = float(np.mean(np.abs(state.beam.eibm[study.scenes[c].voltage_V != 0.0])))
     driven = (study.scenes[c].voltage_V != 0.0)[:, None]
-    yield from _along(study, c, lambda shape: 0.3 * typical * driven * shape)
+    yield from _along(study, c, lambda shape: EVEN * typical * driven * shape)
 
 
 def _along(
@@ -198,7 +208,7 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
         for j in range(1, 9):
             one = wave(j, 2e-4)
             step = replace(none, force_N=one(part.clock.session))
-            yield Made("session", "time", one, step, shared=True)
+            yield Made("zero, session", "time", one, step, shared=True)
 
 
 def _camera(study: Study, c: int, state: State) -> Making:
@@ -215,7 +225,7 @@ def _camera(study: Study, c: int, state: State) -> Making:
 def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     part, none = study.part(c), study.no_step(c)
     driven = (part.clock.voltage_V != 0.0).astype(float)
-    for name, span, count in (("session", 1.0, 8), ("run_s", 20.0, 3)):
+    for name, span, count in (("session", TIMES["session"][0], 8), ("run_s", TIMES["run"][0], 3)):
         t = np.clip(getattr(part.clock, name) / span, 0.0, 1.0)
         if np.ptp(t) == 0.0:
             continue
@@ -224,10 +234,10 @@ def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
             changes = [("EIBM", replace(none, eibm=one(t) * driven)),
                        ("stiffness", replace(none, stiffness=one(t)))]  # fmt: skip
             if name == "run_s":
-                changes.append(("force", replace(none, force_N=2e-3 * one(t))))
+                changes.append(("force", replace(none, force_N=FORCE_N * one(t))))
             for what, step in changes:
                 yield Made(f"{what}, {name.removesuffix('_s')}", "time", one, step, shared=True)
-    t = np.clip(part.bin_clock.pulse_s / 0.6, 0.0, 1.0)
+    t = np.clip(part.bin_clock.pulse_s / TIMES["pulse"][0], 0.0, 1.0)
     for j in range(3):
         one = wave(j, 0.1)
         step = replace(none, bin_eibm=part.bin_mean(one(t)))

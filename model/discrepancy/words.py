@@ -30,11 +30,10 @@ def sentence(
     names = " and ".join(n.name for n in named)
     if unknown is not None:
         more = f", beside {names}," if named else ""
-        unit = "s" if unknown.along == "time" else "mm"
         return (
             f"Something is missing{more} that is none of the known effects: it acts on"
             f" {unknown.slot.replace('_', ' ')}, {unknown.depends}, most of all at"
-            f" {unknown.peak_mm:.0f} {unit}."
+            f" {unknown.peak_mm:.3g} {unknown.at_unit}."
         )
     gap = _gap(left_out)
     if verdict == "indistinguishable":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,19 +26,19 @@ from benchmarks.hidden_effects.score import (
 from benchmarks.hidden_effects.suite import FULL, tasks
 
 
-def hid(effect: str, d: float = 20.0, **other: object) -> Hid:
+def hid(effect: str, d: float = 20.0, **other: Any) -> Hid:
     plain = Hid(effect, "a", 1.0, "eibm", ["eibm"], None, {}, False, d, d)
-    return replace(plain, **other)  # type: ignore[arg-type]
+    return replace(plain, **other)
 
 
-def said(name: str, confidence: float = 0.99, *also: str, **parameters: object) -> Name:
-    return Name(name, confidence, list(also), 0.1, parameters)  # type: ignore[arg-type]
+def said(name: str, confidence: float = 0.99, *also: str, **parameters: Any) -> Name:
+    return Name(name, confidence, list(also), 0.1, parameters)
 
 
-def record(family: str, truth: list[Hid], named: list[Name], **other: object) -> Record:
+def record(family: str, truth: list[Hid], named: list[Name], **other: Any) -> Record:
     plain = Record(f"{family}:0:0", family, "", truth, {}, {}, {}, 0.3, 0.1, "")
     near = {"gravity": 9.0}
-    return replace(plain, near=near, named=named, verdict="effect_named", **other)  # type: ignore[arg-type]
+    return replace(plain, near=near, named=named, verdict="effect_named", **other)
 
 
 def row(records: list[Record], begins: str) -> Row:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import pytest
 
@@ -18,8 +19,8 @@ from benchmarks.hidden_effects.visible import Yardstick
 pytestmark = pytest.mark.slow
 
 
-def task(name: str, hidden: Case, **other: object) -> Task:
-    return Task(f"{name}:0:0", name, hidden, **other)  # type: ignore[arg-type]
+def task(name: str, hidden: Case, **other: Any) -> Task:
+    return Task(f"{name}:0:0", name, hidden, **other)
 
 
 NOTHING = task("nothing", Case(seed=31))

@@ -24,6 +24,18 @@ positions_mm = [0, 10, 20, 25]
 mode = "paper"
 """
 
+ONE_POSITION = """
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = 2
+
+[[places]]
+configuration = "long"
+positions_mm = [10]
+
+[extras]
+"""
+
 
 def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "") -> Path:
     """A simulated rig's files in `folder`; `world` is the text of a world.toml of its own."""

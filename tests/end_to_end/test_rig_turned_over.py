@@ -10,25 +10,18 @@ import pytest
 
 from labrig.session import load_measurements, open_session
 from model import Measurements
-from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
 pytestmark = pytest.mark.slow
 
-PROTOCOL = """
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 2
-
-[[places]]
-configuration = "long"
-positions_mm = [10]
-
-[extras]
-random_order = false
+PROTOCOL = (
+    ONE_POSITION
+    + """random_order = false
 no_touch_zero = false
 reversed_approach = false
 free_shapes = true
 """
+)
 
 
 def measured(folder: Path, protocol: str, load_N_per_m: float) -> Measurements:

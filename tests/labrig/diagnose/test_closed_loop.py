@@ -13,7 +13,7 @@ from labrig.cli.follow import FOLLOWS
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.closed_loop import MOST_ROUNDS, closed_loop
 from labrig.session import load_measurements, open_session
-from tests.end_to_end.small_rig import labrig, make_rig
+from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
 from tests.labrig.diagnose import made
 from tests.labrig.report_data import measure
 
@@ -139,19 +139,6 @@ def test_sessions_of_different_sheets_are_not_taken_together():
 
 # -- at the (simulated) rig
 
-ONE_POSITION = """
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 2
-
-[[places]]
-configuration = "long"
-positions_mm = [10]
-
-[extras]
-mode = "paper"
-"""
-
 
 @pytest.mark.slow
 def test_run_and_diagnose_measures_the_proposed_session_and_links_it(tmp_path, monkeypatch, capsys):
@@ -163,7 +150,7 @@ def test_run_and_diagnose_measures_the_proposed_session_and_links_it(tmp_path, m
         return verdicts[len(seen) - 1]
 
     monkeypatch.setattr(model.discrepancy, "diagnose", diagnose)
-    make_rig(tmp_path, ONE_POSITION)
+    make_rig(tmp_path, ONE_POSITION + 'mode = "paper"\n')
     files = [tmp_path / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
     first = tmp_path / "first.h5"
     assert labrig("run", *files, "-o", first, "--yes", "--diagnose") == 0

@@ -7,8 +7,12 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from model.discrepancy import search
 from model.discrepancy.point import Step
 from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.profile import unknown_of
+from model.discrepancy.score import Score
+from model.discrepancy.search import Contender
 from model.discrepancy.slots import _MAKERS, shapes, unknowns
 from model.discrepancy.tolerance import (
     FORM,
@@ -236,3 +240,45 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
         found = shapes(base, one.slot, one.part)
         assert len(found) == one.columns.shape[1]
         assert one.slot == "camera" or any(shape.wave for shape in found), (one.slot, one.part)
+
+
+def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
+    """Error at both polarities alike and error of opposite sign are not added up, nor are times."""
+    base = base_fit()
+    for one in (c for c in unknowns(base) if c.part and c.slot in ("position", "time")):
+        found = shapes(base, one.slot, one.part)
+        keys = {(s.configuration, s.part, s.along) for s in found}
+        assert len(keys) == 1
+        told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        assert told.along == found[0].along
+        during = one.part.rpartition(", ")[2]
+        if during in ("session", "run", "pulse"):
+            ends = {"session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s")}
+            assert (told.s_mm[-1], told.at_unit) == ends[during]
+            assert told.depends.endswith(during)
+        else:
+            assert (told.s_mm[-1], told.at_unit) == (pytest.approx(30.0), "mm")
+        assert (told.unit == "mN") == (one.part == "force, run")
+
+
+def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
+    """With scatter that a misfit has blown up, an effect may seem to have the wrong sign."""
+    base, seen = base_fit(), list[str]()
+
+    def scores(fitted, every, solution):
+        found = best_of(fitted, every, solution)
+        usual = solution is not fitted.solution
+        return {n: s for n, s in found.items() if usual or n != "gravity"}
+
+    best_of = search._best
+    monkeypatch.setattr(search, "_best", scores)
+    monkeypatch.setattr(search, "CONTENDERS", 40)
+
+    def rescored(fitted, one):
+        seen.append(one.candidate.name)
+        return one.log_bayes, fitted.solution
+
+    monkeypatch.setattr(search, "rescored", rescored)
+    ranking = search.rank(base, [effect("gravity"), effect("clamp_angle")], slots=False)
+    assert {c.name for c in ranking} >= {"gravity", "clamp_angle"}
+    assert "gravity" in seen
