@@ -25,6 +25,7 @@ import labrig.panel
 from tests.panel_browser import made_up
 
 STATIC = Path(labrig.panel.__file__).parent / "static"
+PATIENCE_S = 30.0  # for a page to come
 
 
 class FakePanel:
@@ -37,6 +38,7 @@ class FakePanel:
         self.greeting: list[dict[str, Any] | bytes] = []  # after hello
         self.hangs = False
         self.sockets: set[WebSocket] = set()
+        self._greeted = threading.Event()  # a page has come, and was told all there was
         self.control = {"holder": None, "name": None, "since": None, "here": True, "clients": 1}
         routes = [
             Route("/", lambda _: FileResponse(STATIC / "index.html")),
@@ -72,7 +74,8 @@ class FakePanel:
         return f"http://127.0.0.1:{self.port}/"
 
     def tell(self, *messages: dict[str, Any] | bytes) -> None:
-        """To every page, now."""
+        """To every page, once there is one: what is told to nobody is never told again."""
+        assert self._greeted.wait(PATIENCE_S), "no page has come to be told anything"
         for message in messages:
             asyncio.run_coroutine_threadsafe(self._tell(message), self.loop).result(5)
 
@@ -97,6 +100,7 @@ class FakePanel:
         for message in self.greeting:
             await _send(one, message)
         self.sockets.add(one)
+        self._greeted.set()
         try:
             while True:
                 asked = await one.receive_json()
@@ -106,6 +110,8 @@ class FakePanel:
             pass
         finally:
             self.sockets.discard(one)
+            if not self.sockets:
+                self._greeted.clear()
 
     async def _http(self, request: Request) -> Response:
         path = request.url.path
