@@ -2,7 +2,11 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
+PYTEST := $(BIN)/python -m pytest
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+# Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: setup setup-dev demo test test-failed test-all test-fast lint format bench soak clean
 
@@ -24,17 +28,19 @@ demo: setup
 	@rm -rf demo
 	@$(BIN)/labrig demo demo
 
+# Two at a time, and then one by one what is held against the real clock.
 test: setup-dev
-	$(BIN)/python -m pytest -n 2
+	@$(PYTEST) -n 2 -m "not thorough and not alone"; code=$$?; \
+	$(PYTEST) -m "alone and not thorough" && exit $$code
 
 test-failed: setup-dev
-	$(BIN)/python -m pytest --last-failed --last-failed-no-failures none
+	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: setup-dev
-	$(BIN)/python -m pytest -n 2 -m ""
+	@$(PYTEST) -n 2 -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
 
 test-fast: setup-dev
-	$(BIN)/python -m pytest -n 2 -m "not slow and not thorough"
+	$(PYTEST) -n 2 -m "not slow and not thorough and not alone"
 
 lint: setup-dev
 	$(BIN)/ruff check .

@@ -18,13 +18,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-# Begun first, or one worker waits for the other at the end. The soak stays last: it wants quiet.
+# Begun first, or one worker waits for the other at the end.
 LONGEST = ("tests/end_to_end/test_demo.py", "tests/end_to_end/test_closed_loop")
 
 
+def _turn(item: pytest.Item) -> int:
+    """The longest come first, and last what wants a quiet computer."""
+    if "alone" in item.keywords:
+        return 2
+    return 0 if item.nodeid.startswith(LONGEST) else 1
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """The longest come first; real hardware is touched only when a rig is named."""
-    items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
+    """Each in its turn; real hardware is touched only when a rig is named."""
+    items.sort(key=_turn)
     if config.getoption("--rig") is not None:
         return
     skip = pytest.mark.skip(reason="needs a rig: -m real_hardware --rig rig.toml")

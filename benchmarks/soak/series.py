@@ -57,7 +57,8 @@ def soak(
     faults = list(Fault)
     plan = [Planned(n, faults[n % len(faults)], _moment_s(dice)) for n in range(runs)]
     plan = [planned for planned in plan if not only or planned.number in only]
-    parts = [plan[at : at + RUNS_PER_SERVER] for at in range(0, len(plan), RUNS_PER_SERVER)]
+    each = min(RUNS_PER_SERVER, -(-len(plan) // jobs))  # no rig idle while another is at work
+    parts = [plan[at : at + each] for at in range(0, len(plan), max(1, each))]
     if jobs == 1:
         return [verdict for part in parts for verdict in _on_one_rig(part, folder, tell)]
     found: list[Verdict] = []

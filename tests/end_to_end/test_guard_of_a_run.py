@@ -38,6 +38,7 @@ def zeroed_after(rig: ServedRig, number: int) -> float:
     return zero_s - sent_s
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("options", [(), ("--strict-ownership",)], ids=["", "strict ownership"])
 @pytest.mark.parametrize(
     ("number", "limit_s"),
@@ -102,6 +103,7 @@ def test_labrig_safe_without_boards_to_speak_to_ends_with_code_6(
     assert "no connection" in said
 
 
+@pytest.mark.alone
 def test_an_interlock_drops_the_supply_when_program_and_guard_are_both_killed(
     tmp_path: Path,
 ) -> None:

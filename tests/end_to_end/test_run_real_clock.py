@@ -62,6 +62,7 @@ def test_a_stop_signal_ends_at_zero_volts_with_code_4(
         assert "Ctrl-C" in session.reason or "SIGTERM" in session.reason
 
 
+@pytest.mark.alone
 def test_after_a_kill_the_output_is_zero_and_at_most_one_reading_is_missing(
     rig: ServedRig, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -99,6 +99,27 @@ def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:
         page.wait_for_timeout(50)
 
 
+def listen_for_a_press(page: Any) -> None:
+    """Keep the moment at which the browser takes the next key or button in."""
+    page.evaluate(
+        """() => {
+          const keep = (event) => (window.pressed_ms ??= performance.timeOrigin + event.timeStamp);
+          for (const kind of ["keydown", "pointerdown"]) addEventListener(kind, keep, true);
+        }"""
+    )
+
+
+def pressed_s(page: Any) -> float:
+    """That moment by `time.perf_counter`: never too late, too early by the quickest answer."""
+    earlier_s = []
+    for _ in range(10):
+        asked_s = time.perf_counter()
+        now_ms = page.evaluate("performance.timeOrigin + performance.now()")
+        earlier_s.append(asked_s - 1e-3 * now_ms)
+    found: float = max(earlier_s) + 1e-3 * page.evaluate("window.pressed_ms")
+    return found
+
+
 def while_going(page: Any, condition: str) -> None:
     """Wait until `condition` (JavaScript) holds; a run that ends before says why."""
     ended = "labrig.job?.ended?.reason ?? labrig.job?.job?.text"

@@ -71,6 +71,7 @@ def ended(page):
     return page.until(lambda m: m["type"] == "job" and m["state"] != "going")
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("way", ["stop process", "panel"])
 def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away_in_a_fifth_of_a_second(rig, way):
     with panel(rig / "rig.toml") as server:
@@ -100,6 +101,7 @@ def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away_in_a_fifth_of_a_se
         assert told[0] == "Ann (127.0.0.1) started the run"
 
 
+@pytest.mark.alone
 def test_stop_works_while_the_panel_hangs(rig):
     with panel(rig / "rig.toml") as server:
         page = Page(server)
@@ -117,6 +119,7 @@ def test_stop_works_while_the_panel_hangs(rig):
         assert ended(page)["code"] == 4
 
 
+@pytest.mark.alone
 def test_stop_works_while_the_run_itself_hangs(rig):
     """Then it is the guard that takes the voltage away, or whoever looks after it."""
     with panel(rig / "rig.toml") as server:
