@@ -31,6 +31,7 @@ def test_every_entry_of_the_menu_can_be_made() -> None:
     assert set(FURTHER) == {entry.name for entry in MENU}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("extra", FURTHER)
 def test_it_has_the_runs_of_the_protocol_that_is_proposed(extra: str) -> None:
     made = hidden_session(replace(WEIGHT, seed=6, further=extra)).measurements

@@ -46,6 +46,7 @@ def test_a_session_is_the_paper_s_with_its_course_in_time() -> None:
     assert all(sheet.rise_time_s == 0.03 for sheet in found.sheets.values())
 
 
+@pytest.mark.slow
 def test_means_alone_have_neither_times_nor_series_nor_curves_of_readings() -> None:
     full = hidden_session(case(seed=2)).measurements
     means = hidden_session(case(seed=2, streams="means")).measurements
@@ -56,6 +57,7 @@ def test_means_alone_have_neither_times_nor_series_nor_curves_of_readings() -> N
         assert all(r.time_s is r.session_s is r.wetted_s is r.curve is None for r in b.readings)
 
 
+@pytest.mark.slow
 def test_extras_are_measured_where_they_are_asked_for() -> None:
     found = hidden_session(case(seed=4, extras=ALL_EXTRAS)).measurements
     for name in ("long", "short"):
@@ -97,6 +99,7 @@ def test_scatter_outliers_and_correlation_are_as_asked_for() -> None:
     assert alike(wandering) > max(0.5, alike(usual) + 0.1)
 
 
+@pytest.mark.slow
 def test_the_same_case_gives_the_same_data_and_another_seed_other_data() -> None:
     small = case("charging_lag", seed=8)
     first, again = hidden_session(small), hidden_session(replace(small))

@@ -18,12 +18,14 @@ from benchmarks.hidden_effects import (
 )
 
 
+@pytest.mark.slow
 def test_an_offset_is_as_large_as_its_gap() -> None:
     hidden = hidden_session(case("force_offset", size=0.4, seed=1))
     assert force_gap_mN(hidden) == pytest.approx(0.4, rel=1e-6)
     assert curve_gap_mm(hidden) == 0.0
 
 
+@pytest.mark.slow
 def test_an_effect_of_no_size_is_no_effect() -> None:
     hidden = hidden_session(case("camera_scale", size=0.0, seed=1))
     assert curve_gap_mm(hidden) == 0.0

@@ -128,6 +128,7 @@ def test_taking_over_says_safe_only_of_zero_volts_whatever_call_fails(simulated_
         assert any("-200324" in failure for failure in report.failures)
 
 
+@pytest.mark.slow
 def test_boards_that_somebody_else_holds_are_waited_for_and_then_reported(simulated_ni):
     """A task of another name: not ours to clear."""
     foreign = simulated_ni.output(task_name="somebody else")

@@ -76,6 +76,7 @@ def test_brackets_without_end_are_refused(rig: Path, name: str) -> None:
         assert refused_by_run(rig)
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_faults_are_told_in_a_few_sentences(rig: Path) -> None:
     text = (rig / "rig.toml").read_text()
     (rig / "rig.toml").write_text("".join(f"key{i} = 1\n" for i in range(100_000)) + text)
@@ -107,6 +108,7 @@ HUGE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", HUGE)
 def test_a_protocol_without_measure_is_refused(rig: Path, kind: str) -> None:
     positions = ", ".join(map(str, range(900)))

@@ -116,6 +116,7 @@ def test_an_honest_server_is_used() -> None:
     assert not refused(lambda _, reply: reply)
 
 
+@pytest.mark.slow
 def test_nonsense_is_refused_in_words_or_does_no_harm() -> None:
     count = 0
     for seed in range(CASES):
@@ -132,6 +133,7 @@ METHODS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_every_call_may_answer_nonsense(method: str) -> None:
     for seed in range(12):
@@ -150,6 +152,7 @@ def test_every_call_may_fail(method: str, code: grpc.StatusCode) -> None:
     refused(change)
 
 
+@pytest.mark.slow
 def test_taking_over_from_such_a_server_never_raises() -> None:
     place = OutputPlace("in process", "PCI6703/ao0", "PCI6034E/ai2", drive_terminals="rse")
     for seed in range(CASES):

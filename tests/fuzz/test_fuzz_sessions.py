@@ -74,6 +74,7 @@ def test_flipped_bits_and_missing_pieces_are_told_in_words(sound: Path, tmp_path
     assert refused > CASES / 2
 
 
+@pytest.mark.slow
 def test_a_session_cut_off_anywhere_is_refused(sound: Path, tmp_path: Path) -> None:
     raw, path = sound.read_bytes(), tmp_path / "s.h5"
     dice = random.Random(2)
@@ -97,6 +98,7 @@ def _links(file: Any) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind",
     ["soft", "soft into nothing", "soft to itself", "external", "external session", "to the root",
@@ -171,6 +173,7 @@ def _object_array(file: Any, name: str) -> None:
 FOREIGN = (_vlen, _outside, _virtual, _endless, _reference, _type, _object_array)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", FOREIGN)
 @pytest.mark.parametrize("name", ["/session/extra", "/session/outcome", f"{RUN}/readings"])
 def test_what_a_session_never_holds_is_refused(
@@ -303,6 +306,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "s.h5"
 
 
+@pytest.mark.slow
 def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path: Path) -> None:
     raw = journal_path(cut).read_bytes()
     path = tmp_path / "s.h5"
@@ -315,6 +319,7 @@ def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path:
     assert codes == {0, 2}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -364,6 +369,7 @@ def test_a_journal_that_would_unpack_to_gigabytes_does_not(cut: Path, tmp_path: 
         told("recover", path, "-o", tmp_path / "whole.h5", codes={0})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS[:11])
 @pytest.mark.parametrize("key", ["rate_hz", "frame_shape", "ranges_V", "channels", "frame_dtype"])
 def test_a_journal_of_an_absurd_setup_is_refused(

@@ -38,6 +38,7 @@ def imported(folder: Path, output: Path) -> int:
     return told("import", f"--sheet={folder / 'sheet.toml'}", *tables, "-o", output)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["text", "bytes"])
 @pytest.mark.parametrize("name", TABLES)
 def test_a_damaged_table_is_refused_in_words_or_read(
@@ -98,6 +99,7 @@ def used(path: Path) -> bool:
     return False
 
 
+@pytest.mark.slow
 def test_a_damaged_model_file_is_refused_in_words_or_predicts(tmp_path: Path) -> None:
     model = truth("long", "short")
     model.predict("long", 0.0, 2.0)  # compiles, which may take long

@@ -32,6 +32,7 @@ def printed(capsys):
     return captured.out, captured.err
 
 
+@pytest.mark.slow
 def test_fit_writes_a_model_that_predicts_like_the_sheet(recorded, tmp_path, capsys):
     path = tmp_path / "model.toml"
     assert run(["fit", str(recorded), "-o", str(path), "--varying"]) == 0
@@ -121,6 +122,7 @@ def test_analyze_of_a_session_without_runs_is_one_sentence(tmp_path, capsys):
     assert "nothing to analyze" in printed(capsys)[1]
 
 
+@pytest.mark.slow
 def test_simulate_answers_all_combinations(model_path, capsys):
     arguments = ["simulate", str(model_path), "--json", "--configuration", "long"]
     for position in ("0", "5", "60"):

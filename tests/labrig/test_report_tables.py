@@ -189,6 +189,7 @@ def test_numbers_have_the_digits_that_their_uncertainty_allows(text, wanted):
     assert text == wanted
 
 
+@pytest.mark.slow
 def test_a_simulated_force_curve_has_the_single_predictions_and_gaps_where_none_is_reachable():
     model = truth("long")
     places = np.array([0.0, 0.012, 0.03, 0.06])

@@ -79,6 +79,7 @@ def test_an_effect_at_its_neutral_value_changes_nothing(truth: SheetModel, name:
         assert one.x_m == pytest.approx(two.x_m, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_a_falling_eibm_is_the_same_as_one_written_out_along_the_sheet(truth: SheetModel):
     decay_m, length = 0.02, 0.05
     s = np.linspace(0.0, length, 201)

@@ -114,6 +114,7 @@ def test_the_sheet_of_least_area_gives_the_force_and_no_smaller_one_does(truth):
     assert min(force.max(1).min(), (-force).max(1).min()) == pytest.approx(5e-4, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_elongation_saves_area_and_makes_the_force_linear(truth):
     sizes = [
         least_area(truth, "long", 0.01, 0.016, 5e-4, elongated=e, direction="positive")

@@ -37,6 +37,7 @@ def test_exact_data_give_back_the_exact_parameters(truth, measure):
     assert found.rmse["constant"].curve_m < 1e-8
 
 
+@pytest.mark.slow
 def test_noisy_data_give_parameters_within_their_stated_uncertainty(truth, measure):
     found = fit(measure(seed=1))
     for name, B in (("long", LONG_B), ("short", SHORT_B)):
@@ -95,6 +96,7 @@ def falling(truth) -> SheetModel:
     return SheetModel({"long": ConfiguredSheet(one.sheet, one.B, one.rest, eibm)})
 
 
+@pytest.mark.slow
 def test_the_constant_eibm_of_a_falling_one_is_its_mean_up_to_the_contact(falling, measure):
     found = fit(measure(seed=4, names=("long",), model=falling))
     one = found.configurations["long"]
@@ -136,6 +138,7 @@ def test_the_model_of_a_fit_predicts_what_the_fit_says(measure):
     assert found.model.merit["force_rmse_N"] == found.rmse["constant"].force_N
 
 
+@pytest.mark.slow
 def test_measured_rest_curvature_is_found_from_the_curves(truth, measure):
     for free in (False, True):
         found = fit(

@@ -121,6 +121,7 @@ def test_a_long_elongation_can_be_wound_round_and_that_is_said():
     assert other_solutions(solve(problems(Field.constant(60.0, 0.05), 0.5, R))) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "curvature"), [(0.05, 20.0), (0.02, 60.0)])
 def test_every_neighbouring_shape_through_the_contact_has_more_energy(length, curvature):
     """The elastic energy itself, by brute force, where `stable` looks at its second variation."""

@@ -170,6 +170,7 @@ def test_without_mishaps_what_is_within_the_limits_is_done_and_ends_at_0_V(
     assert not any(later(rig))
 
 
+@pytest.mark.slow
 @RUN
 @given(schedules(), st.lists(mishaps(KINDS), min_size=1, max_size=3))
 def test_whatever_goes_wrong_with_all_but_the_writes_0_V_is_what_is_left(
@@ -188,6 +189,7 @@ def test_whatever_goes_wrong_with_all_but_the_writes_0_V_is_what_is_left(
     assert rig.guarded[-1:] in ([], [False])  # the guard knows that it is over
 
 
+@pytest.mark.slow
 @RUN
 @given(schedules(), st.lists(mishaps(KINDS + DEADLY), min_size=1, max_size=4))
 def test_safe_is_said_only_of_0_V_and_the_limit_holds_whatever_goes_wrong(
@@ -206,6 +208,7 @@ def test_safe_is_said_only_of_0_V_and_the_limit_holds_whatever_goes_wrong(
     assert not any(later(rig))
 
 
+@pytest.mark.slow
 @RUN
 @given(schedules(), st.integers(0, 60))
 def test_a_recording_that_breaks_at_any_event_ends_at_0_V(schedule: Schedule, at: int) -> None:

@@ -100,6 +100,7 @@ def test_every_schedule_begins_at_0_s_returns_to_0_V_and_reads_inside_its_steps(
         assert 0.0 <= time_under_voltage_s(run) <= run.duration_s + 1e-9
 
 
+@pytest.mark.slow
 @given(protocols, extras)
 def test_every_schedule_survives_json(protocol, extra):
     schedule = make_schedule(protocol, [Place("long", (0.0, 0.01))], extras=extra)

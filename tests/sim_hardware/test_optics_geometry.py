@@ -69,6 +69,7 @@ def distance_of_centroids(
     return np.array([np.average(across, weights=weight * window) for window in windows])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curvature_per_m", [1e-6, 24.0, -60.0, 100.0])
 @pytest.mark.parametrize("angle_rad", [0.0, 0.31])
 def test_band_lies_on_its_curve_to_half_a_hundredth_of_a_pixel(
@@ -133,6 +134,7 @@ def test_lens_distorts_as_opencv_does() -> None:
     assert np.abs(found - points).max() > 1
 
 
+@pytest.mark.slow
 def test_distorted_band_lies_on_the_distorted_curve() -> None:
     settings = PLAIN.model_copy(update={"lens": LENS, "roll_rad": 0.02})
     shape = arc(20.0)

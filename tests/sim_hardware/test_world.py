@@ -245,6 +245,7 @@ def play(cut: Callable[[int], list[int]], settings: WorldSettings) -> list[np.nd
     return [np.concatenate(parts) for parts in result]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tables", [{}, RARE], ids=["shipped", "rare"])
 def test_signals_do_not_depend_on_how_the_reads_are_cut(
     tables: dict[str, dict[str, object]],
@@ -570,6 +571,7 @@ def test_an_input_that_nothing_is_wired_to_reads_zero() -> None:
     assert samples(world, "ai2", clock.now() + 1, 100).mean() == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_what_was_long_ago_is_forgotten_but_the_world_goes_on() -> None:
     world, clock = quiet_world()
     world.place(0.0)

@@ -45,6 +45,7 @@ def proposing(extra):
 FIRST = Path("first.h5")
 
 
+@pytest.mark.slow
 def test_a_class_is_measured_further_until_one_is_named():
     rig = Pretended(proposing("free_shapes"), proposing("remount"), made.found())
     ended = closed_loop(FIRST, rig, lambda _: None)
@@ -130,6 +131,7 @@ def test_times_of_the_session_go_on_from_one_to_the_next():
     assert min(second) > max(first)
 
 
+@pytest.mark.slow
 def test_sessions_of_different_sheets_are_not_taken_together():
     one, other = measure("long"), measure("long")
     sheet = replace(other.sheets["long"], free_length_m=0.06)

@@ -88,6 +88,7 @@ def test_a_damaged_file_is_listed_with_its_fault(folder):
     assert str(folder) not in broken.error
 
 
+@pytest.mark.slow
 def test_what_was_kept_is_not_believed_when_it_is_damaged(folder, looked):
     Library(folder).refresh()
     for text in (

@@ -44,6 +44,7 @@ def plane_error_um(optics: Optics, plane):
     return float(np.sqrt(((a @ u @ vt - b) ** 2).sum(axis=1).mean())) * 1000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("board", [Board(), Board(marker_mm=0)], ids=["charuco", "checker"])
 def test_one_flat_view_measures_the_plane_to_a_few_um(board):
     image, plane = view(board, (0.02, -0.02, 0.01), (-30, -22.5, 170))
@@ -78,6 +79,7 @@ def test_tilted_views_fix_the_lens(board):
     assert plane_error_um(result.optics, plane) < 5
 
 
+@pytest.mark.slow
 def test_what_cannot_be_calibrated_is_said():
     board = Board()
     image, _ = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))

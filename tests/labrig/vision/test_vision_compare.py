@@ -43,6 +43,7 @@ def test_frames_of_a_sheet_at_rest_agree_with_their_mean(plain, known):
     assert found.apart_m < 2e-6
 
 
+@pytest.mark.slow
 def test_frames_of_a_moving_sheet_do_not(plain, known):
     found = session(plain, known, 3)
     assert not found.agree

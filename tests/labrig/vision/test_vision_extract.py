@@ -53,6 +53,7 @@ def faced(request, scenes):
     return scenes.make_scene(recipe)
 
 
+@pytest.mark.slow
 def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
     curve = neutral_curve(faced.image, *known(faced))
     assert curve.ok
@@ -84,6 +85,7 @@ def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, 
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < most_px
 
 
+@pytest.mark.slow
 def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
     scene = scenes.make_scene(scenes.mixed(900_080))
     curve = neutral_curve(scene.image, *known(scene))
@@ -106,6 +108,7 @@ def test_a_thickness_that_nobody_stated_is_taken_from_the_picture(scenes, known,
     assert again.thickness_m == pytest.approx(curve.thickness_m)
 
 
+@pytest.mark.slow
 def test_a_wire_is_left_out_while_a_sheet_is_followed_too(scenes, known):
     scene = scenes.make_scene(scenes.mixed(990_058))
     tracker = Tracker(*known(scene))
@@ -118,6 +121,7 @@ def test_a_wire_is_left_out_while_a_sheet_is_followed_too(scenes, known):
     assert scenes.rmse_px(followed.points_px, scene.truth_px) < 0.3
 
 
+@pytest.mark.slow
 def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
     optics, strip = known(faced)
     modes = {

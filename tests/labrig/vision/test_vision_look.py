@@ -15,6 +15,7 @@ def silhouette(scenes, tmp_path_factory):
     return folder / "dark.png"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("look", ["auto", "silhouette"])
 def test_the_look_is_an_option(silhouette, look, capsys):
     assert run(["curves", str(silhouette), "--look", look, "--json"]) == 0

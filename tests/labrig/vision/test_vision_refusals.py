@@ -49,6 +49,7 @@ def test_three_equal_channels_are_grey(plain, known):
     assert not curve.warnings
 
 
+@pytest.mark.slow
 def test_a_clamp_that_is_somewhere_else(plain, known):
     optics, strip = known(plain)
     u, v = optics.clamp_px
@@ -56,6 +57,7 @@ def test_a_clamp_that_is_somewhere_else(plain, known):
     assert not curve.ok
 
 
+@pytest.mark.slow
 def test_a_clamp_outside_the_picture(plain, known):
     optics, strip = known(plain)
     curve = neutral_curve(plain.image, optics.model_copy(update={"clamp_px": (-90, -90)}), strip)
@@ -67,6 +69,7 @@ def test_the_wrong_polarity(plain, known):
     assert not neutral_curve(plain.image, optics, strip).ok
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.85, 1.15])
 def test_another_cameras_scale(plain, known, factor):
     optics, strip = known(plain)
@@ -74,12 +77,14 @@ def test_another_cameras_scale(plain, known, factor):
     refused(plain.image, other, strip, "px_per_mm")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.85, 1.15])
 def test_a_sheet_of_another_length(plain, known, factor):
     optics, _ = known(plain)
     refused(plain.image, optics, StripGeometry(0.05 * factor), "length")
 
 
+@pytest.mark.slow
 def test_a_sheet_that_leaves_the_picture(scenes, known):
     scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True))
     edge = int(scene.truth_px[:, 0].max()) - 60
@@ -87,6 +92,7 @@ def test_a_sheet_that_leaves_the_picture(scenes, known):
     assert not neutral_curve(np.ascontiguousarray(scene.image[:, :edge]), optics, strip).ok
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_clutter_without_a_sheet(scenes, known, seed):
     scene = scenes.make_scene(scenes.Recipe(seed=seed, sheet=False, clutter=3 * seed, spots=2))
@@ -110,6 +116,7 @@ def test_geometry_that_cannot_be():
             StripGeometry(*arguments)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.85, 0.92, 0.95, 1.05, 1.08, 1.15])
 @pytest.mark.parametrize("seed", [810_000, 810_018, 810_023])
 def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
@@ -121,6 +128,7 @@ def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
     assert not neutral_curve(scene.image, other, strip).ok
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [700_047, 700_052])
 def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed):
     """It goes on for too long, up to the picture's border."""

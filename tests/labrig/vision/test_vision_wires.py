@@ -57,6 +57,7 @@ def test_a_wire_that_ends_in_the_picture_is_followed_to_its_end(known, plain):
     assert wire.path[-1] == pytest.approx([150.0, 90.0], abs=12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "most_px"),
     [(950_396, 0.08), (990_058, 0.15), (950_299, 0.3), (700_219, 0.15), (700_374, 0.1)],
@@ -72,6 +73,7 @@ def test_a_sheet_is_measured_beside_a_wire_that_crosses_it_at_a_small_angle(
     assert curve.sigma_m.max() > 1.3 * np.median(curve.sigma_m)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [950_264, 950_314])
 def test_a_sheet_that_a_wire_hides_too_far_is_refused(scenes, known, seed):
     scene = scenes.make_scene(scenes.mixed(seed))

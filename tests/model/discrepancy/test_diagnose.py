@@ -204,6 +204,7 @@ def kept(m, condition):
     return replace(m, conditions=tuple(c for c in m.conditions if condition(c)))
 
 
+@pytest.mark.slow
 def test_few_set_ups_name_nothing_and_say_why():
     few = means_of(kept(session(), lambda c: c.configuration == "long" and c.position_m < 0.012))
     found = diagnose(few)

@@ -64,6 +64,7 @@ def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
     assert off[0] < 0.2 * off[1]  # to first order it would be much farther off
 
 
+@pytest.mark.slow
 def test_the_noise_of_a_short_sheet_that_hardly_moves_stays_what_it_is():
     """Its curves are not divided by how little the EIBM moves them."""
     base = base_fit()

@@ -27,6 +27,7 @@ def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
         assert entry.minutes(one) > 0.0
 
 
+@pytest.mark.slow
 def test_an_entry_is_measured_once_at_each_place_however_often_it_was_before():
     plain = look(session(), "long")
     often = look(session(Case(seed=1, extras=Extras(remounts=3, reversed_approach=True))), "long")
