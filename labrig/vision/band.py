@@ -76,14 +76,16 @@ def collect(
     value = np.empty(capacity)
     distance = np.empty(capacity)
     many = 0
-    margin = reach / pixel_size + 1.5
     cos, sin = np.cos(phi), np.sin(phi)
     for i in range(cells):
         first[i] = many
-        low_v = max(0, math.floor(min(node_v[i], node_v[i + 1]) - margin))
-        high_v = min(rows - 1, math.ceil(max(node_v[i], node_v[i + 1]) + margin))
-        low_u = max(0, math.floor(min(node_u[i], node_u[i + 1]) - margin))
-        high_u = min(columns - 1, math.ceil(max(node_u[i], node_u[i + 1]) + margin))
+        du, dv = node_u[i + 1] - node_u[i], node_v[i + 1] - node_v[i]
+        beside = reach / pixel_size / max(math.hypot(du, dv), 1e-9)
+        wide, high = beside * abs(dv) + 1.5, beside * abs(du) + 1.5
+        low_v = max(0, math.floor(min(node_v[i], node_v[i + 1]) - high))
+        high_v = min(rows - 1, math.ceil(max(node_v[i], node_v[i + 1]) + high))
+        low_u = max(0, math.floor(min(node_u[i], node_u[i + 1]) - wide))
+        high_u = min(columns - 1, math.ceil(max(node_u[i], node_u[i + 1]) + wide))
         for row in range(low_v, high_v + 1):
             for column in range(low_u, high_u + 1):
                 px, py = plane[row, column, 0], plane[row, column, 1]

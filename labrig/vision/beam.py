@@ -19,7 +19,7 @@ MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 
 TURN = 0.012  # rad: bends come in this quantum a step
-PER_STEP = 3  # samples of the maps a step
+PER_STEP = 2  # samples of the maps a step
 U, V, ANGLE, SCORE, FIRST, GAIN = 0, 1, 2, 3, 4, 5  # columns of a state
 
 
@@ -171,7 +171,7 @@ def _spread(
     child: FloatArray, child_bend: IntArray, order: IntArray, width: int, fine: float
 ) -> IntArray:
     """The first of `order`, at most two of one kind."""
-    taken = np.zeros(8192, dtype=np.int64)
+    taken = np.zeros(8192, dtype=np.int8)
     chosen = np.empty(width, dtype=np.int64)
     kept = 0
     for t in order:

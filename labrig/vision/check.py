@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from labrig.vision.beside import is_an_edge, runs_beside_opposite
 from labrig.vision.beyond import seen_beyond_px
-from labrig.vision.ends import Tip, missing_end_px
+from labrig.vision.ends import Tip, missing_end_px, missing_start_px
 from labrig.vision.fit import Fit, spread
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
@@ -91,6 +91,7 @@ def _faults(
     seen = _share(fit.used, fit.in_view, slice(2, -2))
     whole = fit.used.mean() > WHOLLY_SEEN
     loose = float(spread(shape.normal_modes(), fit.covariance).max()) if not whole else 0.0
+    late = missing_start_px(fit, setting)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [
         f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
@@ -110,6 +111,10 @@ def _faults(
         f"{start} pixels of the best path do not look like one; check clamp_px."
         if _share(fit.used, fit.in_view, slice(2, start)) < LEAST_START_COVERED
         and not _shows(fit, setting, start)
+        else "",
+        f"there is plain background on the first {late:.0f} pixels of the best path; the "
+        "sheet does not begin at the clamp, or something else was followed; check clamp_px."
+        if late > 0
         else "",
         f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
         if snr < LEAST_SNR

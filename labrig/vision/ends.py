@@ -9,9 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit import Fit
-from labrig.vision.setting import Setting
+from labrig.vision.setting import Setting, pixels_beside
 
 FloatArray = npt.NDArray[np.float64]
+
+
+LEAST_MISSING = 6.0  # of the sheet's start, in units of how well that is known
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,32 @@ def missing_end_px(fit: Fit) -> float:
     plain = np.abs(fit.cells[missing, 9] - ground) < 0.25 * contrast
     plain &= fit.in_view[missing]
     return float(len(missing)) * fit.shape.basis.step_px if plain.mean() > 0.7 else 0.0
+
+
+def missing_start_px(fit: Fit, setting: Setting) -> float:
+    """Length at the clamp on which there is plain background where the sheet should be.
+
+    0 where something is there that may hide it, or hardly any of it is missing.
+    """
+    edge = round(2.5 * fit.band.blur) + 1
+    there = np.flatnonzero(fit.used)
+    if len(there) < 20:
+        return 0.0
+    # the clamp's blurred edge, and what a neighbour that is seen may reach, say nothing
+    missing = np.arange(edge, there[0] - 2)
+    missing = missing[fit.in_view[missing]]
+    if len(missing) * fit.shape.basis.step_px < LEAST_MISSING * setting.optics.clamp_sigma_px:
+        return 0.0
+    value, distance, first = pixels_beside(fit.shape, setting, fit.band.reach)
+    part = np.concatenate([np.arange(first[i], first[i + 1]) for i in missing])
+    core = np.abs(distance[part]) < fit.band.half_width[0] + fit.band.blur
+    if not core.any() or core.all():
+        return 0.0
+    level, sides = float(value[part][core].mean()), float(np.median(value[part][~core]))
+    contrast = float(np.median(np.abs(fit.contrast[there[:40]])))
+    ground = float(np.median(fit.cells[there[:40], 1]))
+    plain = max(abs(sides - ground), abs(level - sides)) < 0.25 * contrast
+    return float(there[0]) * fit.shape.basis.step_px if plain else 0.0
 
 
 def _roughness(ratio: FloatArray) -> float:

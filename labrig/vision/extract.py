@@ -16,13 +16,13 @@ from labrig.vision.fit import fit_intensities, fit_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
 from labrig.vision.refine import Candidate, Refiner
-from labrig.vision.report import report
+from labrig.vision.report import blamed, report, with_wires
 from labrig.vision.setting import Band
 from labrig.vision.shape import Shape, make_shape
 from labrig.vision.thickness import visible_thickness_m
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
-from labrig.vision.wires import Wire, find_wires, hidden_by
+from labrig.vision.wires import Wire, find_branches, find_wires, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -30,7 +30,7 @@ BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 LEAST_OF_A_WIRE_PX = 60.0
-LEAST_TOLD = 0.02  # of the sheet hidden by wires
+MOST_TURNS = 2  # of finding wires beside the best curve, and searching without them
 
 
 def neutral_curve(
@@ -70,12 +70,14 @@ def neutral_curve(
             "one away, or mask it in the picture.",
         )
     if best.verdict.why:
-        return report(best.fit, best.setting, best.verdict)
+        return report(
+            best.fit, best.setting, blamed(job.wires, best.fit, best.setting, best.verdict)
+        )
     excess = excess_width_px(best.fit, best.setting)
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
     curve = report(best.fit, best.setting, best.verdict, excess)
-    return replace(curve, warnings=curve.warnings + job.wires_told(best), wires=job.wires)
+    return with_wires(curve, job.wires, picture.grey.shape)
 
 
 def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
@@ -138,7 +140,9 @@ class _Job(Refiner):
         """The best curve without any idea where the sheet is."""
         self._hide(())
         best = self._searched()
-        if best is not None and self._hides_wires(best):
+        for _ in range(MOST_TURNS):
+            if best is None or not self._hides_wires(best):
+                break
             best = self._searched(best)
         return best
 
@@ -161,17 +165,20 @@ class _Job(Refiner):
         return best
 
     def _hides_wires(self, best: Candidate) -> bool:
-        """Whether there are wires where the sheet may be; their pixels are not used any more."""
+        """Whether there are more wires where the sheet may be; their pixels are not used then."""
         sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
         reach = best.fit.band.reach
+        found = find_wires(self.picture, self.ridges, sign) if not self.wires else []
+        found += find_branches(self.picture, self.ridges, sign, nodes, reach)
         wires = [
             wire
-            for wire in find_wires(self.picture, self.ridges, sign)
+            for wire in found
             # where it does not run with the curve it must be seen, too
             if wire.length_beside_px(nodes, reach) > LEAST_OF_A_WIRE_PX
-            and (best.verdict.why or wire.distance_px(nodes) < wire.half_px + reach)
+            and (best.verdict.why or wire.runs_with(nodes, reach))
         ]
-        self._hide(tuple(wires))
+        if wires:
+            self._hide((*self.wires, *wires))
         return bool(wires)
 
     def _hide(self, wires: tuple[Wire, ...]) -> None:
@@ -204,19 +211,6 @@ class _Job(Refiner):
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
 
-    def wires_told(self, found: Candidate) -> tuple[str, ...]:
-        """A warning, where a wire hides some of the sheet."""
-        if not self.wires:
-            return ()
-        hidden = hidden_by(self.wires, self.mask.shape)
-        u, v = np.round(found.setting.nodes_px(found.fit.shape)).astype(int).T
-        share = float(hidden[v, u].mean())
-        if share < LEAST_TOLD:
-            return ()
-        return (
-            f"a wire lies along {share:.0%} of the sheet, or crosses it; it was left out there",
-        )
-
     def is_doubled(self, found: Candidate) -> bool:
         """Whether a second sheet, as good as the first, leaves the clamp or close beside it."""
         nodes = found.setting.nodes_px(found.fit.shape)
@@ -226,7 +220,7 @@ class _Job(Refiner):
         sign, optics, ridges = found.setting.sign, self.optics, self.ridges
         with ridges.without(nodes[apart_from:], 2 + half + found.fit.band.blur):
             other = trace_from_clamp(
-                ridges, optics, self.strip, sign, width=60, share=0.5, offsets=BESIDE_CLAMP
+                ridges, optics, self.strip, sign, width=40, share=0.5, offsets=BESIDE_CLAMP
             )
             if other is None or other.score < LEAST_DOUBLE_SCORE:
                 return False

@@ -27,6 +27,7 @@ MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
 CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
+MOST_ODD = 4.0**2  # no camera looks that much askew
 LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
 LEAST_GAIN = 15.0  # and the likeliest face
 COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
@@ -36,6 +37,8 @@ EVALUATIONS = 130
 MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
 NEAR_PX = 0.25  # so far a displacement has the effect that its derivative says
 LEAST_BLUR_PX = 0.5
+THICKER = 0.15  # than stated a sheet may be
+IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what is above
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,8 @@ class FaceSearch:
         """Whether a face explains enough, and not one place only, as something beside it would."""
         gains = self.nothing - self._costs(seen, face)
         total = float(gains.sum()) - self._oddness(face)
+        if self._oddness(face) > MOST_ODD:
+            return False
         common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
         return total > LEAST_GAIN and (seen.on_edge or common > COMMON_SHARE * total)
 
@@ -143,21 +148,31 @@ class FaceSearch:
         return float(off @ off)
 
     def _settle(self) -> None:
-        """Give the band alone its best chance: an elongation may be thick, a lens may blur."""
+        """Give the band alone its best chance: a lens may blur, and an elongation may be thick.
+
+        A sheet may be thicker than stated, and looks so far out of focus, where a lens draws discs.
+        """
+        plain = self.plain
 
         def band(p: FloatArray) -> Band:
-            blur, half = np.clip([np.exp(p[0]), p[1]], [LEAST_BLUR_PX, 0.5], [6.0, 40.0])
-            return self.plain.retuned(float(blur), float(half))
+            low, high = [LEAST_BLUR_PX, 0.5, 0.5], [6.0, 40.0, 40.0]
+            blur, half, beyond = np.clip([np.exp(p[0]), p[1], p[2]], low, high)
+            half = min(half, thickest)
+            wide = replace(plain, half_width=np.full(len(self.used), half))
+            return wide.retuned(float(blur), float(beyond))
 
-        start = np.array([np.log(self.plain.blur), float(self.plain.half_width[-1])])
-        used = slice(0, 2 if self.plain.elongation.any() else 1)
-        steps = np.array([0.15, 0.3])
+        thin, beyond = float(plain.half_width[0]), float(plain.half_width[-1])
+        thickest = (1 + THICKER) * thin + max(0.0, plain.blur - IN_FOCUS_PX)
+        start = np.array([np.log(plain.blur), thin, beyond])
+        used = slice(0, 3 if plain.elongation.any() else 2)
+        steps = np.array([-0.3, 0.5, 0.3])
 
         def unlikely(p: FloatArray) -> float:
             return float(self._misfits(self.seen, band(p)).sum())
 
-        self.plain = band(_lowest(unlikely, start, steps, used, 40))
-        self.nothing = self._misfits(self.seen, self.plain)
+        best = band(_lowest(unlikely, start, steps, used, 60))
+        self.nothing = self._misfits(self.seen, best)
+        self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
 
     def _face(self, p: FloatArray) -> Face:
         x, y = self.centre + self.spread * p[2:4]

@@ -99,7 +99,7 @@ def information(
 
 
 def fit_points(
-    shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4, 4)
+    shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4)
 ) -> Shape:
     """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
     beyond = shape.basis.s > shape.basis.free_px

@@ -136,8 +136,8 @@ class Refiner:
         moved = shape.slid(known * beyond)
         setting = replace(found.setting, spectral=found.fit.spectral)
         fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
-        # what lies beside it was looked at: the line is the same
-        verdict = judge(fit, found.setting, found.tip, beside=False)
+        # its end and what lies beside it were looked at: the line is the same
+        verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
         return Candidate(fit, found.setting, found.tip, verdict)
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:

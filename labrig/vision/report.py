@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,12 +12,14 @@ from labrig.vision.check import Verdict
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.fit import Fit, spread
 from labrig.vision.setting import Setting
+from labrig.vision.wires import Wire, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
 LOOK_SIGMA_PX = 0.004
 FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
+LEAST_TOLD = 0.02  # of the sheet hidden by wires
 
 
 def report(
@@ -87,6 +92,30 @@ def report(
         face_share=fit.band.face_share,
         smoothness_per_m3=fit.spectral * ppm**3,
     )
+
+
+def with_wires(curve: NeutralCurve, wires: Sequence[Wire], shape: tuple[int, int]) -> NeutralCurve:
+    """The curve with the wires that were left out, and a warning where they hide some of it."""
+    if not wires:
+        return curve
+    hidden = hidden_by(wires, shape)
+    u, v = np.clip(np.round(curve.points_px).astype(int), 0, (shape[1] - 1, shape[0] - 1)).T
+    share = float(hidden[v, u].mean())
+    said = f"a wire lies along {share:.0%} of the sheet, or crosses it; it was left out there"
+    more = (said,) if share > LEAST_TOLD else ()
+    return replace(curve, warnings=curve.warnings + more, wires=tuple(wires))
+
+
+def blamed(wires: Sequence[Wire], fit: Fit, setting: Setting, verdict: Verdict) -> Verdict:
+    """Why not, with the wire before all that would not be wrong without it."""
+    nodes, reach = setting.nodes_px(fit.shape), fit.band.reach
+    if not any(wire.runs_with(nodes, reach) for wire in wires):
+        return verdict
+    said = (
+        "a wire, or something else that is straight, lies along the best path; take it away, "
+        f"or mask it in the picture. Without it: {verdict.why}"
+    )
+    return replace(verdict, why=said)
 
 
 def systematic_m(fit: Fit, setting: Setting) -> FloatArray:

@@ -57,13 +57,17 @@ class RidgeMaps:
             lineType=cv2.LINE_8,
             shift=4,
         )
-        rows, columns = np.nonzero(mask)
+        rows, columns = np.nonzero(mask.view(bool))
         kept = self.maps[:, rows, columns]
         self.maps[:, rows, columns] = 0
         try:
             yield
         finally:
             self.maps[:, rows, columns] = kept
+
+    def raw(self, places: FloatArray) -> FloatArray:
+        """Raw pixels of places (..., 2) in the maps."""
+        return (places + 0.5) * self.scale - 0.5
 
     def hide(self, mask: MaskArray) -> None:
         """Wipe out what a mask of the picture hides."""

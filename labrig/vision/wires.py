@@ -1,8 +1,8 @@
-"""Straight things that come in from the picture's border, such as wires: a sheet ends inside.
+"""Straight things that are no sheet, such as wires: they reach the border, or leave a found curve.
 
 Where one runs along the sheet no pixel tells the two apart, but everywhere else it does: a wire is
-found at the border, followed straight through the picture, and its pixels are left out, as those of
-the rolls are.
+found at the border, where no sheet is, or beside a curve, which no sheet leaves; it is followed
+straight through the picture, and its pixels are left out, as those of the rolls are.
 """
 
 from __future__ import annotations
@@ -14,32 +14,22 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
-from labrig.vision.beam import ridge_score
 from labrig.vision.picture import Picture
+from labrig.vision.straight import entries, followed
 from labrig.vision.trace import RidgeMaps
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
-IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 MaskArray = npt.NDArray[np.uint8]
 
 INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
-MOST_ENTRIES = 10  # on a ring
-LEAST_BEND = 3.0  # of a ridge that crosses the ring there, in units of the noise
-HALF_BEND = 4.0  # a ridge that bends by this is half sure
-LEAST_SURE, LEAST_BEGIN = 0.2, 0.1  # of the first stretch, on the line
-SEEN = 0.3  # of any piece, beside the line
-ANGLES = np.linspace(-0.45, 0.45, 37)  # about the direction that one place of the ring shows
-BEGINS_PX = 10.0  # a sheet ends further than that from the border
-FIRST_PX, STEP_PX, CORRIDOR_PX = 60.0, 2.0, 4
-BOW_PX = 10.0  # how far from straight the lens may make it
-PIECE_STEPS = 10
-GAP_PX = 300.0  # that rolls, clamp and sheet may make in it
+BESIDE_PX = 4.0  # from what is used beside a curve to the ring on which lines leave it
 WIDTH_REACH_PX = 8
 MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
 SAME_PX = 4.0
+MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +39,24 @@ class Wire:
     path: FloatArray  # (n, 2)
     half_px: float  # further beside it nothing of it is seen
 
-    def distance_px(self, curve: FloatArray) -> float:
-        """From a curve (n, 2), at the closest."""
-        return float(self._gaps(curve).min())
+    def runs_with(self, curve: FloatArray, reach: float) -> bool:
+        """Whether it lies on a curve (n, 2) for longer than a crossing takes.
+
+        A crossing is a gap in the curve; what runs with it pulls it aside.
+        """
+        return self._length_px(self._gaps(curve) < self.half_px + reach) > MOST_CROSSING * reach
 
     def length_beside_px(self, curve: FloatArray, reach: float) -> float:
         """Of the part that is further than `reach` from a curve (n, 2)."""
+        return self._length_px(self._gaps(curve) > reach)
+
+    def _length_px(self, part: BoolArray) -> float:
         steps = np.hypot(*np.diff(self.path, axis=0).T)
-        return float(steps[self._gaps(curve)[1:] > reach].sum())
+        return float(steps[part[1:]].sum())
+
+    def shows_at(self, place: FloatArray) -> bool:
+        """Whether it is seen at a place (2,)."""
+        return bool(np.hypot(*(self.path - place).T).min() < SAME_PX + self.half_px)
 
     def _gaps(self, curve: FloatArray) -> FloatArray:
         gap = self.path[:, None] - curve[None]
@@ -65,19 +65,44 @@ class Wire:
 
 def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
     """The straight ridges of a sign that reach the picture's border."""
-    maps, scale = ridges.maps[:1], ridges.scale
+    maps = ridges.maps[:1]
     found: list[Wire] = []
-    for entry in (entry for inset in INSETS for entry in _entries(maps[0], sign, inset)):
-        place = (entry[:2] + 0.5) * scale - 0.5
-        if any(np.hypot(*(w.path - place).T).min() < SAME_PX + w.half_px for w in found):
-            continue
-        path = _followed(maps, sign, entry)
-        if path is not None:
-            path = (path + 0.5) * scale - 0.5
-            half = _half_width(picture, path, sign, scale)
-            if half is not None:
-                found.append(Wire(path, half))
+    for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
+        if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
+            path = followed(maps, sign, *entry)
+            found += _wire(picture, ridges, path, sign)
     return found
+
+
+def find_branches(
+    picture: Picture, ridges: RidgeMaps, sign: float, curve: FloatArray, reach: float
+) -> list[Wire]:
+    """The straight ridges that leave a curve (n, 2), of which `reach` beside it is its own.
+
+    A sheet does not branch: a line that runs with the curve and goes on where that bends away is
+    no part of it, wherever its ends are.
+    """
+    maps = ridges.maps[:1]
+    found: list[Wire] = []
+    for u, v, angle in _from_curve(ridges, sign, curve, reach + BESIDE_PX):
+        if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
+            continue
+        away = followed(maps, sign, u, v, angle, 0.0)
+        if away is not None:
+            # from its far end back, so that what lies along the curve belongs to it, too
+            (du, dv), (far_u, far_v) = away[0] - away[-1], away[-1]
+            path = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0)
+            found += _wire(picture, ridges, path, sign)
+    return found
+
+
+def _wire(picture: Picture, ridges: RidgeMaps, path: FloatArray | None, sign: float) -> list[Wire]:
+    """The wire of a line in the ridge maps; none where it is an edge."""
+    if path is None:
+        return []
+    path = ridges.raw(path)
+    half = _half_width(picture, path, sign, ridges.scale)
+    return [Wire(path, half)] if half is not None else []
 
 
 def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
@@ -94,8 +119,8 @@ def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
     return mask
 
 
-def _entries(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
-    """Where ridges cross a ring, strongest first: u, v, inward angle and inset."""
+def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
+    """Where ridges come in: u, v, inward angle and inset."""
     rows, columns = layer.shape[:2]
     right, bottom = columns - 1 - inset, rows - 1 - inset
     across, down = np.arange(inset, right), np.arange(inset, bottom)
@@ -104,143 +129,39 @@ def _entries(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
     one, other = np.ones_like(across), np.ones_like(down)
     u = np.concatenate([across, right * other, across[::-1] + 1, inset * other])
     v = np.concatenate([inset * one, down, bottom * one, down[::-1] + 1])
-    bend, angle = _bends(layer, sign, u, v)
-    peaks = np.flatnonzero(bend > LEAST_BEND)
-    around = peaks[:, None] + np.arange(-4, 5)
-    peaks = peaks[bend[peaks] >= bend[around % len(bend)].max(axis=1)]
-    peaks = peaks[np.argsort(-bend[peaks])][:MOST_ENTRIES]
-    u, v, angle = u[peaks], v[peaks], angle[peaks]
-    inward = np.cos(angle) * (columns / 2 - u) + np.sin(angle) * (rows / 2 - v)
-    angle = angle + np.where(inward < 0, math.pi, 0)
-    return list(np.stack([u, v, angle, np.full(len(peaks), inset)], axis=1))
+    found = entries(layer, sign, u, v)
+    inwards = np.array([columns / 2, rows / 2]) - found[:, :2]
+    return [np.append(entry, inset) for entry in _turned(found, inwards)]
 
 
-@jit
-def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[FloatArray, FloatArray]:
-    """How much a ridge the places are in whichever direction, and that direction."""
-    bend, angle = np.empty(len(u)), np.empty(len(u))
-    for i in range(len(u)):
-        m = layer[v[i], u[i]]
-        gap, mean = 0.5 * (m[0] - m[2]), 0.5 * (m[0] + m[2])
-        across = 0.5 * math.atan2(m[1], gap) + (math.pi / 2 if sign > 0 else 0.0)
-        slope = abs(m[3] * math.cos(across) + m[4] * math.sin(across))
-        bend[i] = math.hypot(gap, m[1]) - sign * mean - 0.7 * slope
-        angle[i] = across + math.pi / 2
-    return bend, angle
+def _from_curve(
+    ridges: RidgeMaps, sign: float, curve: FloatArray, beside: float
+) -> list[FloatArray]:
+    """Where ridges cross the lines `beside` a curve: u, v and the angle away from it."""
+    ahead = np.gradient(curve, axis=0)
+    normal = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    normal *= beside / np.hypot(ahead[:, 0], ahead[:, 1])[:, None]
+    ring = np.concatenate([curve + normal, (curve - normal)[::-1]])
+    foot = np.concatenate([curve, curve[::-1]])
+    gap = ring[::4, None] - curve[None, ::4]
+    alone = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > beside - 2
+    alone = np.repeat(alone, 4)[: len(ring)]
+    place = np.round((ring + 0.5) / ridges.scale - 0.5).astype(np.int64)
+    rows, columns = ridges.maps.shape[1:3]
+    inside = ((place >= 0) & (place < (columns, rows))).all(axis=1)
+    kept = alone & inside
+    if kept.sum() < 9:
+        return []
+    found = entries(ridges.maps[0], sign, *place[kept].T)
+    away = (ring - foot)[kept]
+    nearest = np.hypot(*(found[:, None, :2] - place[kept][None]).transpose(2, 0, 1)).argmin(axis=1)
+    return list(_turned(found, away[nearest]))
 
 
-def _followed(maps: MapArray, sign: float, entry: FloatArray) -> FloatArray | None:
-    """(n, 2) the line that comes in here, up to where it is last seen; None when it is none."""
-    rows, columns = maps.shape[1:3]
-    t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
-    u, v, angle, inset = (float(value) for value in entry)
-    turn, sure = _direction(maps, sign, u, v, angle, ANGLES, inset, FIRST_PX)
-    here = np.array([turn])
-    _, begin = _direction(maps, sign, u, v, angle, here, inset, BEGINS_PX)
-    if sure < LEAST_SURE or begin < LEAST_BEGIN:
-        return None
-    angle += turn
-    u, v = u - inset * math.cos(angle), v - inset * math.sin(angle)
-    first = round(FIRST_PX / STEP_PX)
-    terms = np.stack([np.ones_like(t), t / t[-1], (t / t[-1]) ** 2], axis=1)
-    line = np.zeros(3)  # its offset beside the straight line, a parabola
-    far, done = first, False
-    while not done:
-        done = far == len(t)
-        for _ in range(2):
-            now = terms[:far] @ line
-            offset, weight = _beside(maps, sign, *_on(u, v, angle, t[:far], now), angle)
-            line = _parabola(terms[:far], now + offset, weight, line)
-        far = min(len(t), 2 * far)
-    place = _on(u, v, angle, t, terms @ line)
-    _, weight = _beside(maps, sign, *place, angle)
-    path = np.stack(place, axis=1)
-    inside = (path >= 0).all(axis=1) & (path[:, 0] < columns) & (path[:, 1] < rows)
-    last = _last_seen(np.where(inside, weight, 0.0))
-    return path[:last] if last >= first else None
-
-
-def _on(
-    u: float, v: float, angle: float, t: FloatArray, beside: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Places at distances along a line, and beside it."""
-    c, s = math.cos(angle), math.sin(angle)
-    return u + c * t - s * beside, v + s * t + c * beside
-
-
-@jit
-def _direction(
-    maps: MapArray,
-    sign: float,
-    u: float,
-    v: float,
-    angle: float,
-    turns: FloatArray,
-    back: float,
-    length: float,
-) -> tuple[float, float]:
-    """The turn from `angle` under which it looks most like a ridge, and how much.
-
-    From `back` before (u, v) on, for `length`.
-    """
-    best, most = 0.0, -1e9
-    count = int(length / STEP_PX)
-    for turn in turns:
-        c, s = math.cos(angle + turn), math.sin(angle + turn)
-        total = 0.0
-        for q in range(count):
-            place = (q + 0.5) * STEP_PX - back
-            total += ridge_score(maps, sign, u + c * place, v + s * place, c, s, 1, HALF_BEND)
-        if total > most:
-            best, most = turn, total
-    return best, most / count
-
-
-@jit
-def _beside(
-    maps: MapArray, sign: float, u: FloatArray, v: FloatArray, angle: float
-) -> tuple[FloatArray, FloatArray]:
-    """Where the ridge is beside each place, pixels to its left, and how sure that is."""
-    offset, weight = np.zeros(len(u)), np.zeros(len(u))
-    c, s = math.cos(angle), math.sin(angle)
-    sure = np.empty(2 * CORRIDOR_PX + 1)
-    for i in range(len(u)):
-        for q in range(len(sure)):
-            d = q - CORRIDOR_PX
-            sure[q] = ridge_score(maps, sign, u[i] - s * d, v[i] + c * d, c, s, 1, HALF_BEND)
-        most = sure.max()
-        if most < LEAST_SURE:
-            continue
-        total = 0.0
-        for q in range(len(sure)):
-            if sure[q] > 0.7 * most:
-                total += sure[q]
-                offset[i] += sure[q] * (q - CORRIDOR_PX)
-        offset[i] /= total
-        weight[i] = most
-    return offset, weight
-
-
-def _parabola(
-    terms: FloatArray, offset: FloatArray, weight: FloatArray, line: FloatArray
-) -> FloatArray:
-    """The line through most of the offsets."""
-    for _ in range(3):
-        miss = (offset - terms @ line) / 2.5
-        robust = weight * np.maximum(0.0, 1 - miss**2) ** 2
-        normal = (terms * robust[:, None]).T @ terms + np.diag([1e-6, 1e-6, 1 / BOW_PX**2])
-        line = np.linalg.solve(normal, terms.T @ (robust * offset))
-    return np.asarray(line)
-
-
-def _last_seen(sure: FloatArray) -> int:
-    """Number of steps up to the last one that is seen without too long a gap before."""
-    mean = np.convolve(sure, np.ones(PIECE_STEPS) / PIECE_STEPS, mode="same")
-    seen = np.flatnonzero(mean > SEEN)
-    if not len(seen):
-        return 0
-    breaks = np.flatnonzero(np.diff(seen) > GAP_PX / STEP_PX)
-    return int(seen[breaks[0]] if len(breaks) else seen[-1]) + 1
+def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
+    """Entries turned round where they would not lead to the side of `to` (n, 2)."""
+    back = np.cos(found[:, 2]) * to[:, 0] + np.sin(found[:, 2]) * to[:, 1] < 0
+    return found + np.outer(back, [0.0, 0.0, math.pi])
 
 
 def _half_width(picture: Picture, path: FloatArray, sign: float, scale: int) -> float | None:
