@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
+TWO := -n 2 --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
@@ -30,17 +31,17 @@ demo: setup
 
 # Two at a time, and then one by one what is held against the real clock.
 test: setup-dev
-	@$(PYTEST) -n 2 -m "not thorough and not alone"; code=$$?; \
+	@$(PYTEST) $(TWO) -m "not thorough and not alone"; code=$$?; \
 	$(PYTEST) -m "alone and not thorough" && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: setup-dev
-	@$(PYTEST) -n 2 -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
+	@$(PYTEST) $(TWO) -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
 
 test-fast: setup-dev
-	$(PYTEST) -n 2 -m "not slow and not thorough and not alone"
+	$(PYTEST) $(TWO) -m "not slow and not thorough and not alone"
 
 lint: setup-dev
 	$(BIN)/ruff check .

@@ -21,6 +21,7 @@ from sim_hardware.world import Visit, timed_session
 ALL_EXTRAS = Extras(free_shapes=True, remounts=2, random_order=True, reversed_approach=True)
 
 
+@pytest.mark.slow
 def test_a_session_is_the_paper_s_with_its_course_in_time() -> None:
     found = hidden_session(case(seed=2)).measurements
     assert len(found.conditions) == 2 * 7 * 3

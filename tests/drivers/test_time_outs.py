@@ -25,6 +25,7 @@ def place():
     server.stop()
 
 
+@pytest.mark.slow
 def test_a_guard_that_does_not_start_in_time_is_given_up_and_ended(place):
     before = CLOCK.now()
     with pytest.raises(DeviceTimeoutError, match=r"did not start in 0\.01 s"):

@@ -51,6 +51,7 @@ def test_unharmed_files_are_read(rig: Path) -> None:
     assert not is_refused(rig)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_a_damaged_file_is_refused_in_words_or_read(rig: Path, name: str) -> None:
     sound = (rig / name).read_text(encoding="utf-8")
@@ -62,6 +63,7 @@ def test_a_damaged_file_is_refused_in_words_or_read(rig: Path, name: str) -> Non
     assert refused > CASES / 4  # else there was no damage
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_bytes_that_are_no_text_are_refused(rig: Path, name: str) -> None:
     for raw in (b"\xff\xfe\0\0", b"\x80" * 1000, b"\0" * 1000, b""):
@@ -69,6 +71,7 @@ def test_bytes_that_are_no_text_are_refused(rig: Path, name: str) -> None:
         assert refused_by_run(rig)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_brackets_without_end_are_refused(rig: Path, name: str) -> None:
     for text in ("[" * DEEP, "a = " + "[" * DEEP, '{"a":' * DEEP, "a = " + "{a = " * DEEP):
@@ -83,6 +86,7 @@ def test_a_hundred_thousand_faults_are_told_in_a_few_sentences(rig: Path) -> Non
     assert "99980 more keys are wrong" in refused_by_run(rig)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX devices and pipes")
 def test_what_is_no_file_is_neither_read_for_ever_nor_waited_for(rig: Path, name: str) -> None:

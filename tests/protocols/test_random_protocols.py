@@ -122,6 +122,7 @@ def test_a_schedule_passes_the_check_exactly_when_it_is_within_the_limits(
             check_schedule(schedule, SafetyLimits(limit_V, limit_s))
 
 
+@pytest.mark.slow
 @given(protocols, extras)
 def test_every_schedule_can_be_described_and_drawn(protocol, extra):
     schedule = make_schedule(protocol, [Place("long", (0.0, 0.01))], extras=extra)
@@ -137,6 +138,7 @@ def test_every_schedule_can_be_described_and_drawn(protocol, extra):
         assert line.voltage_V[0] == line.voltage_V[-1] == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @given(protocols)
 def test_running_any_protocol_does_what_its_schedule_says(protocol):

@@ -104,6 +104,7 @@ def test_arguments_that_do_not_fit_are_refused(arguments, says, capsys):
     assert says in told(capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hold_out", "says"),
     [

@@ -217,6 +217,7 @@ def test_words_that_make_no_sense_change_nothing(server):
     page.close()
 
 
+@pytest.mark.slow
 def test_a_flood_is_answered_with_a_refusal_and_ends(server):
     request = f"GET /favicon.ico HTTP/1.1\r\nHost: {server.netloc}\r\n\r\n".encode()
     seen = b""
@@ -274,6 +275,7 @@ class TestStop:
             assert answer.getheader("Access-Control-Allow-Origin") == wanted
             connection.close()
 
+    @pytest.mark.slow
     def test_nonsense_with_the_token_is_a_stop_all_the_same(self, server, stop):
         for body in (b"", b"{", b"[]", b"\xff"):
             status, answer = server.ask("POST", "/stop", body, netloc=stop)

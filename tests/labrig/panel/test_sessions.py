@@ -29,6 +29,7 @@ def get(server, path):
     return answer
 
 
+@pytest.mark.slow
 def test_sessions_are_listed_sorted_and_found(library):
     found = get(library, "/api/library?sort=readings")
     assert [one["name"] for one in found["sessions"]] == ["july/b.h5", "a.h5", "damaged.h5"]

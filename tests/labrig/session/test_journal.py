@@ -145,6 +145,7 @@ def failing_after(method, calls, error):
     return fail
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("what", "after", "kept"), [("append", 600, 4), ("sync", 1, 0)])
 def test_a_full_disk_stops_the_session_with_a_sentence_and_keeps_what_was_written(
     tmp_path, monkeypatch, what, after, kept

@@ -145,6 +145,7 @@ def test_without_its_journal_the_file_itself_is_enough(cut):
     assert report.outcome is ev.Outcome.CRASHED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["gone", "empty", "cut in half", "overwritten"])
 def test_without_the_file_its_journal_is_enough(cut, damage):
     raw = cut.read_bytes()
@@ -195,6 +196,7 @@ def test_recovery_overwrites_nothing(cut):
         recover(cut)
 
 
+@pytest.mark.slow
 def test_a_journal_of_the_whole_session_makes_the_same_file(tmp_path):
     """A kill between the last event and the removal of the journal loses nothing."""
     schedule, path = small_schedule(), tmp_path / "s.h5"

@@ -76,6 +76,7 @@ def test_a_face_beside_a_bent_or_a_short_sheet_is_told_from_its_edge(scenes, kno
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "most_px"), [(830_073, 0.02), (700_326, 0.03)])
 def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, seed, most_px):
     scene = scenes.make_scene(scenes.mixed(seed))

@@ -24,6 +24,7 @@ def test_the_look_is_an_option(silhouette, look, capsys):
     assert any("far face" in text for text in told["warnings"])
 
 
+@pytest.mark.slow
 def test_another_look_is_refused_with_what_there_is(silhouette, capsys):
     assert run(["curves", str(silhouette), "--look", "glow"]) == 2
     assert "silhouette" in capsys.readouterr().err

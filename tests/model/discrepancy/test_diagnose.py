@@ -213,6 +213,7 @@ def test_few_set_ups_name_nothing_and_say_why():
     assert (names(found), found.unknown, found.threshold) == ([], None, np.inf)
 
 
+@pytest.mark.slow
 def test_one_position_is_few_set_ups_too():
     found = diagnose(means_of(kept(session(), lambda c: c.position_m == 0.01)))
     assert found.verdict == "cannot_tell"

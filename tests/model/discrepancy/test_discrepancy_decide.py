@@ -91,6 +91,7 @@ def test_nulls_are_drawn_as_noise_and_scatter_are_and_repeat_with_their_seed():
 # ---------------------------------------------------------------------------- outliers
 
 
+@pytest.mark.slow
 def test_each_condition_and_each_set_up_may_be_an_outlier():
     base = base_fit()
     found = [numbers_of(c.name) for c in outlier_candidates(base)]
@@ -184,6 +185,7 @@ def test_a_fit_ends_where_a_second_one_begins():
     assert again.deviance == pytest.approx(base.deviance, abs=0.05)
 
 
+@pytest.mark.slow
 def test_parameters_are_found_whatever_the_readings_order():
     m = session()
     mixed = tuple(
