@@ -42,6 +42,7 @@ class ServedRig:
         (folder / "rig" / "rig.toml").write_text(text.split("[simulated]")[0])
         (folder / "rig" / "protocol.toml").write_text(PROTOCOL)
         self.session = folder / "rig" / "session.h5"
+        self._started: list[subprocess.Popen[bytes]] = []
 
     def start(self) -> subprocess.Popen[bytes]:
         """`labrig run`, in a process group of its own; what it says goes into `said`."""
@@ -49,9 +50,18 @@ class ServedRig:
         files = [str(self.folder / "rig" / name) for name in names]
         command = [sys.executable, "-m", "labrig", "run", *files, "-o", str(self.session), "--yes"]
         with (self.folder / "said.txt").open("wb") as said:
-            return subprocess.Popen(
+            process = subprocess.Popen(
                 command, stdout=said, stderr=said, start_new_session=os.name == "posix"
             )
+        self._started.append(process)
+        return process
+
+    def end(self) -> None:
+        """Leave none of them to the tests that follow, whatever a test has found."""
+        for process in self._started:
+            if process.poll() is None:
+                process.kill()
+                process.wait(10)
 
     def said(self) -> str:
         """What `labrig run` has printed."""
@@ -88,7 +98,11 @@ def serving(folder: Path, *options: str, world: str = "", more: str = "") -> Ite
         rig = ServedRig(folder, addresses)
         with (folder / "rig" / "rig.toml").open("a") as file:
             file.write(more)
-        yield rig
+        try:
+            yield rig
+        except BaseException:
+            rig.end()  # else a test may go on with them when nobody serves any more
+            raise
 
 
 def children(pid: int) -> list[int]:

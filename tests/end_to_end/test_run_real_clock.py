@@ -26,6 +26,7 @@ LIMIT_V = 2.5
 def rig(tmp_path: Path) -> Iterator[ServedRig]:
     with serving(tmp_path) as served:
         yield served
+        served.end()
 
 
 def test_a_run_over_sockets_is_complete_and_never_exceeds_the_limit(rig: ServedRig) -> None:
