@@ -169,7 +169,7 @@ class _Job(Refiner):
         sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
         reach = best.fit.band.reach
         found = find_wires(self.picture, self.ridges, sign) if not self.wires else []
-        found += find_branches(self.picture, self.ridges, sign, nodes, reach)
+        found += find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, reach)
         wires = [
             wire
             for wire in found

@@ -13,6 +13,7 @@ from labrig.vision.beam import ridge_score
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 HALF_BEND = 4.0  # a ridge that bends by this is half sure
 LEAST_SURE, LEAST_BEGIN = 0.2, 0.1  # of the first stretch, on the line
@@ -24,7 +25,6 @@ MOST_ENTRIES = 10  # on a ring
 LEAST_BEND = 3.0  # of a ridge that crosses the ring there, in units of the noise
 BOW_PX = 10.0  # how far from straight the lens may make it
 PIECE_STEPS = 10
-GAP_PX = 300.0  # that rolls, clamp and sheet may make in it
 
 
 @jit
@@ -52,11 +52,12 @@ def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArra
 
 
 def followed(
-    maps: MapArray, sign: float, u: float, v: float, angle: float, inset: float
-) -> FloatArray | None:
-    """(n, 2) the line at (u, v) in about this direction, up to where it is last seen.
+    maps: MapArray, sign: float, u: float, v: float, angle: float, inset: float, gap_px: float
+) -> tuple[FloatArray, BoolArray] | None:
+    """(n, 2) the line at (u, v) in about this direction to where it is last seen; (n,) where it is.
 
-    It begins `inset` before that place. None when there is none of the least length.
+    It begins `inset` before that place and may be hidden for `gap_px`. None when there is none of
+    the least length.
     """
     rows, columns = maps.shape[1:3]
     t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
@@ -82,8 +83,9 @@ def followed(
     _, weight = _beside(maps, sign, *place, angle)
     path = np.stack(place, axis=1)
     inside = (path >= 0).all(axis=1) & (path[:, 0] < columns) & (path[:, 1] < rows)
-    last = _last_seen(np.where(inside, weight, 0.0))
-    return path[:last] if last >= first else None
+    mean = np.convolve(np.where(inside, weight, 0.0), np.ones(PIECE_STEPS) / PIECE_STEPS, "same")
+    last = _last_seen(mean > SEEN, gap_px)
+    return (path[:last], mean[:last] > SEEN) if last >= first else None
 
 
 def _on(
@@ -159,11 +161,10 @@ def _parabola(
     return np.asarray(line)
 
 
-def _last_seen(sure: FloatArray) -> int:
+def _last_seen(seen: BoolArray, gap_px: float) -> int:
     """Number of steps up to the last one that is seen without too long a gap before."""
-    mean = np.convolve(sure, np.ones(PIECE_STEPS) / PIECE_STEPS, mode="same")
-    seen = np.flatnonzero(mean > SEEN)
-    if not len(seen):
+    at = np.flatnonzero(seen)
+    if not len(at):
         return 0
-    breaks = np.flatnonzero(np.diff(seen) > GAP_PX / STEP_PX)
-    return int(seen[breaks[0]] if len(breaks) else seen[-1]) + 1
+    breaks = np.flatnonzero(np.diff(at) > gap_px / STEP_PX)
+    return int(at[breaks[0]] if len(breaks) else at[-1]) + 1

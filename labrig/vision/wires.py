@@ -29,6 +29,9 @@ WIDTH_REACH_PX = 8
 MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
 SAME_PX = 4.0
+GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
+BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
+BACK = 12  # nodes that show a curve's direction
 MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
 
 
@@ -37,6 +40,7 @@ class Wire:
     """A line in raw pixels from where it comes in to where it is last seen."""
 
     path: FloatArray  # (n, 2)
+    seen: BoolArray  # (n,)
     half_px: float  # further beside it nothing of it is seen
 
     def runs_with(self, curve: FloatArray, reach: float) -> bool:
@@ -47,8 +51,8 @@ class Wire:
         return self._length_px(self._gaps(curve) < self.half_px + reach) > MOST_CROSSING * reach
 
     def length_beside_px(self, curve: FloatArray, reach: float) -> float:
-        """Of the part that is further than `reach` from a curve (n, 2)."""
-        return self._length_px(self._gaps(curve) > reach)
+        """Of what is seen of it further than `reach` from a curve (n, 2)."""
+        return self._length_px((self._gaps(curve) > reach) & self.seen)
 
     def _length_px(self, part: BoolArray) -> float:
         steps = np.hypot(*np.diff(self.path, axis=0).T)
@@ -69,40 +73,49 @@ def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
     found: list[Wire] = []
     for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
         if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
-            path = followed(maps, sign, *entry)
-            found += _wire(picture, ridges, path, sign)
+            u, v, angle, inset = (float(value) for value in entry)
+            line = followed(maps, sign, u, v, angle, inset, GAP_PX)
+            found += _wire(picture, ridges, line, sign)
     return found
 
 
 def find_branches(
-    picture: Picture, ridges: RidgeMaps, sign: float, curve: FloatArray, reach: float
+    picture: Picture,
+    ridges: RidgeMaps,
+    sign: float,
+    curve: FloatArray,
+    seen: BoolArray,
+    reach: float,
 ) -> list[Wire]:
     """The straight ridges that leave a curve (n, 2), of which `reach` beside it is its own.
 
     A sheet does not branch: a line that runs with the curve and goes on where that bends away is
-    no part of it, wherever its ends are.
+    no part of it, wherever its ends are. `seen` (n - 1,): where the curve looks like a sheet.
     """
     maps = ridges.maps[:1]
     found: list[Wire] = []
-    for u, v, angle in _from_curve(ridges, sign, curve, reach + BESIDE_PX):
+    from_gaps = _from_gaps(ridges, curve, seen)
+    for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, reach + BESIDE_PX):
         if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
             continue
-        away = followed(maps, sign, u, v, angle, 0.0)
+        away = followed(maps, sign, u, v, angle, 0.0, BRANCH_GAP_PX)
         if away is not None:
             # from its far end back, so that what lies along the curve belongs to it, too
-            (du, dv), (far_u, far_v) = away[0] - away[-1], away[-1]
-            path = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0)
-            found += _wire(picture, ridges, path, sign)
+            (du, dv), (far_u, far_v) = away[0][0] - away[0][-1], away[0][-1]
+            line = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0, BRANCH_GAP_PX)
+            found += _wire(picture, ridges, line, sign)
     return found
 
 
-def _wire(picture: Picture, ridges: RidgeMaps, path: FloatArray | None, sign: float) -> list[Wire]:
+def _wire(
+    picture: Picture, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
+) -> list[Wire]:
     """The wire of a line in the ridge maps; none where it is an edge."""
-    if path is None:
+    if line is None:
         return []
-    path = ridges.raw(path)
+    path = ridges.raw(line[0])
     half = _half_width(picture, path, sign, ridges.scale)
-    return [Wire(path, half)] if half is not None else []
+    return [Wire(path, line[1], half)] if half is not None else []
 
 
 def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
@@ -156,6 +169,19 @@ def _from_curve(
     away = (ring - foot)[kept]
     nearest = np.hypot(*(found[:, None, :2] - place[kept][None]).transpose(2, 0, 1)).argmin(axis=1)
     return list(_turned(found, away[nearest]))
+
+
+def _from_gaps(ridges: RidgeMaps, curve: FloatArray, seen: BoolArray) -> list[FloatArray]:
+    """Where gaps in a curve begin and end: u, v and the angle of what is seen, into the gap."""
+    ends = np.flatnonzero(np.diff(seen.astype(int)))[1:-1] + 1  # the clamp and the sheet's own end
+    found = []
+    for end in ends:
+        before = bool(seen[end - 1])
+        inside = np.clip(end - BACK if before else end + BACK, 0, len(curve) - 1)
+        du, dv = curve[end] - curve[inside]
+        place = (curve[end] + 0.5) / ridges.scale - 0.5
+        found.append(np.append(place, math.atan2(dv, du)))
+    return found
 
 
 def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
