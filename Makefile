@@ -3,13 +3,16 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
-TWO := -n 2 --dist worksteal
+# Between them they use all that numba compiles; else each worker would compile it for itself.
+COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures.py \
+	tests/sim_hardware/test_world_chain.py tests/sim_hardware/test_world_effects.py \
+	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: setup setup-dev demo test test-failed test-all test-fast lint format bench soak clean
+.PHONY: setup setup-dev demo compiled test test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -29,19 +32,22 @@ demo: setup
 	@rm -rf demo
 	@$(BIN)/labrig demo demo
 
-# Two at a time, and then one by one what is held against the real clock.
-test: setup-dev
-	@$(PYTEST) $(TWO) -m "not thorough and not alone"; code=$$?; \
+compiled: setup-dev
+	@-$(PYTEST) -n 2 --dist loadfile -q -m "not slow and not thorough" $(COMPILING)
+
+# Three at a time, since many wait; and then one by one what is held against the real clock.
+test: compiled
+	@$(PYTEST) -n 3 --dist worksteal -m "not thorough and not alone"; code=$$?; \
 	$(PYTEST) -m "alone and not thorough" && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
-test-all: setup-dev
-	@$(PYTEST) $(TWO) -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
+test-all: compiled
+	@$(PYTEST) -n 3 --dist worksteal -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
 
 test-fast: setup-dev
-	$(PYTEST) $(TWO) -m "not slow and not thorough and not alone"
+	$(PYTEST) -n 2 --dist worksteal -m "not slow and not thorough and not alone"
 
 lint: setup-dev
 	$(BIN)/ruff check .
