@@ -35,16 +35,16 @@ demo: setup
 compiled: setup-dev
 	@-$(PYTEST) -n 2 --dist loadfile -q -m "not slow and not thorough" $(COMPILING)
 
-# Three at a time, since many wait; and then one by one what is held against the real clock.
+# Two at a time, and then one by one what is held against the real clock.
 test: compiled
-	@$(PYTEST) -n 3 --dist worksteal -m "not thorough and not alone"; code=$$?; \
+	@$(PYTEST) -n 2 --dist worksteal -m "not thorough and not alone"; code=$$?; \
 	$(PYTEST) -m "alone and not thorough" && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: compiled
-	@$(PYTEST) -n 3 --dist worksteal -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
+	@$(PYTEST) -n 2 --dist worksteal -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
 
 test-fast: setup-dev
 	$(PYTEST) -n 2 --dist worksteal -m "not slow and not thorough and not alone"

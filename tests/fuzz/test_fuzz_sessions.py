@@ -240,7 +240,13 @@ def _set_text(file: Any, name: str, text: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [f"{layout.SETUP}/schedule", f"{layout.SETUP}/resolved"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        f"{layout.SETUP}/schedule",
+        pytest.param(f"{layout.SETUP}/resolved", marks=pytest.mark.thorough),
+    ],
+)
 def test_a_plan_that_makes_no_sense_is_refused(sound: Path, tmp_path: Path, name: str) -> None:
     path = tmp_path / "s.h5"
     with h5py.File(sound) as file:
