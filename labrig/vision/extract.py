@@ -22,7 +22,7 @@ from labrig.vision.shape import Shape, make_shape
 from labrig.vision.thickness import visible_thickness_m
 from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
-from labrig.vision.wires import Wire, find_branches, find_wires, hidden_by
+from labrig.vision.wires import BESIDE_PX, Wire, find_branches, find_wires, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -167,14 +167,17 @@ class _Job(Refiner):
     def _hides_wires(self, best: Candidate) -> bool:
         """Whether there are more wires where the sheet may be; their pixels are not used then."""
         sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
-        reach = best.fit.band.reach
+        reach, clamp = best.fit.band.reach, np.array(self.optics.clamp_px)
+        scale = self.ridges.scale
+        least, apart = LEAST_OF_A_WIRE_PX * scale, reach + BESIDE_PX * scale
         found = find_wires(self.picture, self.ridges, sign) if not self.wires else []
-        found += find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, reach)
+        found += find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, apart)
         wires = [
             wire
             for wire in found
             # where it does not run with the curve it must be seen, too
-            if wire.length_beside_px(nodes, reach) > LEAST_OF_A_WIRE_PX
+            if wire.length_beside_px(nodes, apart) > least
+            and not wire.begins_at(clamp, least)
             and (best.verdict.why or wire.runs_with(nodes, reach))
         ]
         if wires:

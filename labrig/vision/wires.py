@@ -24,7 +24,7 @@ BoolArray = npt.NDArray[np.bool_]
 MaskArray = npt.NDArray[np.uint8]
 
 INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
-BESIDE_PX = 4.0  # from what is used beside a curve to the ring on which lines leave it
+BESIDE_PX = 4.0  # from what is used beside a curve to where another thing is seen; in the maps
 WIDTH_REACH_PX = 8
 MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
@@ -58,6 +58,13 @@ class Wire:
         steps = np.hypot(*np.diff(self.path, axis=0).T)
         return float(steps[part[1:]].sum())
 
+    def begins_at(self, clamp: FloatArray, least_px: float) -> bool:
+        """Whether it passes the clamp (2,) and hardly goes on behind it, as the sheet does."""
+        gap = np.hypot(*(self.path - clamp).T)
+        at = int(gap.argmin())
+        behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
+        return bool(gap[at] < SAME_PX + self.half_px and min(behind) < least_px)
+
     def shows_at(self, place: FloatArray) -> bool:
         """Whether it is seen at a place (2,)."""
         return bool(np.hypot(*(self.path - place).T).min() < SAME_PX + self.half_px)
@@ -85,9 +92,9 @@ def find_branches(
     sign: float,
     curve: FloatArray,
     seen: BoolArray,
-    reach: float,
+    apart: float,
 ) -> list[Wire]:
-    """The straight ridges that leave a curve (n, 2), of which `reach` beside it is its own.
+    """The straight ridges that leave a curve (n, 2): that are seen `apart` from it.
 
     A sheet does not branch: a line that runs with the curve and goes on where that bends away is
     no part of it, wherever its ends are. `seen` (n - 1,): where the curve looks like a sheet.
@@ -95,7 +102,7 @@ def find_branches(
     maps = ridges.maps[:1]
     found: list[Wire] = []
     from_gaps = _from_gaps(ridges, curve, seen)
-    for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, reach + BESIDE_PX):
+    for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, apart):
         if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
             continue
         away = followed(maps, sign, u, v, angle, 0.0, BRANCH_GAP_PX)
