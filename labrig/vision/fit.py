@@ -126,8 +126,8 @@ def fit_points(
 def ridge_points(
     shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Offset, height and width of the ridge beside each node; see band.ridge_offsets."""
-    from labrig.vision.band import ridge_offsets
+    """Offset, height and width of the ridge beside each node; see ridge.ridge_offsets."""
+    from labrig.vision.ridge import ridge_offsets
 
     centre = setting.nodes_px(shape)
     sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))

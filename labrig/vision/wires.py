@@ -199,7 +199,7 @@ def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
 
 def _half_width(picture: Picture, path: FloatArray, sign: float, scale: int) -> float | None:
     """Half of what is seen of it across; None for an edge, which has no other side."""
-    from labrig.vision.band import ridge_offsets
+    from labrig.vision.ridge import ridge_offsets
 
     ahead = np.gradient(path, axis=0)
     ahead /= np.hypot(ahead[:, 0], ahead[:, 1])[:, None]

@@ -2,9 +2,12 @@
 
 import json
 
+import cv2
+import numpy as np
 import pytest
 
 from labrig.cli.main import run
+from labrig.vision import neutral_curve
 
 
 @pytest.fixture(scope="module")
@@ -28,3 +31,17 @@ def test_the_look_is_an_option(silhouette, look, capsys):
 def test_another_look_is_refused_with_what_there_is(silhouette, capsys):
     assert run(["curves", str(silhouette), "--look", "glow"]) == 2
     assert "silhouette" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("radius_px", [2.0, 2.6])
+def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radius_px):
+    """It draws discs, not bells: the sheet looks wider, to both its sides."""
+    scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True, blur_px=0.6, snr=4000))
+    v, u = np.mgrid[-4:5, -4:5]
+    disc = np.clip(radius_px - np.hypot(u, v) + 0.5, 0, 1)
+    image = cv2.filter2D(scene.image.astype(float), -1, disc / disc.sum())
+    image += np.random.default_rng(1).normal(0, 3, image.shape)
+    curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
+    assert curve.ok, curve.why
+    assert curve.face_share == 0
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.08

@@ -1,4 +1,6 @@
-"""Straight things through the picture: found at the border, left out where they hide the sheet."""
+"""Straight things through the picture: found at the border or beside a curve, and left out."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,7 +8,7 @@ import pytest
 from labrig.vision import neutral_curve
 from labrig.vision.picture import read_picture
 from labrig.vision.trace import ridge_maps
-from labrig.vision.wires import find_wires
+from labrig.vision.wires import find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):
@@ -89,3 +91,85 @@ def test_a_straight_sheet_that_ends_near_the_border_is_no_wire(scenes, known, se
     assert curve.ok, curve.why
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
     assert curve.covered > 0.85
+
+
+def branches_of(curve, lines, known, plain):
+    optics, _ = known(plain, image_size=[400, 300])
+    picture = read_picture(drawn(lines), optics)
+    ridges = ridge_maps(picture, 1.9, wide=False)
+    seen = np.ones(len(curve) - 1, dtype=bool)
+    return find_branches(picture, ridges, 1.0, curve, seen, 12.0)
+
+
+LINE = ((40.0, 100.0), (340.0, 100.0))  # ends in the picture on both sides
+
+
+def test_a_line_that_goes_on_where_the_curve_bends_away_is_found_to_both_its_ends(known, plain):
+    t = np.arange(160.0)
+    ahead = np.stack([50 + t, np.full(160, 100.0)], axis=1)
+    turn = np.arange(1, 90) / 60
+    bend = ahead[-1] + 60 * np.stack([np.sin(turn), 1 - np.cos(turn)], axis=1)
+    found = branches_of(np.vstack([ahead, bend]), [LINE], known, plain)
+    assert len(found) == 1
+    ends = np.sort(found[0].path[[0, -1], 0])
+    assert ends == pytest.approx([40, 340], abs=14)
+    assert np.abs(found[0].path[:, 1] - 100).max() < 1.5
+
+
+def test_neither_the_sheet_itself_nor_what_ends_at_it_leaves_it(known, plain):
+    sheet = np.stack([np.arange(40.0, 341.0), np.full(301, 100.0)], axis=1)
+    assert branches_of(sheet, [LINE], known, plain) == []
+    assert branches_of(sheet, [LINE, ((200.0, 100.0), (230.0, 112.0))], known, plain) == []
+
+
+def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(known, plain):
+    (wire,) = wires_in(drawn([((-20.0, 40.0), (300.0, 140.0))]), known, plain)
+    assert wire.begins_at(np.array([5.0, 48.0]), 60.0)
+    assert not wire.begins_at(np.array([150.0, 93.0]), 60.0)  # it goes on behind this one
+    assert not wire.begins_at(np.array([5.0, 90.0]), 60.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "sheet", "said"),
+    [
+        (1_500_139, True, "a wire, or something else that is straight"),
+        (1_500_196, False, "plain background on the first"),
+        (1_600_022, False, "it is known to ±"),
+    ],
+)
+def test_a_path_that_takes_a_line_of_the_clutter_for_the_sheet_is_refused(
+    scenes, known, seed, sheet, said
+):
+    """The first has a wire along a sheet, the others lines that pass near an empty clamp."""
+    mixed = scenes.mixed(seed)
+    if sheet:
+        recipe = replace(mixed, clutter=2 + seed % 10)
+    else:
+        recipe = replace(mixed, sheet=False, rolls=False, clutter=3 + seed % 17)
+    scene = scenes.make_scene(recipe)
+    curve = neutral_curve(scene.image, *known(scene))
+    assert not curve.ok
+    assert said in curve.why
+
+
+@pytest.mark.parametrize("seed", [1_300_000, 1_300_114])
+def test_a_straight_elongation_is_no_line_that_leaves_the_sheet(scenes, known, seed):
+    scene = scenes.make_scene(scenes.mixed(seed))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
+
+
+@pytest.mark.parametrize("spacing", [24, 47])
+def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
+    scenes, known, spacing
+):
+    """Graph paper behind the sheet."""
+    scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True, snr=30))
+    image = scene.image.astype(float)
+    image[:, 5::spacing] += 40
+    image[5::spacing] += 40
+    curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.3
