@@ -112,6 +112,7 @@ class TimeSeries:
     force_N: FloatArray | None = None
     current_A: FloatArray | None = None
     mounting: int = 0
+    run: int = 0  # as of the conditions
 
 
 @dataclass(frozen=True)

@@ -119,8 +119,7 @@ def _measured(case: Case, recipe: Recipe, runs: list[TimedRun]) -> Measurements:
     conditions = tuple(c for run in runs for c in _conditions(case, run))
     series: tuple[TimeSeries, ...] = ()
     if case.streams == "all":
-        # a series does not say which turn it is of
-        series = tuple(_series(run) for run in runs if run.visit.turn == 0)
+        series = tuple(_series(run) for run in runs)
     return Measurements(geometry(recipe), conditions, series, source="forces.csv")
 
 
@@ -152,4 +151,4 @@ def _series(run: TimedRun) -> TimeSeries:
     visit = run.visit
     force = None if visit.position_m is None else run.force_N
     return TimeSeries(visit.configuration, visit.position_m, run.time_s, run.drive_V, force,
-                      mounting=visit.mounting)  # fmt: skip
+                      mounting=visit.mounting, run=visit.turn)  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from drivers.load_cell import LoadCellCalibration
-from labrig.analysis.conditions import conditions_of
+from labrig.analysis.conditions import conditions_of, turns_of
 from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
@@ -92,9 +92,9 @@ def _curves(
 
 
 def _series(session: Session, calibration: LoadCellCalibration) -> list[TimeSeries]:
-    shunt_ohm = _shunt_ohm(session)
+    shunt_ohm, turns = _shunt_ohm(session), turns_of(session)
     return [
-        time_series(run, calibration, shunt_ohm)
+        time_series(run, calibration, shunt_ohm, turns[run.planned.index])
         for run in session.runs
         if run.started and run.planned.purpose in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE)
     ]

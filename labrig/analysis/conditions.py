@@ -23,7 +23,7 @@ def conditions_of(
     Dead weights are no measurement of the sheet and are left out.
     """
     found = {(each.run, each.voltage_V): each for each in curves}
-    turn = _turns(session)
+    turn = turns_of(session)
     begin_s = _begin_s(session)
     made: list[Condition] = []
     for run in session.runs:
@@ -83,7 +83,7 @@ def _kind(planned: PlannedRun, reading: ForceReading) -> Kind:
     return reading.kind.value if planned.purpose is Purpose.MEASUREMENT else "no_contact"
 
 
-def _turns(session: Session) -> dict[int, int]:
+def turns_of(session: Session) -> dict[int, int]:
     """For each run how many before it had the same configuration, position and mounting."""
     seen: dict[tuple[str, float | None, int], int] = {}
     turns: dict[int, int] = {}

@@ -17,11 +17,13 @@ def time_series(
     run: RunRecord,
     calibration: LoadCellCalibration,
     shunt_ohm: float | None,
+    turn: int = 0,
     rate_hz: float = SERIES_HZ,
 ) -> TimeSeries:
     """Means over blocks of samples, about `rate_hz` of them a second; their times are the middles.
 
-    A block with a lost sample is left out. A sheet that nothing touches has no force.
+    A block with a lost sample is left out. A sheet that nothing touches has no force. `turn`
+    counts runs at the same place.
     """
     block = max(1, round(run.sample_clock.rate_hz / rate_hz))
     time_s = _means(run.time_s, block)
@@ -40,6 +42,7 @@ def time_series(
         force_N=force_N[whole] if touches else None,
         current_A=None if current_A is None else current_A[whole],
         mounting=run.planned.mounting,
+        run=turn,
     )
 
 

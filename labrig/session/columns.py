@@ -32,7 +32,7 @@ CURVES_OPTIONAL: Final = (
 )
 
 SIGNALS: Final = ("configuration", "position_mm", "time_s", "drive_V")
-SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting")
+SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting", "run")
 
 KINDS: Final = ("zero", "discarded", "kept", "no_contact")
 APPROACHES: Final = ("up", "down")

@@ -38,6 +38,10 @@ class Row:
         text = self._cells.get(column, "")
         return self._read(column, text, read, wanted) if text else default
 
+    def has(self, column: str) -> bool:
+        """Whether the file has a column."""
+        return column in self._cells
+
     def fault(self, text: str) -> BadInputError:
         """An error at this line."""
         return BadInputError(f"{self.file}, line {self.line}: {text}.")

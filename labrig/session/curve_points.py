@@ -12,6 +12,10 @@ from model.measurements import Curve
 _NUMBER = "a number"
 
 
+def _number_of(row: Row) -> int:
+    return row.get("point", integer, "a whole number from 0")
+
+
 class CurvePoints:
     """Points by their number along the sheet, from the clamp."""
 
@@ -19,9 +23,13 @@ class CurvePoints:
         self._points: dict[int, tuple[float, ...]] = {}
         self._last: Row | None = None
 
+    def holds(self, row: Row) -> bool:
+        """Whether the point of a row is there already. Raises BadInputError."""
+        return _number_of(row) in self._points
+
     def add(self, row: Row) -> None:
         """Take the point of a row. Raises BadInputError."""
-        number = row.get("point", integer, "a whole number from 0")
+        number = _number_of(row)
         if number in self._points:
             raise row.fault(f"column point: point {number} of this curve is there twice")
         nothing = float("nan")

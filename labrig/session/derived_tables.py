@@ -67,6 +67,7 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
                 configuration=str(row["configuration"]),
                 position_m=_known(row["position_m"]),
                 mounting=int(row["mounting"]),
+                run=int(row["run"]),
                 **_columns(tables["samples"], row, _SAMPLE),
             )
             for row in with_str(tables["series"])
@@ -196,6 +197,7 @@ def _series_table(series: Sequence[TimeSeries]) -> Array:
             "configuration": [each.configuration for each in series],
             "position_m": [_or_nan(each.position_m) for each in series],
             "mounting": [each.mounting for each in series],
+            "run": [each.run for each in series],
             "first": _starts(lengths),
             "count": lengths,
             "has_force_N": [each.force_N is not None for each in series],

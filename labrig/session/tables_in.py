@@ -19,6 +19,10 @@ from model.measurements import Condition, Kind, Measurements, Reading, SheetGeom
 
 NUMBER = "a number"
 WHOLE = "a whole number from 0"
+_UNSAID = (
+    "{} does not say of which run some of its curves are: the first curve is taken for that of the"
+    " first run. The column run or approach would say it."
+)
 
 
 class _Key(NamedTuple):
@@ -51,9 +55,10 @@ def read_tables(
     gathered: dict[_Key, _Gathered] = {}
     for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL):
         _add_force(gathered, row, sheet)
+    unsaid = False
     if curves is not None:
         for row in read_rows(curves, columns.CURVES, columns.CURVES_OPTIONAL):
-            _add_point(gathered, row, sheet)
+            unsaid |= _add_point(gathered, row, sheet)
     if not any(each.readings for each in gathered.values()):
         raise BadInputError(f"{forces}: holds no readings.")
     return Measurements(
@@ -61,7 +66,7 @@ def read_tables(
         conditions=tuple(_condition(key, each) for key, each in gathered.items()),
         series=_series(signals, sheet) if signals is not None else (),
         source=forces.name,
-        warnings=tuple(_without_force(gathered)),
+        warnings=(*_without_force(gathered), *([_UNSAID.format(curves)] if unsaid else [])),
     )
 
 
@@ -117,19 +122,31 @@ def _add_force(
 
 def _add_point(
     gathered: dict[_Key, _Gathered], row: Row, sheet: Mapping[str, SheetGeometry]
-) -> None:
+) -> bool:
+    """Take a curve's point; says whether its condition had to be taken from its order."""
     reading = row.optional("reading", integer, WHOLE, None)
-    found = _gathered(gathered, _meant(gathered, row, sheet), row)
+    key, unsaid = _meant(gathered, row, sheet, reading)
+    found = _gathered(gathered, key, row)
     if reading is not None and reading not in found.readings:
         raise row.fault(f"column reading: there is no force of reading {reading}")
     found.curves.setdefault(reading, CurvePoints()).add(row)
+    return unsaid
 
 
-def _meant(gathered: dict[_Key, _Gathered], row: Row, sheet: Mapping[str, SheetGeometry]) -> _Key:
-    """The condition that a curve belongs to: what its row leaves out may be anything."""
+def _meant(
+    gathered: dict[_Key, _Gathered],
+    row: Row,
+    sheet: Mapping[str, SheetGeometry],
+    reading: int | None,
+) -> tuple[_Key, bool]:
+    """The condition that a curve belongs to, and whether only the order says so.
+
+    Where a row does not say of which run it is, the first curve is the first run's, the next one
+    the next one's; approached from below comes before from above.
+    """
     key = _key(row, sheet)
-    if key in gathered:
-        return key
+    if key in gathered and (row.has("run") or row.has("approach")):
+        return key, False
     fit = [
         each
         for each in gathered
@@ -137,9 +154,12 @@ def _meant(gathered: dict[_Key, _Gathered], row: Row, sheet: Mapping[str, SheetG
         and row.optional("approach", str, "", each.approach) == each.approach
         and row.optional("run", integer, WHOLE, each.run) == each.run
     ]
-    if len(fit) > 1:
-        raise row.fault("it fits several conditions of the forces; add the column run or approach")
-    return fit[0] if fit else key
+    fit.sort(key=lambda each: (each.run, each.approach == "down"))
+    for each in fit:
+        points = gathered[each].curves.get(reading)
+        if points is None or not points.holds(row):
+            return each, len(fit) > 1
+    return fit[-1] if fit else key, len(fit) > 1
 
 
 def _without_force(gathered: dict[_Key, _Gathered]) -> Iterator[str]:
@@ -171,13 +191,20 @@ def _condition(key: _Key, gathered: _Gathered) -> Condition:
 
 
 def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries, ...]:
-    """A time series for each configuration, position and mounting."""
-    rows: dict[tuple[str, float | None, int], list[tuple[float, ...]]] = {}
+    """A time series for each run; times that begin anew begin the next run at the same place."""
+    rows: dict[tuple[str, float | None, int, int], list[tuple[float, ...]]] = {}
+    turns: dict[tuple[str, float | None, int], int] = {}
     for row in read_rows(path, columns.SIGNALS, columns.SIGNALS_OPTIONAL):
         position_m = row.optional("position_mm", from_milli, NUMBER, None)
         mounting = row.optional("mounting", integer, WHOLE, 0)
-        values = rows.setdefault((_configuration(row, sheet), position_m, mounting), [])
+        place = (_configuration(row, sheet), position_m, mounting)
         time_s = row.get("time_s", from_plain, NUMBER)
+        turn = row.optional("run", integer, WHOLE, turns.get(place, 0))
+        earlier = rows.get((*place, turn), [])
+        if not row.has("run") and len(earlier) > 1 and time_s <= earlier[0][0]:
+            turn += 1
+        turns[place] = turn
+        values = rows.setdefault((*place, turn), [])
         if values and time_s <= values[-1][0]:
             raise row.fault("column time_s: times must rise within a position")
         values.append(
@@ -194,7 +221,7 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
 
 
 def _one_series(
-    configuration: str, position_m: float | None, mounting: int, values: FloatArray
+    configuration: str, position_m: float | None, mounting: int, run: int, values: FloatArray
 ) -> TimeSeries:
     time_s, drive_V, force_N, current_A = values.T.copy()
     return TimeSeries(
@@ -205,4 +232,5 @@ def _one_series(
         force_N=None if np.isnan(force_N).any() else force_N,
         current_A=None if np.isnan(current_A).any() else current_A,
         mounting=mounting,
+        run=run,
     )

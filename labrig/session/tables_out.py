@@ -133,6 +133,7 @@ def _signals(series: Iterable[TimeSeries]) -> Iterator[Cells]:
             "configuration": each.configuration,
             "position_mm": "" if each.position_m is None else milli(each.position_m),
             "mounting": str(each.mounting) if each.mounting else "",
+            "run": str(each.run) if each.run else "",
         }
         for at in range(len(each.time_s)):
             cells = where | {"time_s": plain(each.time_s[at]), "drive_V": plain(each.drive_V[at])}

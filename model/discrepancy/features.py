@@ -96,7 +96,7 @@ def look(measurements: Measurements, configuration: str) -> Look:
         known = ", ".join(sorted(measurements.sheets)) or "none"
         raise ModelError(f"there is no configuration '{configuration}' (known: {known})")
     check_sheet(sheet)
-    own = [c for c in measurements.conditions if c.configuration == configuration]
+    own = _told_apart([c for c in measurements.conditions if c.configuration == configuration])
     if not own:
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
     span = _session_span(measurements)
@@ -111,6 +111,19 @@ def look(measurements: Measurements, configuration: str) -> Look:
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return Look(sheet, seen, tuple(pulses))
+
+
+def _told_apart(conditions: list[Condition]) -> list[Condition]:
+    """A position approached from above is a run of its own, also where nobody says so."""
+
+    def place(one: Condition) -> tuple[object, ...]:
+        return one.position_m, one.mounting, one.run, one.tilt_rad
+
+    below = {place(one) for one in conditions if one.approach != "down"}
+    return [
+        replace(one, run=one.run + 1) if one.approach == "down" and place(one) in below else one
+        for one in conditions
+    ]
 
 
 def _seen(
@@ -203,10 +216,9 @@ class _Timing:
 def run_key(condition: Condition | TimeSeries) -> RunKey:
     """What the conditions of one set-up share."""
     position = np.inf if condition.position_m is None else condition.position_m
-    run, tilt_rad = 0, 0.0  # a series says neither
-    if isinstance(condition, Condition):
-        run, tilt_rad = condition.run, condition.tilt_rad
-    return condition.configuration, float(position), condition.mounting, run, tilt_rad
+    # a series does not say how the rig was tilted
+    tilt_rad = condition.tilt_rad if isinstance(condition, Condition) else 0.0
+    return condition.configuration, float(position), condition.mounting, condition.run, tilt_rad
 
 
 def _first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
@@ -256,8 +268,8 @@ def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
         return
     parts = parts_of_pulses(series)
     for i, one in enumerate(seen):
-        # a series does not say of which turn it is, nor how the rig was tilted
-        if one.run[:3] != run_key(series)[:3] or one.voltage_V == 0.0:
+        # a series does not say how the rig was tilted
+        if one.run[:4] != run_key(series)[:4] or one.voltage_V == 0.0:
             continue
         own = parts.get(float(np.sign(one.voltage_V)))
         if own is None or len(own) < FEWEST_PULSES:

@@ -70,7 +70,7 @@ def measurements() -> Measurements:
     time = np.arange(40) / 200
     series = (
         TimeSeries("long", 0.005, time, np.sign(time - 0.1), rng.random(40), rng.random(40)),
-        TimeSeries("short", None, time, np.sign(time - 0.1), mounting=1),
+        TimeSeries("short", None, time, np.sign(time - 0.1), mounting=1, run=2),
     )
     return Measurements(sheets, conditions, series, "file.h5", "ab" * 32, ("a warning, one",))
 

@@ -200,9 +200,28 @@ def test_a_curve_finds_its_condition_without_naming_its_run(tmp_path):
     lines = FORCES.strip().split("\n")
     runs = "\n".join([lines[0] + ",run,approach", *(line + ",3,down" for line in lines[1:])])
     assert read(tmp_path, runs, CURVES).conditions[1].curve is not None
-    twice = runs + "\nlong,5,2,10,1.5,4,down"
-    with pytest.raises(BadInputError, match="fits several conditions"):
-        read(tmp_path, twice, CURVES)
+
+
+def test_curves_that_do_not_name_their_run_go_to_the_runs_in_order(tmp_path):
+    lines = FORCES.strip().split("\n")
+    up = "\n".join([lines[0] + ",run,approach", *(line + ",0,up" for line in lines[1:])])
+    twice = up + "\nlong,5,2,10,1.5,1,down"
+    once = read(tmp_path, twice, CURVES)
+    assert [c.curve is not None for c in once.conditions if c.voltage_V == 2.0] == [True, False]
+    assert "does not say of which run" in once.warnings[0]
+    again = CURVES.strip() + "\n" + "\n".join(CURVES.strip().split("\n")[1:])
+    both = read(tmp_path, twice, again)
+    assert [c.curve is not None for c in both.conditions if c.voltage_V == 2.0] == [True, True]
+
+
+def test_a_curve_may_name_its_run(tmp_path):
+    lines = FORCES.strip().split("\n")
+    up = "\n".join([lines[0] + ",run,approach", *(line + ",0,up" for line in lines[1:])])
+    curves = CURVES.strip().split("\n")
+    named = "\n".join([curves[0] + ",run", *(line + ",1" for line in curves[1:])])
+    found = read(tmp_path, up + "\nlong,5,2,10,1.5,1,down", named)
+    assert [c.run for c in found.conditions if c.curve is not None] == [1]
+    assert not found.warnings
 
 
 def test_a_curve_without_a_force_is_kept_with_a_warning(tmp_path):
@@ -216,6 +235,15 @@ def test_signals_make_a_series_for_each_position(tmp_path):
     assert series.position_m == 0.005
     np.testing.assert_array_equal(series.time_s, [0, 0.005])
     assert series.force_N is None
+
+
+def test_signals_that_begin_anew_are_of_the_next_run(tmp_path):
+    again = SIGNALS + "\n".join(SIGNALS.strip().split("\n")[1:])
+    assert [s.run for s in read(tmp_path, signals=again).series] == [0, 1]
+    named = "\n".join(
+        line + ("," + ("run" if i == 0 else "3")) for i, line in enumerate(SIGNALS.split("\n")[:3])
+    )
+    assert [s.run for s in read(tmp_path, signals=named).series] == [3]
 
 
 HEAD = "configuration,position_mm,voltage_V,reading,force_mN"

@@ -101,7 +101,24 @@ def test_a_free_shape_has_a_curve_and_no_force(measure):
     assert not np.isin(part.trend_of, scene.free).any()
 
 
+def test_a_position_approached_from_above_is_a_run_of_its_own():
+    m = session()
+    again = [replace(c, approach="down") for c in m.conditions if c.position_m == 0.01]
+    both = look(replace(m, conditions=(*m.conditions, *again)), "long")
+    assert {s.run[3] for s in both.seen if s.up < 0.0} == {1}
+    assert {s.run[3] for s in both.seen if s.up > 0.0} == {0}
+
+
 # ------------------------------------------------------------------------------ series
+
+
+def test_a_series_belongs_to_its_run_alone():
+    m = session()
+    second = [replace(c, run=1, approach="down") for c in m.conditions if c.position_m == 0.01]
+    series = [replace(s, run=1) for s in m.series if s.position_m == 0.01]
+    twice = replace(m, conditions=(*m.conditions, *second), series=(*m.series, *series))
+    pulses = [p for p in look(twice, "long").pulses if p.run[1] == 0.01]
+    assert sorted(p.run[3] for p in pulses) == [0, 0, 1, 1]
 
 
 def made(seconds: float = 7.0, rate: float = 100.0, lag_s: float = 0.03) -> TimeSeries:
