@@ -18,7 +18,9 @@ _ORDER_STREAM = 0xCE140
 
 def train_of(case: Case) -> Train:
     """The pulses of each run that touches the load cell."""
-    return Train(voltages=(1.0, -1.0)) if case.further == "half_voltage" else Train()
+    if case.further == "half_voltage":
+        return Train(voltages=(1.0, -1.0))
+    return Train(kept=30) if case.further == "long_runs" else Train()
 
 
 def visits(case: Case) -> Iterator[Visit]:
@@ -76,7 +78,8 @@ def _turned(_case: Case, name: str) -> Iterator[Visit]:
 
 
 FURTHER: dict[str, Callable[[Case, str], Iterator[Visit]]] = {
-    "free_shapes": _free, "remount": _remount, "reversed_approach": _reversed,
+    "free_shapes": _free, "remount": _remount, "long_runs": _remount,
+    "reversed_approach": _reversed,
     "between": _between, "half_voltage": _everything, "random_order": _shuffled,
     "turned_over": _turned, "more_repeats": _everything,
 }  # fmt: skip

@@ -18,7 +18,9 @@ from labrig.config import parse_protocol
 from labrig.config.base import parse_toml
 from labrig.errors import BadInputError
 from model.discrepancy import Diagnosis, Next
+from model.discrepancy.menu import LONGER
 from model.measurements import Measurements
+from protocols import PulseTrain
 
 _NO_EXTRAS = {
     "random_order": False, "no_touch_zero": False, "free_shapes": False, "reversed_approach": False,
@@ -111,6 +113,13 @@ def _remount(_tables: Tables, places: Places, _extras: Tables) -> None:
         places[name] = [own[i] for i in sorted({0, len(own) // 2, len(own) - 1})] if own else own
 
 
+def _long_runs(tables: Tables, places: Places, extras: Tables) -> None:
+    _remount(tables, places, extras)
+    train = tables["pulse_train"]
+    usual = train.get("readings_per_voltage", PulseTrain.readings_per_voltage)
+    train["readings_per_voltage"] = LONGER * usual
+
+
 def _reversed(_tables: Tables, places: Places, extras: Tables) -> None:
     extras["approach"] = "down"
     for own in places.values():
@@ -138,5 +147,5 @@ def _turned_over(_tables: Tables, _places: Places, extras: Tables) -> None:
 _MAKERS = {
     "free_shapes": _free_shapes, "remount": _remount, "reversed_approach": _reversed,
     "between": _between, "half_voltage": _half_voltage, "random_order": _random_order,
-    "turned_over": _turned_over, "more_repeats": _everything,
+    "long_runs": _long_runs, "turned_over": _turned_over, "more_repeats": _everything,
 }  # fmt: skip

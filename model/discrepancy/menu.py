@@ -19,6 +19,9 @@ from model.effects.interface import Clock, Effect
 from model.measurements import FloatArray, ModelError
 from model.noise import weigh
 
+PULSE_S = 0.6
+LONGER = 3  # times as many pulses, in a long run
+LONG_MINUTES = 1.5  # a position with so many
 RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
 TURN_MINUTES = 3.0  # the rig over, and everything in its place again
 
@@ -61,10 +64,15 @@ def _places(one: Look) -> list[float]:
     return sorted({s.position_m for s in _touching(one)})
 
 
-def _remount(one: Look) -> tuple[Seen, ...]:
+def _set_anew(one: Look, mounting: int) -> tuple[Seen, ...]:
+    """The first, the middle and the last position."""
     places = _places(one)
     chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
-    return tuple(_again(s, 90) for s in _touching(one) if s.position_m in chosen)
+    return tuple(_again(s, mounting) for s in _touching(one) if s.position_m in chosen)
+
+
+def _remount(one: Look) -> tuple[Seen, ...]:
+    return _set_anew(one, 90)
 
 
 def _reversed(one: Look) -> tuple[Seen, ...]:
@@ -73,6 +81,35 @@ def _reversed(one: Look) -> tuple[Seen, ...]:
 
 def _repeat(one: Look) -> tuple[Seen, ...]:
     return tuple(_again(s, 92) for s in _touching(one))
+
+
+def _long(one: Look) -> tuple[Seen, ...]:
+    """Three positions with `LONGER` times as many readings under voltage."""
+    return tuple(_longer(s) if s.voltage_V else s for s in _set_anew(one, 99))
+
+
+def _longer(seen: Seen) -> Seen:
+    """The same pulses going on and on; before them nothing changes."""
+    clock, count = seen.clock, LONGER * len(seen.force_N)
+
+    def on(values: FloatArray, step: float) -> FloatArray:
+        step = float(np.median(np.diff(values))) if len(values) > 1 else step
+        return np.asarray(values[0] + step * np.arange(count))
+
+    pulses = 2.0  # from one pulse of this voltage to the next
+    seconds = pulses * PULSE_S
+    longer = replace(
+        clock.of(np.zeros(len(clock.voltage_V), dtype=bool)),
+        **{name: np.full(count, getattr(clock, name)[0]) for name in ("voltage_V", "pulse_s")},
+        session=np.full(count, float(np.mean(clock.session))),
+        opposite=np.resize(clock.opposite, count),
+        rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
+        pulse=on(clock.pulse, pulses), run_s=on(clock.run_s, seconds),
+        wetted_s=on(clock.wetted_s, seconds), driven_s=on(clock.driven_s, seconds),
+    )  # fmt: skip
+    own = seen.own_curves
+    curves = tuple(own[k % len(own)] for k in range(count)) if own else ()
+    return replace(seen, force_N=np.zeros(count), clock=longer, own_curves=curves)
 
 
 def _turned(one: Look) -> tuple[Seen, ...]:
@@ -157,6 +194,8 @@ MENU: tuple[Entry, ...] = (
           _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
     Entry("remount", "three positions set anew", _minutes(3.0), _remount,
           {"extras": {"remount": 3}}),
+    Entry("long_runs", "three positions with three times as many pulses",
+          _minutes(3.0 * LONG_MINUTES), _long, {"pulse_train": {"readings_per_voltage": 30}}),
     Entry("reversed_approach", "all positions again, approached from the other side", _runs,
           _reversed, {"extras": {"reversed_approach": True}}),
     Entry("between", "positions half-way between those measured", _runs, _between,
@@ -287,7 +326,7 @@ def _with_half(problem: Problem, study: Study) -> Bases:
             if volts not in eibm:
                 eibm[volts], place = (place, 1.0), place + 1
         parts.append(replace(one, eibm=eibm))
-    return Bases(tuple(parts), place)
+    return replace(problem.bases, parts=tuple(parts), size=place)
 
 
 def _half_start(problem: Problem, bases: Bases, theta: FloatArray) -> FloatArray:
