@@ -61,6 +61,7 @@ def _weighed(
     return Weighed(
         np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
         np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
+        run.clock.wetted_s,
     )  # fmt: skip
 
 

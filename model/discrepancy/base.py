@@ -6,6 +6,7 @@ import numpy as np
 
 from model.discrepancy.linear import Base, Bases
 from model.discrepancy.point import Study
+from model.discrepancy.rise import RISE
 from model.field import Field
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.observations import observe
@@ -22,7 +23,7 @@ def rest_of(measurements: Measurements, configuration: str) -> tuple[Field, bool
 
 
 def bases_of(study: Study, known: list[bool], symmetric: bool) -> Bases:
-    """B, one EIBM a voltage, and what is not known of k0, for each configuration."""
+    """B, one EIBM a voltage, and what is not known of k0, by configuration; how pulses rise."""
     parts, place = [], 0
     for scene, look, stated in zip(study.scenes, study.looks, known, strict=True):
         stiffness, place = place, place + 1
@@ -44,6 +45,8 @@ def bases_of(study: Study, known: list[bool], symmetric: bool) -> Bases:
             rest[place], prior[place] = bow, (0.5, 0.5)
             place += 1
         parts.append(Base(stiffness, eibm, rest, prior))
+    if any(look.pulses for look in study.looks):
+        return Bases(tuple(parts), place + len(RISE), rise=place)
     return Bases(tuple(parts), place)
 
 
@@ -81,6 +84,8 @@ def start(
             theta[i] = guess[own.start] * (sign if symmetric and voltage < 0.0 else 1.0)
         for i, (mean, _) in one.prior.items():
             theta[i] = mean
+    if bases.rise is not None:
+        theta[bases.rise :] = [mean for mean, _ in RISE]
     if not np.all(np.isfinite(theta)):
         raise ModelError("no rough values of B and EIBM could be found; check forces and curves")
     return theta

@@ -59,8 +59,9 @@ def _in_pulses(
     eibm, stiffness = study.mean_course(c, inner)
     force, slope = np.nan_to_num(state.solved.force_N[of]), state.by_eibm[of]
     both = []
+    at_sample = 1.0 - part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
     for number, clock in enumerate((part.bin_clock, part.bin_sample)):
-        a = 1.0 - part.bin_mean(rise_left(clock, rise, 0.0))
+        a = (1.0 - part.bin_mean(rise_left(clock, rise, 0.0))) / at_sample
         b = np.ones_like(a)
         for effect, values in inner:
             change = study.bin_courses(c, effect, values)[number]

@@ -14,7 +14,7 @@ from model.effects.interface import Effect
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
 SURE = 0.02  # posterior below which an alternative is not mentioned
 LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
-SLOT_MARGIN = 6.0  # ln of the Bayes factor by which a free form must be better than a name
+SLOT_MARGIN = 3.0  # ln of the Bayes factor by which a free form must be better than a name
 
 
 @dataclass(frozen=True)

@@ -33,13 +33,14 @@ from model.discrepancy.search import Contender, Outcome
 from model.discrepancy.settle import Fitted
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.where import places
-from model.discrepancy.words import notes, sentence
+from model.discrepancy.words import DIFFERS, notes, refused, scattered, sentence, too_few
 from model.effects.interface import Effect
 from model.measurements import Measurements
 from model.noise import weigh
 
 SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
 MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
+MUCH = 6.0  # times the usual scatter from one set-up to the next that no rig has by chance
 RIVALS = 6  # best names among which the choice is repeated with each position left out
 
 
@@ -88,7 +89,8 @@ class Finding:
         seen = self._signatures(pool, decision)
         unseen = invisible(base, seen, {e.name: e for e in self.effects})
         named = tuple(_named(c, decision.known, seen) for c in decision.named)
-        verdict = self._verdict(named, decision.unknown)
+        doubt = self._doubt(decision)
+        verdict = self._verdict(named, decision.unknown, doubt)
         apart = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         fitted = BeforeAfter(
@@ -100,8 +102,8 @@ class Finding:
             decision.known, decision.unknown, self.measurements, self.options, fitted.after
         )
         return Diagnosis(
-            verdict, sentence(verdict, named, decision.unknown, apart.gap, setups(self.ready)),
-            named, unseen, decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
+            verdict, sentence(verdict, named, decision.unknown, apart.gap, doubt), named, unseen,
+            decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
             self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
             classes(seen, unseen), apart.rows,
             _scatter(decision.final), outliers,
@@ -120,7 +122,9 @@ class Finding:
         rest = leftover(self.outcome, known, self.effects)
         if rest is None or not self._enough:
             return _Decision(named, known, None, known)
-        if rest.apart < self.threshold + SLOT_MARGIN or rest.share < LEFT:
+        # beside names it must be more than what is left of their forms
+        least = self.threshold + (SLOT_MARGIN if named else 0.0)
+        if rest.apart < least or rest.share < LEFT:
             return _Decision(named, known, None, known)
         if _alone(rest, base, known):
             named, known = [], base
@@ -136,8 +140,24 @@ class Finding:
         sizes = {c.name: c.score.amplitude for c in chosen}
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
 
-    def _verdict(self, named: Sequence[Named], unknown: Unknown | None) -> Verdict:
+    def _doubt(self, decision: _Decision) -> str:
+        """Why these data cannot tell, where nothing is found; empty: they can."""
         if not self._enough:
+            return too_few(setups(self.ready))
+        if decision.named or decision.unknown is not None:
+            return ""
+        log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
+        times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
+        most = max(DIFFERS, key=lambda name: times[name])
+        if times[most] > MUCH:
+            return scattered(most, times[most])
+        best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
+        if best is not None and best.gain > self.threshold + SLOT_MARGIN:
+            return refused(best.name)
+        return ""
+
+    def _verdict(self, named: Sequence[Named], unknown: Unknown | None, doubt: str) -> Verdict:
+        if doubt:
             return "cannot_tell"
         if unknown is not None:
             return "unknown_effect"

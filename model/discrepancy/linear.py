@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.point import Active, State, Step, Study
+from model.discrepancy.rise import RISE, rise_columns
 from model.discrepancy.row_noise import Noise, width_of
 from model.discrepancy.scatter import Columns, groups_of, scatter_columns
 from model.effects.interface import Beam
@@ -32,6 +33,7 @@ class Bases:
 
     parts: tuple[Base, ...]
     size: int
+    rise: int | None = None  # first place of what is not known of all pulses' rise alike
 
     def beam(self, study: Study, c: int, theta: FloatArray) -> Beam:
         """The base model of a configuration."""
@@ -95,6 +97,10 @@ def linearise(
             columns[:, i] += study.rows_of(c, state, step)
         for name, found in scatter_columns(study, c, state).items():
             scatter.setdefault(name, []).extend(found)
+    if bases.rise is not None:
+        own = slice(bases.rise, bases.rise + len(RISE))
+        columns[:, own] = sum(rise_columns(study, c, state) for c, state in enumerate(states))
+        residual -= columns[:, own] @ theta[own]
     priors = [_prior(bases, i) for i in range(bases.size)]
     pad = study.layout.pad
     empty = pad(np.ones(N)) == 0.0
@@ -123,6 +129,8 @@ def with_columns(
 
 
 def _prior(bases: Bases, i: int) -> tuple[float, float]:
+    if bases.rise is not None and 0 <= i - bases.rise < len(RISE):
+        return RISE[i - bases.rise]
     for one in bases.parts:
         if i in one.prior:
             return one.prior[i]

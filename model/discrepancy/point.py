@@ -152,7 +152,7 @@ class Study:
         return Weighed(
             np.nan_to_num(held.force_N[of]), np.nan_to_num(held.normal_N[of]),
             np.nan_to_num(held.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
-            slid(beam, held)[of],
+            part.clock.wetted_s, slid(beam, held)[of],
         )  # fmt: skip
 
     def _residual(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
@@ -272,8 +272,10 @@ class Study:
         """The known rise of the voltage: parts of a pulse against its sampling point."""
         part, step = self.part(c), self.no_step(c)
         rise = max(self.scenes[c].sheet.rise_time_s, 1e-6)
-        later = rise_left(part.bin_clock, rise, 0.0) - rise_left(part.bin_sample, rise, 0.0)
-        return replace(step, bin_eibm=-part.bin_mean(later))
+        at_sample = part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
+        later = part.bin_mean(rise_left(part.bin_clock, rise, 0.0)) - at_sample
+        # the EIBM is stated as it is at the sampling point, not as it would settle
+        return replace(step, bin_eibm=-later / (1.0 - at_sample))
 
     def rows_of(self, c: int, state: State, step: Step) -> FloatArray:
         """A step in all rows (N,)."""

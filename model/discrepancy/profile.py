@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.features import Index
+from model.discrepancy.form_share import form_share, steps_of
 from model.discrepancy.gaps import variance
 from model.discrepancy.linear import with_columns
 from model.discrepancy.point import Step
@@ -14,7 +15,7 @@ from model.discrepancy.result import FormCurve, Unknown
 from model.discrepancy.search import Contender
 from model.discrepancy.settle import Fitted
 from model.discrepancy.slots import TIMES, Shape, shapes, unit_of
-from model.discrepancy.tolerance import FORM, cosine, waves_along, whole_step
+from model.discrepancy.tolerance import FORM, cosine, waves_along
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.noise import weigh
@@ -137,25 +138,12 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
 def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
     """How much of an effect is deviation from its form, and the form along the sheet."""
     one, span = fitted.found[index], fitted.spans[index]
-    study, others = fitted.problem.study, tuple(
-        a for i, a in enumerate(fitted.active) if i != index
-    )  # fmt: skip
-    first = span.start + len(one.knobs())
-    steps: list[tuple[int, Step]] = []
-    for c, name in enumerate(study.names):
-        if name in one.values:
-            base = fitted.linear.states[c].base
-            state = fitted.linear.states[c]
-            steps.append((c, whole_step(study, c, state, base, others, one.active)))
+    steps, share = steps_of(fitted, index), form_share(fitted, index)
     if not steps:
-        return 0.0, None
-    rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
-    deviation = (
-        fitted.linear.columns[:, first : span.stop] @ fitted.solution.beta[first : span.stop]
-    )
-    share = _share_of_form(fitted, np.stack(rows, axis=1), deviation)
+        return share, None
     # the waves along the sheet come first, behind what may differ between configurations
-    first += len(study.names) > 1 and not one.effect.by_configuration
+    first = span.start + len(one.knobs())
+    first += len(fitted.problem.study.names) > 1 and not one.effect.by_configuration
     places = np.arange(first, min(first + one.effect.waves, span.stop))
     if one.effect.tolerance[:1] != ("s",) or not len(places):
         return share, None
@@ -178,25 +166,3 @@ def _form_curve(fitted: Fitted, c: int, step: Step, places: Index) -> FormCurve:
         "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
         np.abs(values) * sigma / scale, "what the effect adds, relative",
     )  # fmt: skip
-
-
-def _share_of_form(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
-    """Of what an effect does, how much no choice of its size in each configuration would do."""
-    by = 1.0 / np.sqrt(variance(fitted))
-    own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
-    total = own.sum(axis=1) + (deviation - _on_base(fitted, deviation)) * by
-    size = np.linalg.lstsq(own, total, rcond=1e-9)[0]
-    square = float(total @ total)
-    return float(np.sum((total - own @ size) ** 2) / square) if square > 0.0 else 0.0
-
-
-def _on_base(fitted: Fitted, column: FloatArray) -> FloatArray:
-    """The part of a column that the base parameters can take up."""
-    size, study = fitted.problem.bases.size, fitted.problem.study
-    layout, W = study.layout, fitted.solution.weights
-    X = layout.pad(fitted.linear.columns[:, :size])
-    p = X.shape[2]
-    A = X.reshape(-1, p).T @ (W @ X).reshape(-1, p) + np.diag(fitted.linear.data.precision[:size])
-    b = X.reshape(-1, p).T @ (W @ layout.pad(column)[:, :, None])[:, :, 0].ravel()
-    result: FloatArray = fitted.linear.columns[:, :size] @ np.linalg.lstsq(A, b, rcond=1e-12)[0]
-    return result

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from model.discrepancy.form_share import form_share
 from model.discrepancy.left_out import predictive_gains
 from model.discrepancy.outliers import numbers_of, outlier_candidates, without
 from model.discrepancy.score import (
@@ -31,6 +32,7 @@ CLOSE = 0.25  # contenders that are refined: those with so much less evidence, r
 CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 MOST_OUTLIERS = 2
+MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
 PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
 
@@ -242,8 +244,12 @@ def _rows(fitted: Fitted) -> FloatArray:
 
 
 def _worth(turn: Turn, threshold: float) -> Contender | None:
-    """The best effect of the catalogue, if the data ask for it."""
-    best = next((c for c in turn.ranking if c.known), None)
-    if best is None or best.fitted is None or apart(turn.before, best) < threshold:
-        return None
-    return best if supported(turn.before, best.fitted) else None
+    """The best effect of the catalogue whose form is in the data, if they ask for it."""
+    for one in turn.ranking:
+        if not one.known or one.fitted is None:
+            continue
+        if form_share(one.fitted, len(one.fitted.found) - 1) > MOST_FORM:
+            continue
+        asked = one.gain >= threshold and apart(turn.before, one) >= threshold
+        return one if asked and supported(turn.before, one.fitted) else None
+    return None

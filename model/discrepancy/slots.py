@@ -121,7 +121,8 @@ def _rest_curvature(study: Study, c: int, state: State) -> Making:
     beam = np.zeros_like(none.beam)
     beam[:, -1] = KINK_RAD
     beam[:, 2 * scene.count + 1] = beam[:, 2 * scene.count + 3] = -KINK_RAD
-    yield Made("s", "s", _kink(scene.length), replace(none, beam=beam))
+    for part in ("s", "clamp"):  # also alone: what is constant costs least by itself
+        yield Made(part, "s", _kink(scene.length), replace(none, beam=beam))
 
 
 def _kink(length_m: float) -> Callable[[FloatArray], FloatArray]:
@@ -177,8 +178,10 @@ def _position(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
     scene, none, G = study.scenes[c], study.no_step(c), study.scenes[c].count
     R = scene.sheet.arc_radius_m
     u = _on_arc(study, c)
-    for part, signed in (("position", np.ones(scene.K)), ("polarity", np.sign(scene.voltage_V))):
-        for j in range(7):  # one for each position of the paper: a screw's error may be anything
+    same, driven = np.ones(scene.K), np.sign(scene.voltage_V)
+    # seven: one for each position of the paper; a screw's error may be anything
+    for part, signed, count in (("position", same, 7), ("polarity", driven, 7), ("zero", same, 1)):
+        for j in range(count):
             one = wave(j, 1e-3)
             beam = np.zeros_like(none.beam)
             beam[:, 2 * G + 1] = beam[:, 2 * G + 3] = one(u) * signed / R
@@ -195,10 +198,14 @@ def _on_arc(study: Study, c: int) -> FloatArray:
 def _load_cell(study: Study, c: int, state: State) -> Making:
     part, none, w = study.part(c), study.no_step(c), state.weighed
     on_arc = _on_arc(study, c)[part.reading_of]
-    for name, shared in (("position", True), ("position, each sheet", False)):
-        for j in range(7 if shared else 5):
+    same, driven = w.touching, w.touching * np.sign(part.clock.voltage_V)
+    for name, signed, count, shared in (
+        ("position", same, 7, True), ("position, each sheet", same, 5, False),
+        ("polarity", driven, 3, True), ("zero", same, 1, True),
+    ):  # fmt: skip
+        for j in range(count):
             one = wave(j, 2e-4)
-            step = replace(none, force_N=one(on_arc) * w.touching)
+            step = replace(none, force_N=one(on_arc) * signed)
             yield Made(name, "position", one, step, shared)
     scale = max(float(np.std(w.force_N)), 1e-6)
     for power in (2, 3):
@@ -222,8 +229,9 @@ def _camera(study: Study, c: int, state: State) -> Making:
                 yield Made("place", "place", None, replace(none, points_m=points), shared=True)
 
 
-def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
+def _time(study: Study, c: int, state: State) -> Making:
     part, none = study.part(c), study.no_step(c)
+    at_zero = (np.nan_to_num(state.solved.force_N) - state.by_eibm)[part.reading_of]
     driven = (part.clock.voltage_V != 0.0).astype(float)
     for name, span, count in (("session", TIMES["session"][0], 8), ("run_s", TIMES["run"][0], 3)):
         t = np.clip(getattr(part.clock, name) / span, 0.0, 1.0)
@@ -234,7 +242,8 @@ def _time(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
             changes = [("EIBM", replace(none, eibm=one(t) * driven)),
                        ("stiffness", replace(none, stiffness=one(t)))]  # fmt: skip
             if name == "run_s":
-                changes.append(("force", replace(none, force_N=FORCE_N * one(t))))
+                changes += [("force", replace(none, force_N=FORCE_N * one(t))),
+                            ("stress", replace(none, force_N=at_zero * one(t)))]  # fmt: skip
             for what, step in changes:
                 yield Made(f"{what}, {name.removesuffix('_s')}", "time", one, step, shared=True)
     t = np.clip(part.bin_clock.pulse_s / TIMES["pulse"][0], 0.0, 1.0)

@@ -9,6 +9,10 @@ from model.discrepancy.prepare import FEWEST_SETUPS
 from model.discrepancy.result import BeforeAfter, Named, Unknown, Verdict
 
 OWN_FORM = 0.5  # share of form from which on an effect is told not to be the catalogue's
+DIFFERS = {
+    "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
+    "force_zero": "the load cell's zero",
+}  # fmt: skip
 
 
 def sentence(
@@ -16,15 +20,11 @@ def sentence(
     named: Sequence[Named],
     unknown: Unknown | None,
     left_out: BeforeAfter,
-    setups: int,
+    doubt: str,
 ) -> str:
-    """The answer."""
+    """The answer. `doubt`: why the data cannot tell, where they cannot."""
     if verdict == "cannot_tell":
-        return (
-            f"These data cannot tell what is missing: there are {setups} set-ups of the load cell,"
-            " too few to know how much one set-up differs from the next; measure at least"
-            f" {FEWEST_SETUPS} positions, or set three of them anew."
-        )
+        return f"These data cannot tell what is missing: {doubt}."
     if verdict == "nothing_missing":
         return "Nothing is missing that these data could show: what is left is noise and scatter."
     names = " and ".join(n.name for n in named)
@@ -40,6 +40,30 @@ def sentence(
         also = " or ".join(sorted({c for n in named for c in n.confusable_with}))
         return f"{names} is missing, or {also}, which these data cannot tell apart; {gap}."
     return f"{names} {'are' if len(named) > 1 else 'is'} missing: with it {gap}."
+
+
+def too_few(setups: int) -> str:
+    """Why few set-ups say nothing."""
+    return (
+        f"there are {setups} set-ups of the load cell, too few to know how much one set-up differs"
+        f" from the next; measure at least {FEWEST_SETUPS} positions, or set three of them anew"
+    )
+
+
+def scattered(name: str, times: float) -> str:
+    """Why set-ups that differ too much say nothing."""
+    return (
+        f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as is usual;"
+        " set three positions anew to see whether that is chance"
+    )
+
+
+def refused(name: str) -> str:
+    """Why an effect that explains something is not named."""
+    return (
+        f"{name} would explain some of what is left, but not on positions that are left out, or"
+        " only in another form than its own"
+    )
 
 
 def _gap(left_out: BeforeAfter) -> str:

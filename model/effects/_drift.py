@@ -25,5 +25,10 @@ def progress(clock: Clock, since_wetting: float, settles: float) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the data, or of a run's time under voltage."""
     done = clock.driven_s / RUN_DRIVEN_S if since_wetting > 0.5 else clock.session
     if settles > 0.5:
-        done = np.expm1(-done / SETTLES_AFTER) / np.expm1(-1.0 / SETTLES_AFTER)
+        done = settled(done)
     return np.asarray(done - 0.5)
+
+
+def settled(done: FloatArray) -> FloatArray:
+    """0 to 1 over the whole, most of it soon."""
+    return np.asarray(np.expm1(-done / SETTLES_AFTER) / np.expm1(-1.0 / SETTLES_AFTER))

@@ -89,7 +89,7 @@ def example_weighed(*, touched: bool = True) -> Weighed:
     normal = (-1e-3 + 1e-3 * volts) * float(touched)
     return Weighed(
         normal * np.cos(gamma), normal, gamma, np.full(READINGS, 0.025 if touched else np.nan),
-        example_clock().session, np.full(READINGS, float(touched)),
+        example_clock().session, np.full(READINGS, float(touched)), example_clock().wetted_s,
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from model.effects._drift import SETTLES, settled
 from model.effects._values import MILLI
 from model.effects.interface import Effect, Knob, Values, Weighed
 from model.measurements import FloatArray
@@ -15,13 +16,19 @@ class ForceDrift(Effect):
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        return p["force_mN"] * MILLI * weighed.session
+        done = weighed.session
+        if p[SETTLES.name] > 0.5:
+            done = settled(done)
+        return p["force_mN"] * MILLI * done
 
 
 EFFECT = ForceDrift(
     name="force_drift",
     meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
-    form="F measured = F + c tau, tau = 0 to 1 over the session",
+    form=(
+        "F measured = F + c tau, tau = 0 to 1 over the session; or settling exponentially, with a"
+        " third of it as its time constant"
+    ),
     slot="load_cell",
     signature=(
         "An error of the force that goes with the time of day and nothing else; where positions are"
@@ -32,6 +39,7 @@ EFFECT = ForceDrift(
     needs_session=True,
     knobs=(
         Knob("force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20),
+        SETTLES,
     ),
     tolerance=("time",),
     of_the_rig=True,

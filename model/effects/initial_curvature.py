@@ -32,7 +32,7 @@ EFFECT = InitialCurvature(
     source="the paper, table 3: the sheets have an initial curvature, measured once per sheet",
     knobs=(
         Knob(
-            "curvature_error_per_m", "curvature at rest less that stated", "1/m", 2.0,
+            "curvature_error_per_m", "curvature at rest less that stated", "1/m", 1.0,
             low=-60.0, high=60.0,
         ),
     ),

@@ -136,6 +136,7 @@ class Weighed:
     position_m: FloatArray
     session: FloatArray  # 0 .. 1 over the data
     touching: FloatArray  # 1, or 0 without contact
+    wetted_s: FloatArray | float = 0.0  # since the sheet was last wetted
     slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
 
 

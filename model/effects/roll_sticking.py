@@ -12,22 +12,30 @@ from model.effects.interface import Effect, Knob, Values, Weighed
 from model.measurements import FloatArray
 
 _SAME_M = 1e-6
+FROM_NO_LOAD, WITH_THE_FORCE = 1, 2
+TURNS_N = 5e-5  # within which a force changes its sign
 
 
 @dataclass(frozen=True)
 class RollSticking(Effect):
-    """Beyond a position a change of force comes through only when it has pulled the sheet loose."""
+    """Beyond a position a change of force comes through only when it has pulled the sheet loose.
+
+    Or, more simply, the rolls hold the sheet with a force that the load cell sees with the force's
+    own sign, whatever came before.
+    """
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        ahead = hung(
-            weighed.force_N,
-            weighed.position_m,
-            p["force_mN"] * MILLI,
-            from_no_load=p["from_no_load"] > 0.5,
-        )
+        ahead = self._held(weighed, p["force_mN"] * MILLI, round(p["kind"]))
         sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
         return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
+
+    def _held(self, weighed: Weighed, force_N: float, kind: int) -> FloatArray:
+        if kind == WITH_THE_FORCE:
+            return force_N * np.tanh(weighed.force_N / TURNS_N)
+        return hung(
+            weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD
+        )
 
 
 EFFECT = RollSticking(
@@ -38,7 +46,7 @@ EFFECT = RollSticking(
     ),
     form=(
         "F measured = F - c sign(last change of F) from a position on, once F has changed by more"
-        " than c"
+        " than c; or F - c sign(F)"
     ),
     slot="position",
     signature=(
@@ -48,14 +56,15 @@ EFFECT = RollSticking(
     isolates="The sheet watched in the rolls; a tap on the rig; far positions approached again.",
     source="the paper, section 3.3: at 30 mm the sheet systematically got stuck between the rolls",
     knobs=(
-        Knob("force_mN", "change of force that it takes to get it loose", "mN", 0.2, 0.0, 5.0),
+        Knob("force_mN", "change of force that it takes to get it loose", "mN", 0.2, -5.0, 5.0),
         Knob(
             "from_position_mm", "the first position at which it sticks", "mm", 25.0,
             neutral=np.inf, tried=(10.0, 15.0, 20.0, 25.0, 30.0),
         ),
         Knob(
-            "from_no_load", "0: a run begins in the middle of the loop; 1: at no load", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            "kind", "0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
+            " held against the force whatever came before", "",
+            0.0, 0.0, 2.0, tried=(0.0, 1.0, 2.0),
         ),
     ),
     tolerance=("position", "voltage"),

@@ -22,7 +22,8 @@ class SurfaceTension(Effect):
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
         """See `Effect.force`."""
         seen = weighed.touching * np.cos(weighed.gamma_rad)
-        return np.where(weighed.touching > 0.0, p["force_mN"] * MILLI * seen, 0.0)
+        left = np.exp(-weighed.wetted_s / p["dries_s"]) if p["dries_s"] > 0.0 else 1.0
+        return np.where(weighed.touching > 0.0, p["force_mN"] * MILLI * left * seen, 0.0)
 
 
 EFFECT = SurfaceTension(
@@ -31,7 +32,10 @@ EFFECT = SurfaceTension(
         "A meniscus between the wet sheet and one of the rolls pulls the load cell along the"
         " sheet's normal, in the positive direction where the force is positive."
     ),
-    form="F measured = F + c cos(gamma) while the sheet is touched",
+    form=(
+        "F measured = F + c cos(gamma) while the sheet is touched; or c exp(-t/tau), t since the"
+        " last wetting"
+    ),
     slot="load_cell",
     signature=(
         "As a wrong zero, but each sheet has its own, most likely the short one, in whose rolls the"
@@ -42,7 +46,13 @@ EFFECT = SurfaceTension(
         "de Gennes, Brochard-Wyart and Quéré 2004, Capillarity and Wetting Phenomena; the paper,"
         " section 4.2, observation 1"
     ),
-    knobs=(Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),),
+    knobs=(
+        Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
+        Knob(
+            "dries_s", "time constant with which the water goes; 0: it stays", "s",
+            0.0, 0.0, 1e4, tried=(0.0, 15.0),
+        ),
+    ),
     tolerance=("position", "voltage", "time"),
     by_configuration=True,
-)
+)  # fmt: skip

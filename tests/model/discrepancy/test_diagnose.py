@@ -205,6 +205,32 @@ def kept(m, condition):
 
 
 @pytest.mark.slow
+def test_samples_that_were_all_stamped_late_are_no_lag_of_the_sheet():
+    m = session()
+    late = [replace(s, time_s=s.time_s - 0.5 * np.median(np.diff(s.time_s))) for s in m.series]
+    assert names(diagnose(replace(m, series=tuple(late)))) == []
+
+
+@pytest.mark.slow
+def test_a_scatter_that_no_rig_has_allows_no_verdict():
+    m, random = session(), np.random.default_rng(1)
+    zero = {key: 4e-4 * random.standard_normal() for key in {_place(c) for c in m.conditions}}
+    moved = [
+        replace(
+            c, readings=tuple(replace(r, force_N=r.force_N + zero[_place(c)]) for r in c.readings)
+        )
+        for c in m.conditions
+    ]
+    found = diagnose(replace(m, conditions=tuple(moved)))
+    assert (found.verdict, names(found), found.unknown) == ("cannot_tell", [], None)
+    assert "the load cell's zero differs from set-up to set-up" in found.sentence
+
+
+def _place(c) -> tuple:
+    return c.configuration, c.position_m
+
+
+@pytest.mark.slow
 def test_few_set_ups_name_nothing_and_say_why():
     few = means_of(kept(session(), lambda c: c.configuration == "long" and c.position_m < 0.012))
     found = diagnose(few)

@@ -255,12 +255,17 @@ def test_a_misaligned_cell_measures_the_component_along_its_axis():
 def test_offset_drift_and_meniscus_add_what_they_say():
     w = replace(example_weighed(), session=np.linspace(0.0, 1.0, 32))
     assert effect("force_offset").force(w, {"force_mN": 0.3}) == pytest.approx(3e-4)
-    drift = effect("force_drift").force(w, {"force_mN": 0.3})
+    drift = effect("force_drift").force(w, {"force_mN": 0.3, "settles": 0.0})
     assert drift[[0, -1]] == pytest.approx([0.0, 3e-4])
-    pull = effect("surface_tension").force(w, {"force_mN": 0.3})
+    soon = effect("force_drift").force(w, {"force_mN": 0.3, "settles": 1.0})
+    assert soon == pytest.approx(3e-4 * np.expm1(-3.0 * w.session) / np.expm1(-3.0))
+    wet = {"force_mN": 0.3, "dries_s": 0.0}
+    pull = effect("surface_tension").force(w, wet)
     assert pull == pytest.approx(3e-4 * np.cos(w.gamma_rad))
+    dries = effect("surface_tension").force(w, {**wet, "dries_s": 10.0})
+    assert dries == pytest.approx(pull * np.exp(-w.wetted_s / 10.0))
     away = example_weighed(touched=False)
-    assert not np.any(effect("surface_tension").force(away, {"force_mN": 0.3}))
+    assert not np.any(effect("surface_tension").force(away, wet))
     assert np.all(effect("force_offset").force(away, {"force_mN": 0.3}) == 3e-4)
 
 
@@ -309,12 +314,18 @@ def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
 
 
 def test_a_sticking_sheet_keeps_back_a_change_of_force_at_far_positions_only():
-    p = {"force_mN": 0.2, "from_position_mm": 20.0, "from_no_load": 0.0}
+    p = {"force_mN": 0.2, "from_position_mm": 20.0, "kind": 0.0}
     forces = [1.0, 1.0, 3.0, -2.0, 3.0]
     stick = effect("roll_sticking")
     assert not np.any(stick.force(weighed(forces, 15.0), p))
     far = stick.force(weighed(forces, 20.0), p) * 1e3
     assert far == pytest.approx([0.0, 0.0, -0.2, 0.2, -0.2], abs=1e-3)
+
+
+def test_a_sheet_that_is_held_shows_less_of_every_force():
+    p = {"force_mN": 0.2, "from_position_mm": 20.0, "kind": 2.0}
+    far = effect("roll_sticking").force(weighed([1.0, 3.0, -2.0, 0.0], 25.0), p) * 1e3
+    assert far == pytest.approx([-0.2, -0.2, 0.2, 0.0], abs=1e-6)
 
 
 # -------------------------------------------------------------------------------------------- time
