@@ -31,6 +31,7 @@ from model.observations import check_sheet, checked_curve
 
 TRENDS = 4  # the mean, and polynomials in time up to the third degree
 PULSE_S = 0.6
+OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
 FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
 EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
 # configuration, position (inf: free), mounting, run, tilt of the rig
@@ -222,13 +223,36 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
 
 
 def _first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
-    """How many readings of a run come before its first pulse."""
-    result: dict[RunKey, int] = {}
+    """The number that a reading of each run's first pulse has, or would have.
+
+    Readings that are not recorded, such as those of discarded pulses, may have no number: then
+    their times say how many there were.
+    """
+    readings: dict[RunKey, list[tuple[Reading, float]]] = {}
     for c in conditions:
-        if c.voltage_V == 0.0 and c.readings:
-            key = run_key(c)
-            result[key] = max(result.get(key, 0), 1 + max(r.index for r in c.readings))
+        readings.setdefault(run_key(c), []).extend((r, c.voltage_V) for r in c.readings)
+    result = {}
+    for key, every in readings.items():
+        zeros = [r for r, volts in every if volts == 0.0]
+        pulses = [r for r, volts in every if volts != 0.0]
+        if not zeros:
+            continue
+        last = max(zeros, key=lambda r: r.index)
+        result[key] = 1 + last.index
+        if pulses:
+            first = min(pulses, key=lambda r: r.index)
+            result[key] = first.index - _before(last, first)
     return result
+
+
+def _before(last: Reading, first: Reading) -> int:
+    """Pulses between the last reading at 0 V and the first one under voltage."""
+    numbered = first.index - last.index - 1
+    if last.time_s is None or first.time_s is None:
+        return numbered
+    timed = (first.time_s - last.time_s) / PULSE_S - 1.0
+    whole = abs(timed - round(timed)) < OFF_PULSE and 0 <= round(timed) <= MOST_DISCARDED
+    return round(timed) if whole else numbered
 
 
 def _opposite_ratio(conditions: list[Condition]) -> float:

@@ -11,6 +11,7 @@ from model.discrepancy.profile import unknown_effect
 from model.discrepancy.result import Gap, Unknown
 from model.discrepancy.settle import Fitted
 from model.discrepancy.tolerance import Found
+from model.effects.interface import Knob
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.setup import ActiveEffect
@@ -53,7 +54,7 @@ def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Pa
     values = dict(one.values[configuration])
     sigma = one.sigma.get(configuration, {})
     result = {
-        k.name: Parameter(values[k.name], sigma.get(k.name, 0.0), k.unit, FEW)
+        k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW)
         for k in one.effect.knobs
     }
     study = final.problem.study
@@ -67,6 +68,13 @@ def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Pa
         unit = one.effect.extra.get(name, "")
         result[name] = Parameter(value, abs(slope) * sigma.get(size, 0.0), unit, FEW)
     return result
+
+
+def _step(knob: Knob) -> float:
+    """Uncertainty of a place that was only tried here and there: it may be anywhere between."""
+    if knob.unit != "mm" or len(knob.tried) < 2:
+        return 0.0
+    return float(np.max(np.diff(knob.tried)) / np.sqrt(3.0))
 
 
 def _sheet(final: Fitted, c: int) -> ConfiguredSheet:

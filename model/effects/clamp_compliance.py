@@ -44,7 +44,7 @@ EFFECT = ClampCompliance(
     knobs=(
         Knob(
             "rotation_rad_per_Nm", "turn of the clamped end per moment of the load", "rad/(N m)",
-            20.0, low=0.0, high=2000.0,
+            20.0, low=0.0, high=2e4,
         ),
     ),
     tolerance=("position", "voltage"),

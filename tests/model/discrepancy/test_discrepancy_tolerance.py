@@ -211,7 +211,7 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
     found = [(c.name, c.part) for c in unknowns(base) if c.slot in ("position", "eibm")]
     assert found == [
         ("unknown:eibm", ""), ("unknown:position", ""), ("unknown:position", "position"),
-        ("unknown:position", "polarity"),
+        ("unknown:position", "polarity"), ("unknown:position", "zero"),
     ]  # fmt: skip
     whole, *parts = [c.columns for c in unknowns(base) if c.slot == "position"]
     assert whole.shape[1] == sum(p.shape[1] for p in parts)
