@@ -76,6 +76,7 @@ def neutral_curve(
     excess = excess_width_px(best.fit, best.setting)
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
+    excess = np.maximum(excess, best.wider_px)
     curve = report(best.fit, best.setting, best.verdict, excess)
     return with_wires(curve, job.wires, picture.grey.shape)
 

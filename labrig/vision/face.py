@@ -82,6 +82,7 @@ class FaceSearch:
         self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
         self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
         self.nothing = self._misfits(self.seen, self.plain)
+        self.wider_px = 0.0  # than stated, as which the sheet looks without a face
 
     def first(self) -> Face | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
@@ -171,7 +172,9 @@ class FaceSearch:
             return float(self._misfits(self.seen, band(p)).sum())
 
         best = band(_lowest(unlikely, start, steps, used, 60))
-        self.nothing = self._misfits(self.seen, best)
+        before, self.nothing = self.nothing, self._misfits(self.seen, best)
+        if float((before - self.nothing).sum()) > LEAST_GAIN:
+            self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
         self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
 
     def _face(self, p: FloatArray) -> Face:

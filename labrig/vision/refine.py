@@ -32,6 +32,7 @@ class Candidate:
     setting: Setting
     tip: Tip
     verdict: Verdict
+    wider_px: float = 0.0  # than it is thick: out of focus, or a face that is not told from it
 
     @property
     def confirmed(self) -> bool:
@@ -109,7 +110,8 @@ class Refiner:
         found, face = plain, search.first()
         for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
             if face is None:
-                return plain  # where the face led the curve, a band alone explains as much
+                # where the face led the curve, a band alone explains as much
+                return replace(plain, wider_px=search.wider_px)
             band = face.on(found.fit.band, found.fit.shape)
             found = self.judged(
                 fit_intensities(found.fit.shape, found.setting, band), found.setting
@@ -138,7 +140,7 @@ class Refiner:
         fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
         # its end and what lies beside it were looked at: the line is the same
         verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
-        return Candidate(fit, found.setting, found.tip, verdict)
+        return Candidate(fit, found.setting, found.tip, verdict, found.wider_px)
 
     def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""

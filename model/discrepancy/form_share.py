@@ -12,7 +12,10 @@ from model.measurements import FloatArray
 
 
 def form_share(fitted: Fitted, index: int) -> float:
-    """Share of what the effect does to the data, squared, that its form alone would not do."""
+    """Share of what the effect does to the data, squared, that its form alone would not do.
+
+    `index` is its place among those found.
+    """
     one, span, study = fitted.found[index], fitted.spans[index], fitted.problem.study
     steps = steps_of(fitted, index)
     if not steps:
@@ -26,7 +29,7 @@ def form_share(fitted: Fitted, index: int) -> float:
 def steps_of(fitted: Fitted, index: int) -> list[tuple[int, Step]]:
     """What the effect changes in each configuration that has it."""
     one, study = fitted.found[index], fitted.problem.study
-    others = tuple(a for i, a in enumerate(fitted.active) if i != index)
+    others = tuple(f.active for f in fitted.found if f is not one)
     result = []
     for c, name in enumerate(study.names):
         if name in one.values:

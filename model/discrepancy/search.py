@@ -23,7 +23,7 @@ from model.discrepancy.score import (
 from model.discrepancy.settle import Fitted, Problem, settle
 from model.discrepancy.slots import unknowns
 from model.discrepancy.tolerance import Found, whole_step
-from model.effects.interface import Effect
+from model.effects.interface import Effect, Values
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, weigh
 
@@ -32,6 +32,7 @@ CLOSE = 0.25  # contenders that are refined: those with so much less evidence, r
 CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 MOST_OUTLIERS = 2
+STUCK = 0.2  # share that says that the size may have been found at the wrong place
 MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
 PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
@@ -131,20 +132,35 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
     candidate, effect = contender.score.candidate, contender.score.candidate.effect
     if effect is None:
         raise TypeError(f"{candidate.name} is no effect of the catalogue")
-    values = unit_values(effect, candidate.values, contender.score.amplitude)
-    names = fitted.problem.study.names
-    width = max(contender.score.scale, 2.0 * abs(contender.score.amplitude))
-    one = Found(effect, {name: dict(values) for name in names}, width)
-    try:
-        best = settle(
-            fitted.problem, fitted.theta, (*fitted.found, one),
-            None if contender.solution is None else contender.solution.log_sigma,
-        )  # fmt: skip
-    except (ModelError, np.linalg.LinAlgError):
+    amplitude = contender.score.amplitude
+    width = max(contender.score.scale, 2.0 * abs(amplitude))
+    values = unit_values(effect, candidate.values, amplitude)
+    best = _settled(fitted, contender, Found(effect, _alike_in_all(fitted, values), width))
+    if best is None or form_share(best, -1) > STUCK:
+        # a straight line from where the effect is absent may lead nowhere: begin at a usual size
+        usual = Found(effect, _alike_in_all(fitted, candidate.values), width)
+        other = _settled(fitted, contender, usual)
+        if best is None or (other is not None and other.deviance < best.deviance):
+            best = other
+    if best is None:
         return contender
     # its size was chosen from several, as in `score`
     gain = 0.5 * (fitted.deviance - best.deviance) - float(np.log(len(candidate.sizes)))
     return replace(contender, gain=gain, fitted=best)
+
+
+def _alike_in_all(fitted: Fitted, values: Values) -> dict[str, dict[str, float]]:
+    """The same values in each configuration."""
+    return {name: dict(values) for name in fitted.problem.study.names}
+
+
+def _settled(fitted: Fitted, contender: Contender, one: Found) -> Fitted | None:
+    """A model with one more effect; None where it does not settle."""
+    known = None if contender.solution is None else contender.solution.log_sigma
+    try:
+        return settle(fitted.problem, fitted.theta, (*fitted.found, one), known)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
 
 
 def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
@@ -248,7 +264,7 @@ def _worth(turn: Turn, threshold: float) -> Contender | None:
     for one in turn.ranking:
         if not one.known or one.fitted is None:
             continue
-        if form_share(one.fitted, len(one.fitted.found) - 1) > MOST_FORM:
+        if form_share(one.fitted, -1) > MOST_FORM:
             continue
         asked = one.gain >= threshold and apart(turn.before, one) >= threshold
         return one if asked and supported(turn.before, one.fitted) else None
