@@ -1,6 +1,7 @@
 """What shows beside the sheet's edge, chosen in optics.json or on the command line."""
 
 import json
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -45,3 +46,15 @@ def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radi
     assert curve.ok, curve.why
     assert curve.face_share == 0
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.08
+
+
+@pytest.mark.slow
+def test_a_face_that_is_not_told_from_a_thicker_sheet_widens_the_band(scenes, known):
+    scene = scenes.make_scene(replace(scenes.mixed(960_061), face=0.85))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert curve.face_share == 0
+    miss_px = scenes.rmse_px(curve.points_px, scene.truth_px)
+    assert miss_px > 0.3
+    assert 1.96 * curve.sigma_m.mean() * scene.recipe.px_per_mm * 1000 > miss_px
+    assert any("wider than it is thick" in text for text in curve.warnings)
