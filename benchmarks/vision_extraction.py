@@ -5,8 +5,9 @@
     python -m benchmarks.vision_extraction faces        the same where the sheet shows its far face
     python -m benchmarks.vision_extraction speed        frames per second, cold and following
 
-Run one at a time on a quiet machine; `--scenes N` sets how many, `--first SEED` which. Beside what
-else there is: `python -m benchmarks vision_peers`.
+Run one at a time on a quiet machine; `--scenes N` sets how many, `--first SEED` which. `failures`
+draws a fifth of N of every kind but the mixed one, unless `--kind NAME` asks for one only. Beside
+what else there is: `python -m benchmarks vision_peers`.
 """
 
 from __future__ import annotations
@@ -119,7 +120,8 @@ def failures(count: int, first: int, kinds: dict[str, Callable[[int], Recipe]]) 
     for name, kind in kinds.items():
         n = silent = refused = 0
         errors = []
-        for seed in range(first, first + (count if name in ("mixed", "faces") else count // 5)):
+        many = count if name == "mixed" or len(kinds) == 1 else count // 5
+        for seed in range(first, first + many):
             try:
                 scene = make_scene(kind(seed))
             except RuntimeError:
@@ -182,6 +184,7 @@ def main() -> None:
     parser.add_argument("what", choices=("accuracy", "failures", "faces", "speed"))
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
+    parser.add_argument("--kind", choices=list(MIXED), help="of failures: only this kind")
     given = parser.parse_args()
     if given.what == "speed":
         speed(given.scenes)
@@ -190,6 +193,8 @@ def main() -> None:
         accuracy(given.scenes, given.first)
     else:
         kinds = MIXED if given.what == "failures" else {"faces": faced}
+        if given.kind and given.what == "failures":
+            kinds = {given.kind: MIXED[given.kind]}
         failures(given.scenes, given.first, kinds)
 
 

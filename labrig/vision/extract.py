@@ -70,9 +70,8 @@ def neutral_curve(
             "one away, or mask it in the picture.",
         )
     if best.verdict.why:
-        return report(
-            best.fit, best.setting, blamed(job.wires, best.fit, best.setting, best.verdict)
-        )
+        verdict = blamed(best.verdict) if job.led_by_wires else best.verdict
+        return report(best.fit, best.setting, verdict)
     excess = excess_width_px(best.fit, best.setting)
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
@@ -94,6 +93,7 @@ class _Job(Refiner):
         super().__init__(picture, optics, strip)
         self.open_mask = self.mask
         self.wires: tuple[Wire, ...] = ()
+        self.led_by_wires = False  # whether a path that looked best ran with one
         self.only = 0.0  # the polarity, once it is known
 
     def followed(self, start: NeutralCurve) -> Candidate | None:
@@ -183,6 +183,7 @@ class _Job(Refiner):
         ]
         if wires:
             self._hide((*self.wires, *wires))
+            self.led_by_wires |= any(wire.runs_with(nodes, reach) for wire in wires)
         return bool(wires)
 
     def _hide(self, wires: tuple[Wire, ...]) -> None:

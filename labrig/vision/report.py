@@ -106,11 +106,8 @@ def with_wires(curve: NeutralCurve, wires: Sequence[Wire], shape: tuple[int, int
     return replace(curve, warnings=curve.warnings + more, wires=tuple(wires))
 
 
-def blamed(wires: Sequence[Wire], fit: Fit, setting: Setting, verdict: Verdict) -> Verdict:
+def blamed(verdict: Verdict) -> Verdict:
     """Why not, with the wire before all that would not be wrong without it."""
-    nodes, reach = setting.nodes_px(fit.shape), fit.band.reach
-    if not any(wire.runs_with(nodes, reach) for wire in wires):
-        return verdict
     said = (
         "a wire, or something else that is straight, lies along the best path; take it away, "
         f"or mask it in the picture. Without it: {verdict.why}"
