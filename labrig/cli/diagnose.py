@@ -68,6 +68,10 @@ def diagnose(
         ),
     ] = None,
     symmetric: Symmetric = False,
+    without: Annotated[
+        list[str] | None,
+        typer.Option(metavar="EFFECT", help="an effect that is known not to be there; repeatable"),
+    ] = None,
     calibrate: Annotated[
         int, typer.Option(min=0, max=10_000, help="sessions to simulate for the threshold; 0: none")
     ] = 0,
@@ -85,7 +89,7 @@ def diagnose(
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     measurements = _measured(sessions, sheet, forces, curves, signals)
     options = DiagnoseOptions(
-        symmetric=symmetric, calibrate=calibrate, model=_model(model),
+        symmetric=symmetric, calibrate=calibrate, model=_model(model), exclude=tuple(without or ()),
         hold_out=held_out(hold_out or [], measurements),
     )  # fmt: skip
     found = diagnosed(measurements, options)
@@ -269,7 +273,10 @@ def _measured(
     from labrig.config import load_sheet
     from labrig.session import read_tables
 
-    return read_tables(load_sheet(sheet), forces, curves, signals)
+    found = read_tables(load_sheet(sheet), forces, curves, signals)
+    for text in found.warnings:
+        warn(text)
+    return found
 
 
 def of_sessions(sessions: list[Path]) -> Measurements:

@@ -27,6 +27,7 @@ from model.discrepancy.result import (
     Unknown,
     Verdict,
 )
+from model.discrepancy.sanity import remarks
 from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate, candidates
 from model.discrepancy.search import Contender, Outcome
@@ -107,7 +108,8 @@ class Finding:
             self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
             classes(seen, unseen), apart.rows,
             _scatter(decision.final), outliers,
-            (*self.ready.notes, *notes(named, outliers, apart.chosen, first)), model,
+            (*self.ready.notes, *remarks(self.measurements, base),
+             *notes(named, outliers, apart.chosen, first)), model,
             base=base_parameters(decision.known),
         )  # fmt: skip
 

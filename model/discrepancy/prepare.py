@@ -19,6 +19,7 @@ from model.sheet_model import SheetModel
 
 FEWEST_SETUPS = 4
 NEAR_LN_B = 0.07
+SHORTEST, LONGEST = 0.1, 1.5  # a curve's length over that of sheet and elongation
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     for name in names:
         try:
             one = look(used, name)
+            _check_curves(one)
             rests.append(rest_of(used, name))
         except ModelError as error:
             why.append(str(error))
@@ -91,6 +93,20 @@ def _anchored(study: Study, bases: Bases, theta: FloatArray) -> Bases:
         near = {one.stiffness: (float(theta[one.stiffness]), NEAR_LN_B)}
         parts.append(replace(one, prior=one.prior | near) if scene.has_curve.any() else one)
     return replace(bases, parts=tuple(parts))
+
+
+def _check_curves(one: Look) -> None:
+    """A `ModelError` where a curve has another size than the sheet."""
+    whole = one.sheet.free_length_m + one.sheet.elongation_m
+    for seen in one.seen:
+        if seen.curve is None:
+            continue
+        length = float(seen.curve.s_m[-1])
+        if not SHORTEST * one.sheet.free_length_m < length < LONGEST * whole:
+            raise ModelError(
+                f"the curve of condition {seen.name} is {length * 1e3:.3g} mm long, the sheet"
+                f" {whole * 1e3:.3g} mm; check that x, y and s are in mm"
+            )
 
 
 def _lacks(looks: list[Look]) -> list[str]:

@@ -33,9 +33,7 @@ class RollSticking(Effect):
     def _held(self, weighed: Weighed, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
-        return hung(
-            weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD
-        )
+        return hung(weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD)
 
 
 EFFECT = RollSticking(

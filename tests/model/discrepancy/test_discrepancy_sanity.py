@@ -1,0 +1,56 @@
+"""Data in other units, out of reach or of no run are told, not silently fitted or dropped."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model import ModelError
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.sanity import remarks
+from tests.model.discrepancy.sessions import base_fit, session
+
+
+def test_a_usual_session_is_not_remarked_upon():
+    assert list(remarks(session(), base_fit())) == []
+
+
+def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
+    fitted = base_fit()
+    theta = fitted.theta.copy()
+    theta[fitted.problem.bases.parts[0].stiffness] -= np.log(1000.0)
+    (said,) = remarks(session(), replace(fitted, theta=theta))
+    assert "the stiffness of 'long' would mean a Young's modulus of" in said
+    assert "check that forces are in mN" in said
+
+
+def test_a_position_out_of_reach_is_named():
+    fitted = base_fit()
+    state = fitted.linear.states[0]
+    far = state.solved.held.s_hat_m.copy()
+    far[-1] = 0.08
+    held = replace(state.solved.held, s_hat_m=far)
+    beyond = replace(state, solved=replace(state.solved, held=held))
+    linear = replace(fitted.linear, states=(beyond, *fitted.linear.states[1:]))
+    (said,) = remarks(session(), replace(fitted, linear=linear))
+    assert said.startswith("'long' cannot reach 30 mm in the model")
+
+
+def test_a_series_where_no_force_was_measured_is_named():
+    m = session()
+    lost = replace(m.series[0], position_m=0.0075)
+    (said,) = remarks(replace(m, series=(*m.series, lost)), base_fit())
+    assert said == "the series of 'long' at 7.5 mm is left out: no force was measured there"
+
+
+def test_curves_in_metres_are_refused():
+    m = session()
+
+    def in_metres(c):
+        curve = replace(c.curve, s_m=c.curve.s_m / 1e3, x_m=c.curve.x_m / 1e3)
+        return replace(c, curve=curve)
+
+    with pytest.raises(ModelError, match=r"long, .* is 0.05 mm long, the sheet 50 mm; check that"):
+        prepare(replace(m, conditions=tuple(in_metres(c) for c in m.conditions)), Options())
