@@ -207,6 +207,8 @@ def scored(records: Sequence[Record]) -> list[Row]:
         at_least("other form, d >= 8: truth in the reported set", 0.99, seen,
                  lambda r: r.names[0] in r.reported),
         _mean("the same: mean size of the set", 1.2, [len(r.reported) for r in seen if r.reported]),
+        _mean("the same, nothing else within 4 sigma: mean size of the set", 1.2,
+              [len(r.reported) for r in seen if r.reported and clear(r)]),
         at_most("confidently wrong, all cases", 0.01,
                 [r for r in answered if judged_for_confidence(r)], confidently_wrong),
         at_least("realistic gap, other form: exactly the true effect", 0.97, realistic, exactly),
