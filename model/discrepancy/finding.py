@@ -124,9 +124,7 @@ class Finding:
         rest = leftover(self.outcome, known, self.effects)
         if rest is None or not self._enough:
             return _Decision(named, known, None, known)
-        # beside names it must be more than what is left of their forms
-        least = self.threshold + (SLOT_MARGIN if named else 0.0)
-        if rest.apart < least or rest.share < LEFT:
+        if rest.apart < self.threshold + SLOT_MARGIN or rest.share < LEFT:
             return _Decision(named, known, None, known)
         if _alone(rest, base, known):
             named, known = [], base

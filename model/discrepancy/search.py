@@ -264,8 +264,11 @@ def _worth(turn: Turn, threshold: float) -> Contender | None:
     for one in turn.ranking:
         if not one.known or one.fitted is None:
             continue
-        if form_share(one.fitted, -1) > MOST_FORM:
+        worth, share = apart(turn.before, one), form_share(one.fitted, -1)
+        # beside others a deviation may be what is left of theirs: then the form itself must count
+        itself = (1.0 - share) * worth if turn.before.found else 0.0
+        if share > MOST_FORM and itself < threshold:
             continue
-        asked = one.gain >= threshold and apart(turn.before, one) >= threshold
+        asked = one.gain >= threshold and worth >= threshold
         return one if asked and supported(turn.before, one.fitted) else None
     return None
