@@ -49,6 +49,22 @@ def test_only_the_rig_turned_over_is_turned_over():
             assert {s.tilt_rad for s in entry.add(known)} == {wanted}, entry.name
 
 
+def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
+    one = look(session(), "long")
+    usual = {(s.position_m, s.voltage_V): s for s in one.seen}
+    added = ENTRIES["long_runs"].add(one)
+    assert sorted({s.position_m for s in added}) == [0.0, 0.015, 0.03]
+    for seen in added:
+        like = usual[seen.position_m, seen.voltage_V]
+        times = 3 if seen.voltage_V else 1
+        assert len(seen.force_N) == len(seen.clock.run_s) == times * len(like.force_N)
+        assert len(seen.own_curves) == times * len(like.own_curves)
+        np.testing.assert_allclose(seen.clock.run_s[: len(like.force_N)], like.clock.run_s)
+        if seen.voltage_V:
+            np.testing.assert_allclose(np.diff(seen.clock.pulse), 2.0)
+            np.testing.assert_allclose(np.diff(seen.clock.driven_s), 1.2)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("other", ["initial_curvature", "force_offset"])
 def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
