@@ -16,7 +16,7 @@ from model.discrepancy.timing import rise_left
 from model.effects.interface import Clock
 from model.measurements import FloatArray
 
-LATE, LONGER, STRAIGHT = 2.0, 0.1, (0.5, 0.5)
+LATE, LONGER, STRAIGHT = 2.0, 0.03, (0.5, 0.5)
 # mean and width of each: edges late, in units of what is known of one of them; the rise's time
 # constant longer, relative; how far the EIBM crosses 0 as the voltage does
 RISE = ((0.0, LATE), (0.0, LONGER), STRAIGHT)

@@ -70,8 +70,8 @@ def test_extras_are_measured_where_they_are_asked_for() -> None:
         assert ordered != sorted(ordered)  # type: ignore[type-var]
         assert (mine[8].approach, mine[8].run, mine[8].position_m) == ("down", 1, 0.015)
         assert [(c.position_m, c.mounting) for c in mine[9:]] == [(0.0, 1), (0.03, 1)]
-    keys = [(s.configuration, s.position_m, s.mounting) for s in found.series]
-    assert len(set(keys)) == len(keys) == 2 * (1 + 7 + 2)
+    keys = [(s.configuration, s.position_m, s.mounting, s.run) for s in found.series]
+    assert len(set(keys)) == len(keys) == 2 * (1 + 7 + 1 + 2)
 
 
 @pytest.mark.slow

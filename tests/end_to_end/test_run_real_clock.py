@@ -29,6 +29,7 @@ def rig(tmp_path: Path) -> Iterator[ServedRig]:
         served.end()
 
 
+@pytest.mark.alone
 def test_a_run_over_sockets_is_complete_and_never_exceeds_the_limit(rig: ServedRig) -> None:
     process = rig.start()
     assert process.wait(60) == 0
