@@ -67,7 +67,8 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
                 configuration=str(row["configuration"]),
                 position_m=_known(row["position_m"]),
                 mounting=int(row["mounting"]),
-                run=int(row["run"]),
+                # sessions of before hold one run of each place
+                run=int(row["run"]) if "run" in row.dtype.names else 0,
                 **_columns(tables["samples"], row, _SAMPLE),
             )
             for row in with_str(tables["series"])

@@ -30,6 +30,8 @@ UNITS: dict[Slot, tuple[str, float]] = {
     "position": ("mm", 1e3), "load_cell": ("mN", 1e3), "camera": ("mm", 1e3),
     "time": ("relative", 1.0),
 }  # fmt: skip
+# parts of one shape that another part has, too: by itself what is constant costs least
+ALONE = ("clamp", "zero")
 # how long that takes along which a shape of time goes, with its unit
 TIMES = {"session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s")}
 
@@ -61,12 +63,12 @@ Making = Iterator[Made]
 
 
 def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
-    """All smooth shapes of a slot, or of a part of it, each at its typical size."""
+    """All smooth shapes of a slot, each once, or those of a part; each at its typical size."""
     study, result = fitted.problem.study, dict[tuple[str, int, str], Shape]()
     for c, state in enumerate(fitted.linear.states):
         name, counts = study.names[c], dict[str, int]()
         for made in _MAKERS[slot](study, c, state):
-            if part not in ("", made.part):
+            if made.part != part if part else made.part in ALONE:
                 continue
             number = counts[made.part] = counts.get(made.part, 0) + 1
             key = (made.part, number, "" if made.shared else name)
@@ -83,12 +85,16 @@ def unknowns(fitted: Fitted) -> list[Candidate]:
     """For each slot all of its shapes together, and each part of them that has a profile alone."""
     result = []
     for slot in SLOTS:
-        found = shapes(fitted, slot)
-        parts = list(dict.fromkeys(s.part for s in found))
-        alone = [p for p in parts if any(s.part == p and s.wave for s in found)]
-        for part in ("", *alone) if len(parts) > 1 else ("",) * len(parts):
-            columns = np.stack([s.rows for s in found if part in ("", s.part)], axis=1)
-            result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot, part))
+        whole = shapes(fitted, slot)
+        parts = list(dict.fromkeys(s.part for s in whole if s.wave))
+        several = len({s.part for s in whole}) > 1
+        tried = {"": whole}
+        tried |= {part: [s for s in whole if s.part == part] for part in parts if several}
+        tried |= {part: shapes(fitted, slot, part) for part in ALONE}
+        for part, found in tried.items():
+            if found:
+                columns = np.stack([s.rows for s in found], axis=1)
+                result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot, part))
     return result
 
 
@@ -121,7 +127,7 @@ def _rest_curvature(study: Study, c: int, state: State) -> Making:
     beam = np.zeros_like(none.beam)
     beam[:, -1] = KINK_RAD
     beam[:, 2 * scene.count + 1] = beam[:, 2 * scene.count + 3] = -KINK_RAD
-    for part in ("s", "clamp"):  # also alone: what is constant costs least by itself
+    for part in ("s", "clamp"):
         yield Made(part, "s", _kink(scene.length), replace(none, beam=beam))
 
 

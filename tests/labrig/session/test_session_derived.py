@@ -101,3 +101,11 @@ def test_tables_are_made_of_fixed_length_types_only():
     tables = tables_from_measurements(measurements())
     assert not any(table.dtype.hasobject for table in tables.values())
     assert same(measurements_from_tables(tables), measurements())
+
+
+def test_series_kept_before_runs_were_counted_are_of_the_first_run():
+    tables = tables_from_measurements(measurements())
+    series = tables["series"]
+    earlier = series[[name for name in series.dtype.names if name != "run"]]
+    found = measurements_from_tables({**tables, "series": earlier}).series
+    assert [one.run for one in found] == [0] * len(series)

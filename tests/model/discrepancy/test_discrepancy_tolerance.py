@@ -214,7 +214,9 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
         ("unknown:position", "polarity"), ("unknown:position", "zero"),
     ]  # fmt: skip
     whole, *parts = [c.columns for c in unknowns(base) if c.slot == "position"]
-    assert whole.shape[1] == sum(p.shape[1] for p in parts)
+    # what is constant is a wave of "position", too
+    assert [p.shape[1] for p in parts] == [7, 7, 1]
+    assert whole.shape[1] == 7 + 7
     assert len(shapes(base, "position", "polarity")) == parts[1].shape[1]
 
 
@@ -282,3 +284,12 @@ def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
     ranking = search.rank(base, [effect("gravity"), effect("clamp_angle")], slots=False)
     assert {c.name for c in ranking} >= {"gravity", "clamp_angle"}
     assert "gravity" in seen
+
+
+def test_a_slot_as_a_whole_has_each_shape_once():
+    base = base_fit()
+    for slot in ("rest_curvature", "position", "load_cell"):
+        rows = np.stack([s.rows for s in shapes(base, slot)], axis=1)
+        unit = rows / np.linalg.norm(rows, axis=0)
+        cosine = unit.T @ unit - np.eye(rows.shape[1])
+        assert np.max(np.abs(cosine)) < 1.0 - 1e-9, slot
