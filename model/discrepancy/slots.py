@@ -21,7 +21,7 @@ from model.measurements import FloatArray
 
 WAVES = 9
 EVEN, FORCE_N = 0.3, 2e-3
-REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 1e-2, 0.02  # the last in shares of the length
+REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 5e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
 # units in which a slot's profile is told, and what its waves count in them
 UNITS: dict[Slot, tuple[str, float]] = {

@@ -205,6 +205,15 @@ def kept(m, condition):
 
 
 @pytest.mark.slow
+def test_a_clamp_far_askew_is_something_unknown_where_the_catalogue_lacks_it():
+    """It acts alike in every set-up, and must not pass for their scatter."""
+    askew = Case((Hiding("clamp_angle", size=0.07),), seed=12)
+    found = diagnosed(askew, DiagnoseOptions(exclude=("clamp_angle",)))
+    assert (found.verdict, names(found)) == ("unknown_effect", [])
+    assert found.unknown.slot == "rest_curvature"
+
+
+@pytest.mark.slow
 def test_samples_that_were_all_stamped_late_are_no_lag_of_the_sheet():
     m = session()
     late = [replace(s, time_s=s.time_s - 0.5 * np.median(np.diff(s.time_s))) for s in m.series]
