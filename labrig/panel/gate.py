@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from labrig.panel.bodies import MOST_BODY_BYTES, Body
 from labrig.panel.rates import Buckets
 from labrig.panel.settings import PanelSettings, host_name
 from labrig.panel.tokens import cookie_of, same_token
 
-MOST_BODY_BYTES = 256 << 10
 _PUBLIC = ("/static/", "/favicon.ico")
 _TOO_OFTEN = (60.0, 300.0)  # requests of one address: in a second, and at once
 
@@ -19,6 +21,11 @@ class _RefusedError(Exception):
     def __init__(self, status: int, text: str) -> None:
         super().__init__(text)
         self.status = status
+
+
+class _TooLargeError(_RefusedError):
+    def __init__(self) -> None:
+        super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
 
 
 class Gate:
@@ -37,12 +44,39 @@ class Gate:
         headers = {
             name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]
         }
+        body = Body(receive)
         try:
             self._check(scope, headers)
-            receive = _bounded(receive, headers) if scope["type"] == "http" else receive
-            await self._app(scope, receive, self._with_headers(send, scope, headers))
+            if scope["type"] == "websocket":
+                await self._app(scope, receive, send)
+            else:
+                await self._serve(scope, headers, body, send)
         except _RefusedError as refused:
-            await _refuse(scope, receive, send, refused)
+            if scope["type"] == "websocket":
+                await _refuse_socket(receive, send, refused)
+            else:
+                await _refuse(body, send, refused)
+
+    async def _serve(self, scope: Scope, headers: dict[str, str], body: Body, send: Send) -> None:
+        stated = headers.get("content-length", "0")
+        if not stated.isdigit() or int(stated) > MOST_BODY_BYTES:
+            raise _TooLargeError
+        answered = False
+        more = self._more_headers(headers)
+
+        async def send_with(message: Message) -> None:
+            nonlocal answered
+            if body.too_large and not answered:
+                return  # what could be said of half a body; we say why it is half of one
+            if message["type"] == "http.response.start":
+                answered = True
+                message["headers"] = [*message.get("headers", []), *more]
+            await send(message)
+
+        with suppress(ClientDisconnect):
+            await self._app(scope, body.take, send_with)
+        if body.too_large and not answered:
+            raise _TooLargeError
 
     def _check(self, scope: Scope, headers: dict[str, str]) -> None:
         address = (scope.get("client") or ("unknown", 0))[0]
@@ -75,9 +109,7 @@ class Gate:
         if origin is None and not reads and not with_bearer:
             raise _RefusedError(403, "a request that does not say where it comes from may not act.")
 
-    def _with_headers(self, send: Send, scope: Scope, headers: dict[str, str]) -> Send:
-        if scope["type"] != "http":
-            return send
+    def _more_headers(self, headers: dict[str, str]) -> list[tuple[bytes, bytes]]:
         settings = self._settings
         host = headers.get("host", "")
         stop = settings.url("", port=settings.stop_port, name=host_name(host))
@@ -87,7 +119,7 @@ class Gate:
             f"img-src 'self' blob: data:; connect-src 'self' {sockets} {stop}; object-src 'none'; "
             "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
         )
-        more = [
+        return [
             (b"content-security-policy", policy.encode("latin-1", "replace")),
             (b"x-content-type-options", b"nosniff"),
             # not no-referrer: a form without a script would not say where it comes from
@@ -95,38 +127,20 @@ class Gate:
             (b"cache-control", b"no-store"),
         ]
 
-        async def send_with(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                message["headers"] = [*message.get("headers", []), *more]
-            await send(message)
 
-        return send_with
-
-
-def _bounded(receive: Receive, headers: dict[str, str]) -> Receive:
-    """A body that is too large is not taken in, whatever it says of its length."""
-    stated = headers.get("content-length", "0")
-    if not stated.isdigit() or int(stated) > MOST_BODY_BYTES:
-        raise _RefusedError(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
-    seen = 0
-
-    async def bounded() -> Message:
-        nonlocal seen
-        message = await receive()
-        seen += len(message.get("body", b""))
-        if seen > MOST_BODY_BYTES:
-            raise _RefusedError(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
-        return message
-
-    return bounded
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send, refused: _RefusedError) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 1008, "reason": str(refused)})
-        return
-    body = json.dumps({"error": str(refused)}).encode()
-    headers = [(b"content-type", b"application/json"), (b"connection", b"close")]
+async def _refuse(body: Body, send: Send, refused: _RefusedError) -> None:
+    told = json.dumps({"error": str(refused)}).encode()
+    headers = [
+        (b"content-type", b"application/json"),
+        (b"content-length", str(len(told)).encode()),
+        (b"connection", b"close"),
+    ]
     await send({"type": "http.response.start", "status": refused.status, "headers": headers})
-    await send({"type": "http.response.body", "body": body})
+    await send({"type": "http.response.body", "body": told, "more_body": True})
+    await body.hear_out()
+    await send({"type": "http.response.body", "body": b""})
+
+
+async def _refuse_socket(receive: Receive, send: Send, refused: _RefusedError) -> None:
+    await receive()
+    await send({"type": "websocket.close", "code": 1008, "reason": str(refused)})

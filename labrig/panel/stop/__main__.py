@@ -12,6 +12,8 @@ import socketserver
 import ssl
 import sys
 import threading
+import time
+from contextlib import suppress
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -23,8 +25,10 @@ from labrig.panel.tokens import cookie_of, same_token
 
 PATIENCE_S = 3.0  # with a client that connects and says nothing
 MOST_BODY_BYTES = 4096
+MOST_HEARD_BYTES = 256 << 10
 MOST_AT_ONCE = 64
 _LOOK_S = 0.5
+_HEARING_S = 1.0  # who has its answer and is still sending
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ class StopServer(ThreadingHTTPServer):
     def process_request(self, request: Any, client_address: Any) -> None:
         """In a thread of its own; the handshake, too, which a client may never end."""
         if not self._room.acquire(blocking=False):
-            self.shutdown_request(request)
+            self.close_request(request)
             return
         super().process_request(request, client_address)
 
@@ -84,6 +88,22 @@ class StopServer(ThreadingHTTPServer):
             self.shutdown_request(request)
         finally:
             self._room.release()
+
+    def shutdown_request(self, request: Any) -> None:
+        """Say that all is said, and hear out who is still sending: else the answer may be lost.
+
+        Closing a connection on which something is still coming resets it.
+        """
+        heard, until_s = 0, time.monotonic() + _HEARING_S
+        with suppress(OSError):
+            request.shutdown(socket.SHUT_WR)
+            while heard < MOST_HEARD_BYTES and (left_s := until_s - time.monotonic()) > 0:
+                request.settimeout(left_s)
+                said = len(request.recv(1 << 16))
+                if said == 0:
+                    break
+                heard += said
+        self.close_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A client that goes away is no news."""

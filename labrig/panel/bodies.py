@@ -1,0 +1,49 @@
+"""The body of one request: taken in up to a limit, and heard out after a refusal.
+
+Closing a connection on which something is still coming resets it, and whoever is sending may lose
+the answer: a browser then shows a fault of the network in place of our sentence. So who is refused
+is answered first, and then heard out, up to limits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+
+from starlette.types import Message, Receive
+
+MOST_BODY_BYTES = 256 << 10
+MOST_HEARD_BYTES = 4 * MOST_BODY_BYTES
+PATIENCE_S = 1.0  # with who was refused, and is still sending
+
+
+class Body:
+    """What comes after the head of a request."""
+
+    def __init__(self, receive: Receive) -> None:
+        self._receive = receive
+        self._seen = 0
+        self._ended = False
+
+    @property
+    def too_large(self) -> bool:
+        """Whether more has come than is taken, whatever was said of its length."""
+        return self._seen > MOST_BODY_BYTES
+
+    async def take(self) -> Message:
+        """The next part (see ASGI); none of a body that is too large."""
+        message = await self._next()
+        return {"type": "http.disconnect"} if self.too_large else message
+
+    async def hear_out(self) -> None:
+        """Forget what is still coming. Call it when the answer is sent, but not yet closed."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(PATIENCE_S):
+                while not self._ended and self._seen < MOST_HEARD_BYTES:
+                    await self._next()
+
+    async def _next(self) -> Message:
+        message = await self._receive()
+        self._seen += len(message.get("body", b""))
+        self._ended = not message.get("more_body", False)  # nor is there more of who is gone
+        return message
