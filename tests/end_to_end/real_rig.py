@@ -18,7 +18,7 @@ PROTOCOL = """
 moisten = false
 [pulse_train]
 zero_readings = 1
-readings_per_voltage = 10
+readings_per_voltage = 6
 [[places]]
 configuration = "long"
 positions_mm = [10]
@@ -29,7 +29,7 @@ Row = dict[str, str]
 
 
 class ServedRig:
-    """Its folder, its files, and the world's own record of what happened."""
+    """Its folder, its files, and the world's own record of what happened. Serves many runs."""
 
     def __init__(self, folder: Path, addresses: dict[str, str]) -> None:
         self.folder = folder
@@ -41,11 +41,15 @@ class ServedRig:
         text = text.replace('"manual"', f'"zaber"\nport = "{addresses["stage"]}"')
         (folder / "rig" / "rig.toml").write_text(text.split("[simulated]")[0])
         (folder / "rig" / "protocol.toml").write_text(PROTOCOL)
-        self.session = folder / "rig" / "session.h5"
+        self.session = folder / "rig" / "session.h5"  # of the last run
+        self._record = folder / "world.csv"
+        self._began = 0  # where the last run begins in the record
         self._started: list[subprocess.Popen[bytes]] = []
 
     def start(self) -> subprocess.Popen[bytes]:
         """`labrig run`, in a process group of its own; what it says goes into `said`."""
+        self._began = self._record.read_bytes().rfind(b"\n") + 1
+        self.session = self.folder / "rig" / f"session-{len(self._started)}.h5"
         names = ("rig.toml", "protocol.toml", "sheet.toml")
         files = [str(self.folder / "rig" / name) for name in names]
         command = [sys.executable, "-m", "labrig", "run", *files, "-o", str(self.session), "--yes"]
@@ -68,12 +72,17 @@ class ServedRig:
         return (self.folder / "said.txt").read_text()
 
     def rows(self) -> list[Row]:
-        """The world's record up to now; a line that is being written is left out."""
-        text = (self.folder / "world.csv").read_text()
-        return list(csv.DictReader(text[: text.rfind("\n") + 1].splitlines()))
+        """The world's record since the last start; a line that is being written is left out."""
+        with self._record.open("rb") as file:
+            header = file.readline()
+            file.seek(max(self._began, len(header)))
+            new = file.read()
+        whole = (header + new[: new.rfind(b"\n") + 1]).decode()
+        return list(csv.DictReader(whole.splitlines()))
 
     def drive_V(self) -> float:
         """The sheet's voltage as the world has it."""
+        self.until(lambda: bool(self.rows()))
         return float(self.rows()[-1]["drive_V"])
 
     def until(self, condition: Callable[[], bool], timeout_s: float = 30.0) -> None:

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -38,18 +39,26 @@ def zeroed_after(rig: ServedRig, number: int) -> float:
     return zero_s - sent_s
 
 
+@pytest.fixture(
+    scope="module", params=[(), ("--strict-ownership",)], ids=["", "strict ownership"]
+)
+def served(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[ServedRig]:
+    with serving(tmp_path_factory.mktemp("served"), *request.param) as rig:
+        yield rig
+
+
 @pytest.mark.alone
-@pytest.mark.parametrize("options", [(), ("--strict-ownership",)], ids=["", "strict ownership"])
 @pytest.mark.parametrize(
     ("number", "limit_s"),
     [(signal.SIGKILL, AFTER_A_KILL_S), (signal.SIGSTOP, AFTER_A_HANG_S)],
     ids=["killed", "hung"],
 )
 def test_the_output_is_at_0_V_in_time_whoever_owns_the_tasks(
-    tmp_path: Path, options: tuple[str, ...], number: int, limit_s: float
+    served: ServedRig, number: int, limit_s: float
 ) -> None:
-    with serving(tmp_path, *options) as rig:
-        assert zeroed_after(rig, number) < limit_s + ROW_S
+    assert zeroed_after(served, number) < limit_s + ROW_S
 
 
 def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_guard(
@@ -77,8 +86,6 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
         for pid in (*children(process.pid), process.pid):
             os.kill(pid, signal.SIGKILL)
         process.wait(5)
-        rig.session.rename(rig.session.with_name("first.h5"))
-        Path(f"{rig.session}.journal").unlink()
         assert rig.is_energised()
         assert rig.start().wait(30) == 3
         assert "`labrig safe` writes 0 V and frees it" in rig.said()
@@ -95,9 +102,9 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
 def test_labrig_safe_without_boards_to_speak_to_ends_with_code_6(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with serving(tmp_path) as rig:
-        file = rig.folder / "rig" / "rig.toml"
-    assert labrig("safe", file) == 6
+    gone = dict.fromkeys(("grpc", "camera", "stage"), "127.0.0.1:9")  # nobody serves there
+    rig = ServedRig(tmp_path, gone)
+    assert labrig("safe", rig.folder / "rig" / "rig.toml") == 6
     said = capsys.readouterr().err
     assert "switch the amplifier off by hand" in said
     assert "no connection" in said

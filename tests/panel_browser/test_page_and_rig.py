@@ -176,6 +176,7 @@ def test_a_reading_marked_on_the_page_stands_in_the_session(world, visit):
     log = page.locator(".log-lines")
     log.filter(has_text=f"reading {number} of run 1 is marked invalid").wait_for()
     page.keyboard.press("Escape")
+    world.server.ask("POST", "/api/stop", {"why": "it is marked"})
     answer_until(page, ENDED)
     with open_session(world.folder / "marked.h5") as session:
         readings = session.runs[0].readings

@@ -22,10 +22,11 @@ mode = "paper"
 
 @pytest.fixture(scope="module")
 def rig_folder(tmp_path_factory):
-    """rig.toml and its files; `short.toml` takes some seconds, `long.toml` half a minute."""
+    """rig.toml and its files; `short.toml` takes some seconds, `middle.toml` ten, `long.toml` thirty."""
     folder = tmp_path_factory.mktemp("panel") / "rig"
     write_templates(folder, simulated=True)
     (folder / "short.toml").write_text(SHORT.format(readings=3))
+    (folder / "middle.toml").write_text(SHORT.format(readings=8))
     (folder / "long.toml").write_text(SHORT.format(readings=18))
     return folder
 

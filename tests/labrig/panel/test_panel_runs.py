@@ -146,7 +146,7 @@ def test_a_run_goes_on_when_its_panel_is_killed_and_another_panel_finds_it(rig):
     with panel(rig / "rig.toml", leave_job=True) as first:
         page = Page(first)
         page.take_control()
-        start(page, "survivor.h5")
+        start(page, "survivor.h5", "middle.toml")
         page.until("reading")
         first.end(signal.SIGKILL)
     job = jobs_of(rig)
