@@ -7,12 +7,14 @@ PYTEST := $(BIN)/python -m pytest
 COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures.py \
 	tests/sim_hardware/test_world_chain.py tests/sim_hardware/test_world_effects.py \
 	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py
+# Where they are: looking through all the others takes seconds.
+ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: setup setup-dev demo compiled test test-failed test-all test-fast lint format bench soak clean
+.PHONY: setup setup-dev demo compiled test test-compiled test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -35,16 +37,20 @@ demo: setup
 compiled: setup-dev
 	@-$(PYTEST) -n 2 --dist loadfile -q -m "not slow and not thorough" $(COMPILING)
 
-# Two at a time, and then one by one what is held against the real clock.
 test: compiled
+	@$(MAKE) --no-print-directory test-compiled
+
+# Two at a time, and then one by one what is held against the real clock.
+test-compiled: setup-dev
 	@$(PYTEST) -n 2 --dist worksteal -m "not thorough and not alone"; code=$$?; \
-	$(PYTEST) -m "alone and not thorough" && exit $$code
+	$(PYTEST) -m "alone and not thorough" $(ALONE) && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: compiled
-	@$(PYTEST) -n 2 --dist worksteal -m "not alone"; code=$$?; $(PYTEST) -m alone && exit $$code
+	@$(PYTEST) -n 2 --dist worksteal -m "not alone"; code=$$?; \
+	$(PYTEST) -m alone $(ALONE) && exit $$code
 
 test-fast: setup-dev
 	$(PYTEST) -n 2 --dist worksteal -m "not slow and not thorough and not alone"
