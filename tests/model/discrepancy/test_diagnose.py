@@ -95,6 +95,7 @@ def test_what_no_catalogue_has_is_unknown_with_its_slot_and_place():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_an_effect_taken_from_the_catalogue_is_never_replaced_with_confidence():
     found = diagnosed(FALLING, DiagnoseOptions(exclude=("nonuniform_eibm",), most_effects=1))
     assert "nonuniform_eibm" not in {*names(found), *(r.name for r in found.ranking)}

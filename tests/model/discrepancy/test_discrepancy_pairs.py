@@ -10,6 +10,7 @@ from model.discrepancy import diagnose
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_lag_and_a_stiffness_that_depends_on_curvature_are_both_named():
     """The second is refined at the EIBM that the first leaves at the sampling point."""
     hidden = (Hiding("charging_lag"), Hiding("nonlinear_stiffness"))
