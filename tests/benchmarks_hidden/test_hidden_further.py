@@ -83,6 +83,7 @@ def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.timeout(400)
 def test_a_class_is_measured_further_and_judged_by_both_sessions() -> None:
     scale = case("camera_scale", "both", seed=3)

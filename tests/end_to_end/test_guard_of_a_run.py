@@ -39,9 +39,7 @@ def zeroed_after(rig: ServedRig, number: int) -> float:
     return zero_s - sent_s
 
 
-@pytest.fixture(
-    scope="module", params=[(), ("--strict-ownership",)], ids=["", "strict ownership"]
-)
+@pytest.fixture(scope="module", params=[(), ("--strict-ownership",)], ids=["", "strict ownership"])
 def served(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[ServedRig]:

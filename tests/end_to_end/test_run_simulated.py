@@ -41,7 +41,7 @@ def test_the_same_rig_gives_bit_identical_datasets(rig: Path, session: Path) -> 
 
 
 def test_another_seed_gives_other_data(tmp_path: Path) -> None:
-    folder = make_rig(tmp_path, ONE_POSITION, world="seed = 1\n")
+    folder = make_rig(tmp_path, ONE_POSITION + 'mode = "paper"\n', world="seed = 1\n")
     one = run_rig(folder, "one.h5")
     (folder / "world.toml").write_text("seed = 2\n")
     other = run_rig(folder, "other.h5")

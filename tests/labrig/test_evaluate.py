@@ -167,8 +167,9 @@ def test_simulate_refuses_what_the_model_cannot_answer(model_path, capsys, extra
 
 
 @pytest.mark.slow
-def test_report_says_where_the_page_is(recorded, tmp_path, capsys):
-    assert run(["report", str(recorded), "-o", str(tmp_path / "out")]) == 0
+def test_report_says_where_the_page_is(tmp_path, capsys):
+    small = session(tmp_path / "small.h5", measure("long", curves=False))
+    assert run(["report", str(small), "-o", str(tmp_path / "out")]) == 0
     page = tmp_path / "out" / "index.html"
     assert f"wrote {page}" in printed(capsys)[0]
     assert page.exists()

@@ -175,7 +175,16 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", made.ALL)
+@pytest.mark.parametrize(
+    "make",
+    [
+        made.found,
+        made.unknown,
+        made.cannot_tell,
+        pytest.param(made.nothing_missing, marks=pytest.mark.thorough),
+        pytest.param(made.indistinguishable, marks=pytest.mark.thorough),
+    ],
+)
 def test_the_page_is_one_file_with_its_figures_beside_it(make, finding, recorded, tmp_path):
     finding(make)
     assert run(["diagnose", str(recorded), "--report", str(tmp_path)]) == 0

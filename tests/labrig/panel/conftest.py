@@ -22,7 +22,7 @@ mode = "paper"
 
 @pytest.fixture(scope="module")
 def rig_folder(tmp_path_factory):
-    """rig.toml and its files; `short.toml` takes some seconds, `middle.toml` ten, `long.toml` thirty."""
+    """rig.toml and its files; `short.toml` takes 5 s, `middle.toml` 10 s, `long.toml` 20 s."""
     folder = tmp_path_factory.mktemp("panel") / "rig"
     write_templates(folder, simulated=True)
     (folder / "short.toml").write_text(SHORT.format(readings=3))
