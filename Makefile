@@ -9,7 +9,7 @@ COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures
 	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py
 # Where they are: looking through all the others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt
 
 # Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
 export PYTHONDONTWRITEBYTECODE :=

@@ -1,36 +1,151 @@
-"""`labrig demo`, as `make demo` runs it."""
+"""`labrig demo`, as `make demo` runs it: what it prints, what it leaves, and its numbers."""
 
 from __future__ import annotations
 
+import itertools
 import sys
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.end_to_end.small_rig import labrig
+from labrig.analysis import analyze
+from labrig.session import load_measurements
+from model import Measurements, fit
+from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.timeout(900),
+    pytest.mark.skipif(sys.platform == "win32", reason="the simulated stage needs a pty"),
+]
+FREE_POSITION_M = {"long": 15e-3, "short": 5e-3}  # where the undriven sheet rests, in the paper
+E_PA = {"long": 150e6, "short": 100e6}  # of the default world
+THICKNESS_M, WIDTH_M = 0.21e-3, 11e-3
+POSITIONS = {"demo": 7}  # of each configuration; other sessions have four
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(900)
-@pytest.mark.skipif(sys.platform == "win32", reason="the simulated stage needs a pty")
-def test_the_demo_prints_the_papers_tables_and_leaves_a_report(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert labrig("demo", tmp_path / "demo") == 0
-    printed = capsys.readouterr().out
+@dataclass(frozen=True)
+class Demo:
+    """What it left and said."""
+
+    folder: Path
+    printed: str
+    code: int
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
+    folder = tmp_path_factory.mktemp("demo") / "demo"
+    with redirect_stdout(StringIO()) as printed:
+        code = labrig("demo", folder)
+    return Demo(folder, printed.getvalue(), code)
+
+
+def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> None:
+    assert demo.code == 0
     for title in ("Table 4. Parameters", "Table 6. Root mean squared errors"):
-        assert title in printed
-    assert "The world's own record of the last voltage: 0 V" in printed
-    assert "Where simulation and measurement disagree" in printed
-    assert "Verdict: " in printed
-    assert (tmp_path / "demo" / "model+.toml").exists()
-    assert (tmp_path / "demo" / "diagnosis" / "index.html").exists()
-    assert 'name = "nonuniform_eibm"' in (tmp_path / "demo" / "model+.toml").read_text()
-    report = tmp_path / "demo" / "report"
+        assert title in demo.printed
+    assert "The world's own record of the last voltage: 0 V" in demo.printed
+    assert "Where simulation and measurement disagree" in demo.printed
+    assert "Verdict: " in demo.printed
+    assert (demo.folder / "model+.toml").exists()
+    assert (demo.folder / "diagnosis" / "index.html").exists()
+    assert 'name = "nonuniform_eibm"' in (demo.folder / "model+.toml").read_text()
+    report = demo.folder / "report"
     assert {p.stem for p in (report / "figures").glob("*.svg")} >= {
         f"figure-{number}" for number in range(5, 10)
     }
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
     assert "What the model is missing" in page
-    assert labrig("demo", tmp_path / "demo") == 2
+
+
+def test_a_folder_that_is_there_already_is_left_alone(demo: Demo) -> None:
+    assert labrig("demo", demo.folder) == 2
+
+
+# ------------------------------------------------------------------- order, signs, B and EIBM
+
+
+@pytest.fixture(
+    scope="module", params=["demo", *(pytest.param(s, marks=pytest.mark.thorough) for s in (2, 3))]
+)
+def seed(request: pytest.FixtureRequest) -> int | str:
+    return request.param  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def measurements(
+    seed: int | str, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Measurements:
+    if seed == "demo":
+        return load_measurements(request.getfixturevalue("demo").folder / "session.h5")
+    folder = make_rig(tmp_path_factory.mktemp("seed") / "rig", world=f"seed = {seed}\n")
+    path = run_rig(folder)
+    analyze(path)
+    return load_measurements(path)
+
+
+def forces(measurements: Measurements, configuration: str) -> dict[float, dict[float, float]]:
+    """Mean force by position and voltage, N."""
+    found: dict[float, dict[float, float]] = {}
+    for c in measurements.conditions:
+        if c.configuration == configuration and c.position_m is not None:
+            mean = float(np.mean([reading.force_N for reading in c.used()]))
+            found.setdefault(c.position_m, {})[c.voltage_V] = mean
+    return found
+
+
+@pytest.mark.parametrize("configuration", ["long", "short"])
+def test_forces_have_the_papers_order_and_signs(
+    measurements: Measurements, seed: int | str, configuration: str
+) -> None:
+    by_position = forces(measurements, configuration)
+    assert len(by_position) == POSITIONS.get(str(seed), 4)
+    for by_voltage in by_position.values():
+        assert by_voltage[2.0] > by_voltage[0.0] > by_voltage[-2.0]
+        assert all(abs(force) < 6e-3 for force in by_voltage.values())
+    for voltage_V in (2.0, 0.0, -2.0):
+        along = [by_position[position][voltage_V] for position in sorted(by_position)]
+        assert all(b < a for a, b in itertools.pairwise(along))
+
+
+@pytest.mark.parametrize("configuration", ["long", "short"])
+def test_the_undriven_sheet_rests_where_the_paper_says(
+    measurements: Measurements, configuration: str
+) -> None:
+    by_position = forces(measurements, configuration)
+    positions = sorted(by_position)
+    undriven = [by_position[position][0.0] for position in positions]
+    free_m = np.interp(0.0, undriven[::-1], positions[::-1])
+    assert free_m == pytest.approx(FREE_POSITION_M[configuration], abs=1e-3)
+
+
+def test_every_condition_has_a_curve_that_bends_more_at_more_voltage(
+    measurements: Measurements,
+) -> None:
+    by_place: dict[tuple[str, float], dict[float, float]] = {}
+    for c in measurements.conditions:
+        assert c.curve is not None
+        assert c.position_m is not None
+        near = c.curve.s_m < 4e-3
+        assert c.curve.curvature_per_m is not None
+        root = float(np.mean(c.curve.curvature_per_m[near]))
+        by_place.setdefault((c.configuration, c.position_m), {})[c.voltage_V] = root
+    # At a held tip a larger bending moment at the root bends the root more.
+    assert all(k[2.0] > k[0.0] > k[-2.0] for (name, _), k in by_place.items() if name == "long")
+
+
+def test_the_fit_finds_the_worlds_stiffness(measurements: Measurements) -> None:
+    found = fit(measurements).to_json()["configurations"]
+    for configuration, truth_Pa in E_PA.items():
+        truth = truth_Pa * WIDTH_M * THICKNESS_M**3 / 12
+        B = found[configuration]["B_Nm2"]
+        low, high = B["interval90"]
+        assert high - low < 0.15 * B["value"]
+        # Positions whose stiffness scatters by 1 % each.
+        assert B["value"] == pytest.approx(truth, rel=0.03)
