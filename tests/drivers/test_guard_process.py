@@ -149,6 +149,7 @@ def remote(tmp_path):
     scene.end()
 
 
+@pytest.mark.alone
 def test_output_is_zero_after_the_process_is_killed(scene):
     scene.run("beat")
     killed = scene.signal(getattr(signal, "SIGKILL", signal.SIGTERM))
@@ -160,6 +161,7 @@ def test_output_is_zero_after_the_process_is_killed(scene):
     scene.assert_safe_and_free()
 
 
+@pytest.mark.alone
 @posix
 def test_output_is_zero_after_the_whole_process_group_is_killed(remote):
     remote.run("beat")
@@ -196,6 +198,7 @@ def test_a_program_that_wakes_after_the_guard_has_acted_cannot_energise_again(re
     remote.assert_safe_and_free()
 
 
+@pytest.mark.alone
 def test_a_program_that_exits_without_a_word_is_as_good_as_dead(remote):
     remote.run("exit")
     exited = float(remote.hear("exiting")[-1])
@@ -204,6 +207,7 @@ def test_a_program_that_exits_without_a_word_is_as_good_as_dead(remote):
     remote.assert_safe_and_free()
 
 
+@pytest.mark.alone
 @posix
 def test_a_child_that_holds_the_pipe_does_not_hide_the_programs_death(remote):
     remote.run("fork")
@@ -235,6 +239,7 @@ def test_a_program_that_finishes_leaves_no_guard_and_no_report(remote):
     remote.assert_safe_and_free()
 
 
+@pytest.mark.alone
 @posix
 def test_neither_signals_to_the_guard_end_it(remote):
     remote.run("beat")
@@ -290,6 +295,7 @@ def test_an_output_that_does_not_follow_is_reported_as_unknown(remote):
     assert report["read_back_V"] == pytest.approx(0.2, abs=1e-3)
 
 
+@pytest.mark.alone
 @posix
 @pytest.mark.parametrize("strict", [False, True])
 def test_the_simulated_server_as_a_program_is_made_safe_too(tmp_path, strict):

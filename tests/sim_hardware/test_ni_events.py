@@ -43,6 +43,7 @@ def clocked(ni: Any, mode: AcquisitionType, samples: int = 1000, rate: float = 1
     return task
 
 
+@pytest.mark.alone
 def test_a_finite_acquisition_tells_of_each_block_and_of_its_end(ni: Any) -> None:
     blocks, end = Listener(ni), Listener(ni)
     task = clocked(ni, FINITE)

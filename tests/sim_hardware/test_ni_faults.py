@@ -70,6 +70,7 @@ def test_a_read_that_outlives_its_deadline_ends_with_it(ni: Any) -> None:
     assert 0.29 < ni.clock.now() - before_s < 1.0
 
 
+@pytest.mark.alone
 def test_slow_answers(ni: Any) -> None:
     task = ni.output()
     ni.server.faults.delay_s = 0.05
