@@ -10,7 +10,7 @@ import numpy.typing as npt
 from labrig.vision.beside import is_an_edge, runs_beside_opposite
 from labrig.vision.beyond import seen_beyond_px
 from labrig.vision.ends import Tip, missing_end_px, missing_start_px
-from labrig.vision.fit import Fit, spread
+from labrig.vision.fit import Fit, seen_start, spread
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
 
@@ -22,6 +22,7 @@ LEAST_START_COVERED = 0.4
 MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
 WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
 LEAST_SNR = 2.0
+MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
 
@@ -83,7 +84,7 @@ def _faults(
     snr = float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise if fit.used.any() else 0.0
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
-    offset, angle = shape.parameters[0], shape.parameters[1]
+    start_px, start_rad, start_chi2 = _start_beside(fit, setting)
     allowed = max(6.0, 0.03 * shape.basis.total_px)
     tip = tip if followed else _further(tip, fit, setting, allowed)
     tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
@@ -126,9 +127,9 @@ def _faults(
         f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
         if residual > most_residual
         else "",
-        f"the best curve starts {offset:.1f} pixels and {angle:.3f} rad beside the clamp; "
+        f"what was followed leads {start_px:.1f} pixels and {start_rad:.2f} rad beside the clamp; "
         "check clamp_px and clamp_angle_rad."
-        if abs(offset) > 4 * setting.prior[0] or abs(angle) > 5 * setting.prior[1]
+        if start_chi2 > MOST_START_CHI2
         else "",
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
         if steepest > 1.5 * MOST_CURVATURE_PER_M
@@ -146,6 +147,13 @@ def _faults(
         if abs(tip_px) > (5.0 if tip.at_least else allowed)
         else "",
     ]
+
+
+def _start_beside(fit: Fit, setting: Setting) -> tuple[float, float, float]:
+    """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
+    beside, covariance = seen_start(fit, setting)
+    chi2 = beside @ np.linalg.solve(covariance + np.diag(setting.prior**2), beside)
+    return float(beside[0]), float(beside[1]), float(chi2)
 
 
 def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:

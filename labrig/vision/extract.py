@@ -245,7 +245,9 @@ class _Job(Refiner):
 
         A refusal where the rest does not say to about a pixel where the sheet is.
         """
-        band = replace(found.fit.band, spoilt=spoilt_cells(excess))
+        before = found.fit.band.spoilt
+        spoilt = spoilt_cells(excess)
+        band = replace(found.fit.band, spoilt=spoilt if before is None else spoilt | before)
         setting = replace(found.setting, spectral=found.fit.spectral)
         fit = fit_intensities(found.fit.shape, setting, band)
         again = self.judged(fit, found.setting)

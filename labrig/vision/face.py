@@ -8,7 +8,7 @@ is grey; in a silhouette it is as dark as the edge, and only its geometry tells 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,8 +21,11 @@ from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
 
-DEPTHS = (0.012, 0.025)  # to begin with: the sheet's width over the far edge's distance
-SHARES = (0.4, 0.9)  # and the face's grey over the edge's
+# to begin with: the sheet's width over the far edge's distance, and the face's grey over the
+# edge's; a faint guess gains something with any face, a strong one only near the truth
+GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
+LIKELY_SHOWN = 0.2  # the odds of each guess before the picture is looked at
+LEAST_DOUBT_PX = 0.02
 MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
@@ -32,6 +35,7 @@ LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to 
 LEAST_GAIN = 15.0  # and the likeliest face
 COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
 COMMON_SHARE = 0.02
+UNSURE = 2.0  # widths and greys of one pull are hard to tell apart
 PIECE_CELLS = 24
 EVALUATIONS = 130
 MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
@@ -83,34 +87,53 @@ class FaceSearch:
         self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
         self.nothing = self._misfits(self.seen, self.plain)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
+        self.doubt_px = 0.0  # how far a face that is not seen may pull the curve
 
     def first(self) -> Face | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
-        guesses = [self._guess(depth, share) for depth in DEPTHS for share in self._shares()]
-        best = min(guesses, key=lambda face: float(self._costs(self.seen, face).sum()))
-        if float((self.nothing - self._costs(self.seen, best)).sum()) < LIKELY_GAIN:
+        guesses = [self._guess(depth, self._allowed(share)) for depth, share in GUESSES]
+        gains = [float((self.nothing - self._costs(self.seen, face)).sum()) for face in guesses]
+        best = int(np.argmax(gains))
+        if gains[best] < LIKELY_GAIN:
+            self.doubt_px = self._doubt(guesses, gains)
             return None
         self._settle()
-        face = self._refined(self.seen, best)
-        return face if self._explains(self.seen, face) else None
+        return self._believed(self.seen, self._refined(self.seen, guesses[best]))
 
     def again(self, fit: Fit, face: Face) -> Face | None:
         """The likeliest face beside the curve that was fitted with the last one."""
         seen = _Seen(fit, self.setting, self.seen.reach, on_edge=True)
-        face = self._refined(seen, face)
-        return face if self._explains(seen, face) else None
+        return self._believed(seen, self._refined(seen, face))
 
-    def _explains(self, seen: _Seen, face: Face) -> bool:
-        """Whether a face explains enough, and not one place only, as something beside it would."""
+    def _believed(self, seen: _Seen, face: Face) -> Face | None:
+        """A face that explains enough, and not one place only, as something beside it would.
+
+        `doubt_px` then says how well it is known, else how far the curve may be off without it.
+        """
         gains = self.nothing - self._costs(seen, face)
         total = float(gains.sum()) - self._oddness(face)
-        if self._oddness(face) > MOST_ODD:
-            return False
         common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
-        return total > LEAST_GAIN and (seen.on_edge or common > COMMON_SHARE * total)
+        widespread = seen.on_edge or common > COMMON_SHARE * total
+        least = 0.0 if seen.on_edge else LEAST_GAIN  # on the edge it has been believed before
+        if self._oddness(face) < MOST_ODD and total > least and widespread:
+            pull = seen.pull_px(face.on(self.plain, seen.shape))[self.used]
+            unsure = UNSURE / float(np.sqrt(max(total, LEAST_GAIN)))
+            self.doubt_px = float(np.sqrt(np.mean(pull**2))) * unsure
+            return face
+        gain = LEAST_GAIN if seen.on_edge else min(total, common / COMMON)
+        self.doubt_px = self._doubt([face], [gain])
+        return None
 
-    def _shares(self) -> tuple[float, ...]:
-        return (1.0,) if self.silhouette else tuple(min(s, self.most_share) for s in SHARES)
+    def _doubt(self, faces: Sequence[Face], gains: Sequence[float]) -> float:
+        """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
+        odds = LIKELY_SHOWN * np.exp(0.5 * np.minimum(gains, 2 * LEAST_GAIN))
+        pulls = [self.seen.pull_px(face.on(self.plain, self.seen.shape)) for face in faces]
+        square = [float(np.mean(np.square(pull[self.used]))) for pull in pulls]
+        doubt = float(np.sqrt(odds @ square / (1 + odds.sum())))
+        return doubt if doubt > LEAST_DOUBT_PX else 0.0
+
+    def _allowed(self, share: float) -> float:
+        return 1.0 if self.silhouette else min(share, self.most_share)
 
     def _guess(self, depth: float, share: float) -> Face:
         """A face, with the blur and the elongation's width that are left beside it."""
@@ -214,10 +237,13 @@ class _Seen:
         if self.on_edge or band.face_share == 0:
             return self.pixels
         value, distance, first = self.pixels
+        return value, distance + np.repeat(self.pull_px(band), np.diff(first)), first
+
+    def pull_px(self, band: Band) -> FloatArray:
+        """(cells,) from the edge's middle to that of edge and face."""
         thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
         middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
-        middle = np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX)
-        return value, distance + np.repeat(middle, np.diff(first)), first
+        return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
 
 
 def _lowest(

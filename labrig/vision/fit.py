@@ -65,6 +65,20 @@ class Fit:
         return self.cells[:, 4] / information, self.noise / np.sqrt(information)
 
 
+def seen_start(fit: Fit, setting: Setting) -> tuple[FloatArray, FloatArray]:
+    """(2,) offset and angle of the start as the sheet alone has them, and their covariance (2, 2).
+
+    That is without the clamp's calibration.
+    """
+    normal = fit.normal.copy()
+    # what is nowhere seen must not make this singular
+    normal[[0, 1], [0, 1]] += np.array([1e-6, 1e-2]) - 1 / setting.prior**2
+    # at its root a sheet may curve more than where it is seen
+    spectral = max(fit.spectral, SPECTRAL_PER_M3 / setting.optics.px_per_m**3)
+    covariance = np.asarray(np.linalg.inv(penalised(normal, fit.shape, spectral)), dtype=np.float64)
+    return (covariance @ fit.pull)[:2], covariance[:2, :2]
+
+
 def spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
     """(n,) standard deviation of rows (n, parameters) of what has a covariance."""
     return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))

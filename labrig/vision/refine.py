@@ -12,6 +12,7 @@ from labrig.vision.curve import StripGeometry
 from labrig.vision.ends import Tip, find_tip
 from labrig.vision.face import FaceSearch
 from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
+from labrig.vision.opaque import strangers
 from labrig.vision.optics import Look, Optics
 from labrig.vision.picture import Picture
 from labrig.vision.setting import Band, Setting, roll_mask
@@ -32,7 +33,7 @@ class Candidate:
     setting: Setting
     tip: Tip
     verdict: Verdict
-    wider_px: float = 0.0  # than it is thick: out of focus, or a face that is not told from it
+    wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
 
     @property
     def confirmed(self) -> bool:
@@ -98,7 +99,17 @@ class Refiner:
             again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
             other = self.judged(fit_intensities(again, setting, best.fit.band), setting)
             best = max(best, other, key=lambda c: c.verdict.worth)
+            best = self._without_strangers(best)
         return self._anchored(self._faced(best))
+
+    def _without_strangers(self, found: Candidate) -> Candidate:
+        """The curve without what was taken for the sheet where that cannot be seen."""
+        strange = strangers(found.fit)
+        if not strange.any():
+            return found
+        band = replace(found.fit.band, spoilt=strange)
+        setting = replace(found.setting, spectral=found.fit.spectral)
+        return self.judged(fit_intensities(found.fit.shape, setting, band), found.setting)
 
     def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
@@ -111,14 +122,14 @@ class Refiner:
         for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
             if face is None:
                 # where the face led the curve, a band alone explains as much
-                return replace(plain, wider_px=search.wider_px)
+                return replace(plain, wider_px=max(search.wider_px, 2 * search.doubt_px))
             band = face.on(found.fit.band, found.fit.shape)
             found = self.judged(
                 fit_intensities(found.fit.shape, found.setting, band), found.setting
             )
             if turn < FACE_ROUNDS - 1:
                 face = search.again(found.fit, face)
-        return found
+        return replace(found, wider_px=2 * search.doubt_px)
 
     def judged(self, fit: Fit, setting: Setting) -> Candidate:
         """A fit with its end and what the self-check says of it."""

@@ -47,8 +47,9 @@ def report(
     excess = np.zeros(len(shape.x)) if excess_px is None else excess_px
     if excess.max() > LEAST_EXCESS_PX:
         said = (
-            f"the sheet looks up to {excess.max():.1f} pixels wider than it is thick; its face is "
-            "seen with its edge, or it is out of focus; the curve may be off by half of that"
+            f"the sheet looks, or may look, up to {excess.max():.1f} pixels wider than it is "
+            "thick; its face is seen with its edge, or it is out of focus; the curve may be off by "
+            "half of that"
         )
         warnings = (*warnings, said)
     face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
