@@ -27,11 +27,19 @@ def recorded(rig_folder):
     return messages, strips, rig_folder / "recorded.h5"
 
 
-@pytest.fixture
-def replaying(recorded):
-    """A page that replays it."""
+@pytest.fixture(scope="module")
+def replayer(recorded):
+    """A panel on that file."""
     with panel(recorded[2]) as server:
-        yield Page(server, "/ws/replay?session=recorded.h5")
+        yield server
+
+
+@pytest.fixture
+def replaying(replayer):
+    """A page that replays it."""
+    page = Page(replayer, "/ws/replay?session=recorded.h5")
+    yield page
+    page.close()
 
 
 def alike(live, again):
@@ -116,29 +124,27 @@ def test_scrubbing_goes_back_and_forth_and_answers_the_last_place(replaying):
     assert not [m for m in late if m["type"] in {"reading", "voltage"}]
 
 
-def test_what_cannot_be_replayed_is_told_in_a_sentence(recorded):
+def test_what_cannot_be_replayed_is_told_in_a_sentence(recorded, replayer):
     folder = recorded[2].parent
     (folder / "none.h5").write_bytes(b"nothing")
-    with panel(recorded[2]) as server:
-        for name, part in (
-            ("none.h5", "no HDF5"),
-            ("gone.h5", "no such file"),
-            ("../a.h5", "name"),
-        ):
-            page = Page(server, f"/ws/replay?session={name}")
-            assert page.hello["type"] == "error"
-            assert part in page.hello["error"]
-            page.close()
-        status = server.ask("GET", "/api/status")[1]
-        assert (status["mode"], status["session"]) == ("replay", "recorded.h5")
+    for name, part in (
+        ("none.h5", "no HDF5"),
+        ("gone.h5", "no such file"),
+        ("../a.h5", "name"),
+    ):
+        page = Page(replayer, f"/ws/replay?session={name}")
+        assert page.hello["type"] == "error"
+        assert part in page.hello["error"]
+        page.close()
+    status = replayer.ask("GET", "/api/status")[1]
+    assert (status["mode"], status["session"]) == ("replay", "recorded.h5")
 
 
-def test_two_replays_side_by_side_do_not_disturb_each_other(recorded):
-    with panel(recorded[2]) as server:
-        pages = [Page(server, "/ws/replay?session=recorded.h5") for _ in range(2)]
-        ends = [page.until("replay")["duration_s"] for page in pages]
-        pages[0].say(do="seek", at_s=ends[0])
-        pages[0].until("ended")
-        assert not pages[1].of("ended")
-        for page in pages:
-            page.close()
+def test_two_replays_side_by_side_do_not_disturb_each_other(replayer):
+    pages = [Page(replayer, "/ws/replay?session=recorded.h5") for _ in range(2)]
+    ends = [page.until("replay")["duration_s"] for page in pages]
+    pages[0].say(do="seek", at_s=ends[0])
+    pages[0].until("ended")
+    assert not pages[1].of("ended")
+    for page in pages:
+        page.close()
