@@ -25,6 +25,7 @@ def stated_k0(model: SheetModel, name: str) -> Field:
     return Field.linear(*sheet.initial_curvature, sheet.free_length_m)
 
 
+@pytest.mark.slow
 def test_exact_data_give_back_the_exact_parameters(truth, measure):
     exact = measure(force_N=0.0, curve_m=0.0, scatter=0.0)
     found = fit(exact, FitOptions(eibm_form="constant", initial_curvature_sigma_per_m=0.0))
@@ -127,6 +128,7 @@ def test_json_has_exactly_the_agreed_keys(measure):
     json.dumps(answer, allow_nan=False)
 
 
+@pytest.mark.slow
 def test_the_model_of_a_fit_predicts_what_the_fit_says(measure):
     data = measure(seed=6, names=("long",))
     found = fit(data)

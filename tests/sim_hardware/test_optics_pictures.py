@@ -40,6 +40,7 @@ def test_nothing_of_a_frame_is_left_in_the_next() -> None:
     assert np.array_equal(renderer.render([SHAPE], None, 1), alone)
 
 
+@pytest.mark.slow
 def test_noise_is_white_and_as_strong_as_the_settings_say() -> None:
     settings = OpticsSettings(light=Light(vignetting=0, gradient=(0, 0)), jaws=Jaws(visible=False))
     renderer = Renderer(settings)

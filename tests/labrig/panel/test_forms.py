@@ -14,6 +14,8 @@ from labrig.panel import files
 from labrig.vision import Board, Optics
 from tests.labrig.panel.page import Page
 
+pytestmark = pytest.mark.slow  # the panel's process, for few tests
+
 
 @pytest.fixture
 def page(server):
@@ -134,7 +136,6 @@ def test_control_of_a_page_that_has_gone_can_be_taken(server):
     second.close()
 
 
-@pytest.mark.slow
 def test_the_preflight_of_a_simulated_rig_is_shown(page):
     page.do("/api/preflight", protocol="short.toml")
     found = page.until("preflight")
@@ -143,7 +144,6 @@ def test_the_preflight_of_a_simulated_rig_is_shown(page):
     assert page.until(lambda m: m["type"] == "job" and m["state"] == "ended")["code"] == 0
 
 
-@pytest.mark.slow
 def test_the_load_cell_is_weighed_and_the_line_accepted(page, rig_folder):
     before = load_load_cell(rig_folder / "load_cell.toml")
     assert page.ask("POST", "/api/weighing/accept", {})[0] == 409
@@ -161,7 +161,6 @@ def test_the_load_cell_is_weighed_and_the_line_accepted(page, rig_folder):
     assert page.ask("POST", "/api/weighing/accept", {})[0] == 409
 
 
-@pytest.mark.slow
 def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
     page.do("/api/camera", do="start")
     page.until(lambda _: bool(page.pictures), 30)
@@ -193,7 +192,6 @@ def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
     assert page.until(lambda m: m["type"] == "job" and m["state"] == "ended")["code"] == 0
 
 
-@pytest.mark.slow
 def test_a_board_that_is_seen_calibrates_the_camera():
     from labrig.panel.calibrating import Calibrating
 

@@ -11,6 +11,8 @@ from labrig.session import open_session, store_measurements
 from tests.labrig.panel.page import Page
 from tests.labrig.session.session_recording import record, small_schedule
 
+pytestmark = pytest.mark.slow  # the panel's process, for few tests
+
 
 @pytest.fixture(scope="module")
 def library(server, rig_folder):
@@ -29,7 +31,6 @@ def get(server, path):
     return answer
 
 
-@pytest.mark.slow
 def test_sessions_are_listed_sorted_and_found(library):
     found = get(library, "/api/library?sort=readings")
     assert [one["name"] for one in found["sessions"]] == ["july/b.h5", "a.h5", "damaged.h5"]

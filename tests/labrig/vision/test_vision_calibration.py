@@ -56,6 +56,7 @@ def test_one_flat_view_measures_the_plane_to_a_few_um(board):
     assert Optics.from_json(result.optics.to_json()) == result.optics
 
 
+@pytest.mark.slow
 def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
     board = Board()
     image, _ = view(board, (0, 0, 0.03), (-30, -22.5, 170))
