@@ -179,6 +179,7 @@ class _Job(Refiner):
             # where it does not run with the curve it must be seen, too
             if wire.length_beside_px(nodes, apart) > least
             and not wire.begins_at(clamp, least)
+            and not (best.confirmed and wire.is_all_of(nodes, reach))
             and (best.verdict.why or wire.runs_with(nodes, reach))
         ]
         if wires:

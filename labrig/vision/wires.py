@@ -29,6 +29,7 @@ WIDTH_REACH_PX = 8
 MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
 SAME_PX = 4.0
+END_PX = 16.0  # how well a line's end is found
 GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
 BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
 BACK = 12  # nodes that show a curve's direction
@@ -64,6 +65,16 @@ class Wire:
         at = int(gap.argmin())
         behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
         return bool(gap[at] < SAME_PX + self.half_px and min(behind) < least_px)
+
+    def is_all_of(self, curve: FloatArray, reach: float) -> bool:
+        """Whether a whole curve (n, 2) lies on it, and both end together: as a straight sheet does.
+
+        Behind the clamp it may go on, as the joint between two jaws does.
+        """
+        ends = self.path[[0, -1]] - curve[-1]
+        gap = curve[::4, None] - self.path[None]
+        beside = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
+        return bool(np.hypot(ends[:, 0], ends[:, 1]).min() < END_PX and beside.max() < reach)
 
     def shows_at(self, place: FloatArray) -> bool:
         """Whether it is seen at a place (2,)."""

@@ -170,3 +170,24 @@ def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
     assert curve.ok, curve.why
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.3
+
+
+def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_goes_on_behind_the_clamp(
+    scenes, known
+):
+    scene = scenes.make_scene(
+        scenes.Recipe(seed=5, turn_rad=0.02, place=(150.0, 240.0), clamp=False)
+    )
+    image = scene.image.astype(float)
+    begin = scene.truth_px[0]
+    along = scene.truth_px[40] - begin
+    along /= np.hypot(*along)
+    rows, columns = np.mgrid[: image.shape[0], : image.shape[1]]
+    ahead = (columns - begin[0]) * along[0] + (rows - begin[1]) * along[1]
+    beside = (rows - begin[1]) * along[0] - (columns - begin[0]) * along[1]
+    jaw = (ahead < -1) & (ahead > -120) & (np.abs(beside) < 60)
+    image[jaw] = 25 + 100 * np.exp(-0.5 * beside[jaw] ** 2)
+    image[np.hypot(ahead - 200, beside) < 20] = 230  # a gap, from which lines are followed
+    curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.06
