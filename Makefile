@@ -34,8 +34,9 @@ demo: setup
 	@rm -rf demo
 	@$(BIN)/labrig demo demo
 
+# Without a time-out: what is cut short while it compiles is not kept.
 compiled: setup-dev
-	@-$(PYTEST) -n 2 --dist loadfile -q -m "not slow and not thorough" $(COMPILING)
+	@-$(PYTEST) -n 2 --dist loadfile --timeout 0 -q -m "not slow and not thorough" $(COMPILING)
 
 test: compiled
 	@$(MAKE) --no-print-directory test-compiled

@@ -100,7 +100,8 @@ async function fetched(address, name) {
     );
   const url = URL.createObjectURL(await answer.blob());
   h("a", { href: url, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  // a busy computer reads it late; taken away before, the download would fail without a word
+  setTimeout(() => URL.revokeObjectURL(url), 120_000);
 }
 
 function facts(session) {
