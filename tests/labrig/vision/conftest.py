@@ -1,23 +1,16 @@
 """The benchmarks' renderer, which shares no code with the extractor, for the tests of it."""
 
-import importlib.util
 import json
-import sys
-from pathlib import Path
 
 import pytest
 
+from benchmarks import vision_scenes
 from labrig.vision import Optics, StripGeometry
 
 
 @pytest.fixture(scope="session")
 def scenes():
-    path = Path(__file__).parents[3] / "benchmarks" / "vision_scenes.py"
-    spec = importlib.util.spec_from_file_location("vision_scenes", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["vision_scenes"] = module
-    spec.loader.exec_module(module)
-    return module
+    return vision_scenes
 
 
 @pytest.fixture(scope="session")
