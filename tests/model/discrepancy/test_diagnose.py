@@ -122,6 +122,7 @@ def test_what_is_left_of_a_large_effect_s_form_is_no_second_effect():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_weak_effect_in_other_rows_is_named_beside_a_strong_one():
     found = diagnosed(STRONG_AND_WEAK)
     assert sorted(names(found)) == ["charging_lag", "nonuniform_eibm"]
