@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.search import Contender, Outcome, Turn, apart, rank, refine_best
+from model.discrepancy.search import FURTHER, Contender, Outcome, Turn, apart, rank, refine_best
 from model.discrepancy.settle import Fitted, settle
 from model.effects.interface import Effect
 
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
-SURE = 0.02  # posterior below which an alternative is not mentioned
+HARDLY = 0.02  # posterior below which an alternative is not kept
+SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
 LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
-SLOT_MARGIN = 3.0  # ln of the Bayes factor by which a free form must be better than a name
+SLOT_MARGIN = 4.5  # ln of the Bayes factor by which a free form must be better than a name
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Choice:
     confidence: float
     alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
     gain: float
+    of_slot: float  # posterior of all effects of its slot
 
 
 def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
@@ -45,10 +47,12 @@ def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
     chances = posterior(ranking)
     own = chances.get(chosen.name, 0.0)
     others = sorted(
-        ((n, p) for n, p in chances.items() if n != chosen.name and p > SURE),
+        ((n, p) for n, p in chances.items() if n != chosen.name and p > HARDLY),
         key=lambda item: -item[1],
     )
-    return Choice(effect, own, tuple(others), chosen.gain)
+    alike = {c.name for c in ranking if c.known and c.score.candidate.slot == effect.slot}
+    of_slot = sum(p for n, p in chances.items() if n in alike)
+    return Choice(effect, own, tuple(others), chosen.gain, of_slot)
 
 
 def choices(
@@ -73,11 +77,34 @@ def choices(
         ranking = refine_best(without, rank(without, effects, slots=False))
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
-        if min(gain, apart(without, own)) < threshold:
+        if min(gain, apart(without, own)) < threshold + FURTHER:
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
-    return result, final
+    left = _rest_of_another(result)
+    if left is None:
+        return result, final
+    rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
+    without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
+    shorter = Outcome(outcome.base, turns[:left] + turns[left + 1 :], without)
+    return choices(shorter, effects, threshold)
+
+
+def _rest_of_another(named: Sequence[Choice]) -> int | None:
+    """Place of an effect that is rather what is left of a stronger one's form.
+
+    Forms differ in more ways than are tolerated. What several effects of several slots explain as
+    well is such a rest, and so is a change in time beside another one if it is no clear name.
+    """
+    strongest = max(named, key=lambda one: one.gain, default=None)
+    for i, one in sorted(enumerate(named), key=lambda item: item[1].gain):
+        if one is strongest or one.confidence >= SURE:
+            continue
+        stronger = [other for other in named if other.gain > one.gain]
+        in_time = one.effect.slot == "time" and any(o.effect.slot == "time" for o in stronger)
+        if in_time or one.of_slot < SURE:
+            return i
+    return None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from model.discrepancy import gaps
-from model.discrepancy.decide import LEFT, SLOT_MARGIN, Choice, Leftover, choices, leftover
+from model.discrepancy.decide import LEFT, SLOT_MARGIN, SURE, Choice, Leftover, choices, leftover
 from model.discrepancy.fitted_model import base_parameters, parameters_of, sheet_model
 from model.discrepancy.left_out import left_out, position_groups
 from model.discrepancy.menu import next_measurement
@@ -39,7 +39,6 @@ from model.effects.interface import Effect
 from model.measurements import Measurements
 from model.noise import weigh
 
-SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
 MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
 MUCH = 6.0  # times the usual scatter from one set-up to the next that no rig has by chance
 RIVALS = 6  # best names among which the choice is repeated with each position left out

@@ -22,6 +22,7 @@ from model.noise import Solution, deviance, estimate
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
+BEYOND = 3.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 
 @dataclass(frozen=True)
@@ -129,10 +130,11 @@ def allowed(one: Score) -> bool:
     effect = one.candidate.effect
     if effect is None:
         return True
-    value = unit_values(effect, one.candidate.values, one.amplitude)[effect.size.name]
-    if effect.size.tried:
-        return one.amplitude > 0.0 or effect.size.low < 0.0
-    return effect.size.low <= value <= effect.size.high
+    size = effect.size
+    value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
+    if size.tried:
+        return one.amplitude > 0.0 or size.low < 0.0
+    return min(size.low, BEYOND * size.low) <= value <= BEYOND * size.high
 
 
 def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:

@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.form_share import form_share
 from model.discrepancy.left_out import predictive_gains
 from model.discrepancy.outliers import numbers_of, outlier_candidates, without
+from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import (
     Candidate,
     Projected,
@@ -23,7 +24,7 @@ from model.discrepancy.score import (
 from model.discrepancy.settle import Fitted, Problem, settle
 from model.discrepancy.slots import unknowns
 from model.discrepancy.tolerance import Found, whole_step
-from model.effects.interface import Effect, Values
+from model.effects.interface import Effect
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, weigh
 
@@ -33,7 +34,11 @@ CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 MOST_OUTLIERS = 2
 STUCK = 0.2  # share that says that the size may have been found at the wrong place
+STRAINED = 4.0  # times the usual scatter that says so, too
+STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+INSIDE = 0.9  # of its bounds that a size may have to begin with
 MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
+FURTHER = 1.5  # ln of the Bayes factor by which all but the first effect must exceed the threshold
 PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
 
@@ -134,12 +139,17 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
         raise TypeError(f"{candidate.name} is no effect of the catalogue")
     amplitude = contender.score.amplitude
     width = max(contender.score.scale, 2.0 * abs(amplitude))
-    values = unit_values(effect, candidate.values, amplitude)
-    best = _settled(fitted, contender, Found(effect, _alike_in_all(fitted, values), width))
-    if best is None or form_share(best, -1) > STUCK:
-        # a straight line from where the effect is absent may lead nowhere: begin at a usual size
-        usual = Found(effect, _alike_in_all(fitted, candidate.values), width)
-        other = _settled(fitted, contender, usual)
+    known = None if contender.solution is None else contender.solution.log_sigma
+    first = Found(effect, _begun(fitted, effect, candidate, amplitude), width)
+    best = _settled(fitted, first, known)
+    if best is None or form_share(best, -1) > STUCK or _strained(best):
+        # a straight line from where the effect is absent may lead nowhere: begin at a usual size or
+        # where it leads with the usual scatter, and let nothing hide in scatter or form
+        usual = _best(fitted, [candidate], _usual_scatter(fitted)).get(candidate.name)
+        size = 1.0 if usual is None else usual.amplitude
+        size = float(np.copysign(max(1.0, abs(size)), size))
+        begin = Found(effect, _begun(fitted, effect, candidate, size), max(width, 2.0 * abs(size)))
+        other = _settled(fitted, begin, None, strictly=True)
         if best is None or (other is not None and other.deviance < best.deviance):
             best = other
     if best is None:
@@ -149,16 +159,36 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
     return replace(contender, gain=gain, fitted=best)
 
 
-def _alike_in_all(fitted: Fitted, values: Values) -> dict[str, dict[str, float]]:
-    """The same values in each configuration."""
+def _begun(
+    fitted: Fitted, effect: Effect, candidate: Candidate, amplitude: float
+) -> dict[str, dict[str, float]]:
+    """Its values at a multiple of its own size, within bounds; alike in all configurations."""
+    size, values = effect.size, unit_values(effect, candidate.values, amplitude)
+    if not (size.tried or size.log):
+        low, high = INSIDE * size.low, INSIDE * size.high
+        values[size.name] = float(np.clip(values[size.name], low, high))
     return {name: dict(values) for name in fitted.problem.study.names}
 
 
-def _settled(fitted: Fitted, contender: Contender, one: Found) -> Fitted | None:
-    """A model with one more effect; None where it does not settle."""
-    known = None if contender.solution is None else contender.solution.log_sigma
+def _strained(fitted: Fitted) -> bool:
+    """Whether set-ups seem to differ by much more than is usual."""
+    times = fitted.solution.log_sigma - fitted.problem.guess
+    return bool(np.max(times[: len(ASSUMED)]) > np.log(STRAINED))
+
+
+def _settled(
+    fitted: Fitted, one: Found, log_sigma: FloatArray | None, strictly: bool = False
+) -> Fitted | None:
+    """A model with one more effect, from this scatter on; None where it does not settle.
+
+    `strictly`: the values are found in the catalogue's form before it may differ.
+    """
+    problem, theta, found = fitted.problem, fitted.theta, (*fitted.found, one)
     try:
-        return settle(fitted.problem, fitted.theta, (*fitted.found, one), known)
+        if strictly:
+            strict = settle(problem, theta, found, log_sigma, STRICT)
+            theta, found, log_sigma = strict.theta, strict.found, strict.solution.log_sigma
+        return settle(problem, theta, found, log_sigma)
     except (ModelError, np.linalg.LinAlgError):
         return None
 
@@ -201,8 +231,9 @@ def search(
         if not turn.ranking or turn.ranking[0].gain < threshold:
             outcome.turns.append(turn)
             break
-        first = turn.ranking[0].score.candidate
-        if first.slot == "outlier" and rounds_of_outliers < MOST_OUTLIERS:
+        top, first = turn.ranking[0], turn.ranking[0].score.candidate
+        sure = top.gain >= threshold + FURTHER
+        if first.slot == "outlier" and sure and rounds_of_outliers < MOST_OUTLIERS:
             rounds_of_outliers += 1
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
@@ -261,6 +292,7 @@ def _rows(fitted: Fitted) -> FloatArray:
 
 def _worth(turn: Turn, threshold: float) -> Contender | None:
     """The best effect of the catalogue whose form is in the data, if they ask for it."""
+    threshold += FURTHER if turn.before.found else 0.0
     for one in turn.ranking:
         if not one.known or one.fitted is None:
             continue

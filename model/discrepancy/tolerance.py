@@ -295,7 +295,7 @@ def moved(
                     new = old * float(np.exp(np.clip(step, -MOST_LOG_STEP, MOST_LOG_STEP)))
                     unsure[name][knob.name] = new * doubt
                 else:
-                    most = 3.0 * knob.plausible
+                    most = max(3.0 * knob.plausible, abs(old - knob.neutral))
                     new = old + float(np.clip(step, -most, most))
                     unsure[name][knob.name] = doubt
                 values[name][knob.name] = float(np.clip(new, knob.low, knob.high))

@@ -10,11 +10,11 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class CameraScale(Effect):
-    """All points farther from the clamp by the same share, or only along one axis."""
+    """All points farther from the clamp by the same share, or less so along one axis."""
 
     def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""
-        along_x, along_y = p["axis"] <= 0.5, p["axis"] >= -0.5
+        along_x, along_y = min(1.0, 1.0 - p["axis"]), min(1.0, 1.0 + p["axis"])
         error = p["relative_error"]
         return error * along_x * points.x_m, error * along_y * points.y_m
 
@@ -33,9 +33,10 @@ EFFECT = CameraScale(
     knobs=(
         Knob("relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
         Knob(
-            "axis", "0: both; -1: x alone; 1: y alone", "", 0.0, -1.0, 1.0, tried=(0.0, -1.0, 1.0)
+            "axis", "0: both alike; -1: x alone; 1: y alone; between: the other one less", "",
+            0.0, -1.0, 1.0, tried=(0.0, -1.0, -0.5, 0.5, 1.0),
         ),
     ),
     tolerance=("place",),
     of_the_rig=True,
-)
+)  # fmt: skip

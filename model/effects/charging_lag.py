@@ -62,7 +62,7 @@ EFFECT = ChargingLag(
     knobs=(
         Knob(
             "time_constant_s", "time in which the EIBM does 63 % of its way", "s", 0.12,
-            low=0.003, high=3.0, log=True, tried=(0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
+            low=0.003, high=3.0, log=True, tried=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
         ),
     ),
     tolerance=("time", "voltage"),

@@ -33,5 +33,4 @@ EFFECT = ForceOffset(
     source="Doebelin, Measurement Systems: Application and Design (zero drift of a force cell)",
     knobs=(Knob("force_mN", "what the cell shows without a load", "mN", 0.05, -20.0, 20.0),),
     tolerance=("time",),
-    of_the_rig=True,
 )

@@ -11,12 +11,16 @@ from model.effects.interface import Beam, Effect, Held, Knob, Values
 from model.measurements import FloatArray
 
 AT_PER_M = 10.0  # the change of curvature at which the relative change is stated
+MOST = 0.8  # of the moment under which a sheet that softens would give way
 _STEPS = 30
 
 
 @dataclass(frozen=True)
 class NonlinearStiffness(Effect):
     """Moment over change of curvature grows as (1 + (change/10 per m)^2)^n, n from the size.
+
+    Or with a power of the change, 1 + c (|change|/10 per m)^p; where that falls, as the p-th root
+    of 1/(1 + c' (|change|/10 per m)^p).
 
     The sheet answers to all moments together, EIBM and load and whatever else bends it. The beam
     gets the law's tangent at the present moments: its slope as softness, its value through one more
@@ -27,9 +31,14 @@ class NonlinearStiffness(Effect):
         """See `Effect.beam`."""
         load = -finite(held.normal_N / beam.stiffness)[:, None] * finite(held.lever)
         linear = (beam.eibm + beam.bend + load) * beam.soft
-        n = exponent(p["relative_change_at_10_per_m"])
-        true = bent(linear, n)
-        soft = beam.soft / steepness(true, n)
+        change = p["relative_change_at_10_per_m"]
+        if p["power"] > 0.5:
+            true, slope = bent_by_power(linear, change, p["power"])
+        else:
+            n = exponent(change)
+            true = bent(linear, n)
+            slope = steepness(true, n)
+        soft = beam.soft / slope
         return replace(beam, soft=soft, bend=true / soft - beam.eibm - load)
 
 
@@ -65,6 +74,32 @@ def bent(linear: FloatArray, n: float) -> FloatArray:
     return np.where(m > 1e-29, np.sign(linear) * AT_PER_M * np.exp(log_u), linear)
 
 
+def bent_by_power(
+    linear: FloatArray, relative_change: float, power: float
+) -> tuple[FloatArray, FloatArray]:
+    """Change of curvature (1/m) and slope of the moment, where the stiffness goes with its power.
+
+    u (1 + c u^p) = m, or u (1 + c u^p)^(-1/p) = m where it falls; both have the stated change at
+    10 per m. The latter bends without bound at m = c^(-1/p), and is cut before.
+    """
+    m = np.abs(linear) / AT_PER_M
+    if relative_change < 0.0:
+        c = (1.0 + relative_change) ** -power - 1.0
+        m = np.minimum(m, (MOST / c) ** (1.0 / power))
+        left = 1.0 - c * m**power
+        return np.sign(linear) * AT_PER_M * m * left ** (-1.0 / power), left ** (1.0 + 1.0 / power)
+    log_m = np.log(np.maximum(m, 1e-30))
+    log_u = np.minimum(log_m, (log_m - np.log(max(relative_change, 1e-30))) / (1.0 + power))
+    for _ in range(_STEPS):
+        more = relative_change * np.exp(power * log_u)
+        step = (log_u + np.log1p(more) - log_m) / (1.0 + power * more / (1.0 + more))
+        log_u = log_u - step
+        if np.max(np.abs(step), initial=0.0) < 1e-13:
+            break
+    u = np.where(m > 1e-29, np.exp(log_u), m)
+    return np.sign(linear) * AT_PER_M * u, 1.0 + (1.0 + power) * relative_change * u**power
+
+
 EFFECT = NonlinearStiffness(
     name="nonlinear_stiffness",
     meaning=(
@@ -73,7 +108,7 @@ EFFECT = NonlinearStiffness(
     ),
     form=(
         "M + Me = B u (1 + (u/10 per m)^2)^n, u = k - k0, 2^n = 1 + c: Hooke's law when bent"
-        " little, Ludwick's power law when bent far"
+        " little, Ludwick's power law when bent far; or B u (1 + c (|u|/10 per m)^p)"
     ),
     slot="compliance",
     signature=(
@@ -89,6 +124,10 @@ EFFECT = NonlinearStiffness(
         Knob(
             "relative_change_at_10_per_m", "of the stiffness where bent by 10 per m", "", 0.05,
             low=-0.22, high=1.0,
+        ),
+        Knob(
+            "power", "0: Ludwick's law; else of the bending, with which the stiffness changes", "",
+            0.0, 0.0, 2.0, tried=(0.0, 1.0, 2.0),
         ),
     ),
     tolerance=("curvature", "voltage"),

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from model.effects._values import MILLI
+import numpy as np
+
+from model.effects._values import MILLI, finite
 from model.effects.interface import Beam, Effect, Held, Knob, Values
+
+TURNS_N = 5e-5  # of the contact force within which the sheet changes from roll to roll
 
 
 @dataclass(frozen=True)
 class RollOffset(Effect):
-    """A constant distance along the sheet's normal."""
+    """A distance along the sheet's normal: the same always, or towards the roll that is pressed."""
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
-        del held
-        return replace(beam, offset_m=beam.offset_m + p["offset_mm"] * MILLI)
+        side = np.tanh(finite(held.normal_N) / TURNS_N) if p["at_the_pressed"] > 0.5 else 1.0
+        return replace(beam, offset_m=beam.offset_m + p["offset_mm"] * MILLI * side)
 
 
 EFFECT = RollOffset(
@@ -24,17 +28,22 @@ EFFECT = RollOffset(
         "The rolls hold the sheet beside the point that moves on the arc, by the roll's radius or"
         " half the sheet's thickness; positive when that point lies on the sheet's left."
     ),
-    form="r(s_hat) + c n_hat = p_hat",
+    form="r(s_hat) + c n_hat = p_hat; or c sign(N), from one roll to the other",
     slot="position",
     signature=(
         "As a wrong position where the sheet crosses the arc squarely; where it leans, the radius"
-        " of the arc seems to change as well."
+        " of the arc seems to change as well. With play between the rolls the position is wrong by"
+        " as much to the other side where the sheet presses the other way."
     ),
     isolates="The contact in the picture beside the stage's position, at several positions.",
     source="the paper, section 3.1: the sheet is held between two rolls of finite size",
     knobs=(
         Knob("offset_mm", "from the neutral curve to the arc's point, along the normal", "mm", 0.3,
              -5.0, 5.0),
+        Knob(
+            "at_the_pressed", "0: always on the same side; 1: on that of the roll that is pressed",
+            "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+        ),
     ),
     tolerance=("position",),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from model.effects.interface import Effect, Knob, Values, Weighed
 from model.measurements import FloatArray
 
 _SAME_M = 1e-6
-FROM_NO_LOAD, WITH_THE_FORCE = 1, 2
+FROM_NO_LOAD, WITH_THE_FORCE, ONE_WAY = 1, 2, 3
 TURNS_N = 5e-5  # within which a force changes its sign
 
 
@@ -21,7 +21,7 @@ class RollSticking(Effect):
     """Beyond a position a change of force comes through only when it has pulled the sheet loose.
 
     Or, more simply, the rolls hold the sheet with a force that the load cell sees with the force's
-    own sign, whatever came before.
+    own sign, or always one way, whatever came before.
     """
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray:
@@ -33,6 +33,8 @@ class RollSticking(Effect):
     def _held(self, weighed: Weighed, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
+        if kind == ONE_WAY:
+            return np.full_like(weighed.force_N, -force_N)
         return hung(weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD)
 
 
@@ -44,7 +46,7 @@ EFFECT = RollSticking(
     ),
     form=(
         "F measured = F - c sign(last change of F) from a position on, once F has changed by more"
-        " than c; or F - c sign(F)"
+        " than c; or F - c sign(F), or F + c"
     ),
     slot="position",
     signature=(
@@ -61,8 +63,8 @@ EFFECT = RollSticking(
         ),
         Knob(
             "kind", "0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
-            " held against the force whatever came before", "",
-            0.0, 0.0, 2.0, tried=(0.0, 1.0, 2.0),
+            " held against the force whatever came before; 3: pulled one way", "",
+            0.0, 0.0, 3.0, tried=(0.0, 1.0, 2.0, 3.0),
         ),
     ),
     tolerance=("position", "voltage"),

@@ -50,7 +50,7 @@ EFFECT = SurfaceTension(
         Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
         Knob(
             "dries_s", "time constant with which the water goes; 0: it stays", "s",
-            0.0, 0.0, 1e4, tried=(0.0, 15.0),
+            0.0, 0.0, 1e4, tried=(0.0, 15.0, 60.0),
         ),
     ),
     tolerance=("position", "voltage", "time"),

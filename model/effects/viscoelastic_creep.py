@@ -49,16 +49,18 @@ class ViscoelasticCreep(Effect):
 def remembered(beam: Beam, held: Held, p: Values) -> list[tuple[FloatArray, FloatArray]]:
     """Strains, 1/m (K, G), each with the share that has become the shape at rest by now (n,).
 
-    The strain at 0 V stays from when the sheet was placed and wetted; what the mean of the
-    polarities adds to it, from the first pulse; half their difference comes and goes.
+    The strain at 0 V stays from when the sheet was placed and wetted, or from when the run began;
+    what the mean of the polarities adds to it, from the first pulse; half their difference comes
+    and goes.
     """
     if p["time_s"] == 0.0:
         return []
     at_zero, mean, half = strains(beam, held)
     clock = beam.clock
     driven = np.abs(np.sign(clock.voltage_V))
+    held_s = clock.run_s if p["from_run"] > 0.5 else clock.wetted_s
     return [
-        (at_zero, _share(lambda tau: -np.expm1(-clock.wetted_s / tau), p)),
+        (at_zero, _share(lambda tau: -np.expm1(-held_s / tau), p)),
         (mean - at_zero, _share(lambda tau: -driven * np.expm1(-clock.driven_s / tau), p)),
         (half, _share(lambda tau: driven * alternating(clock, tau), p)),
     ]
@@ -140,6 +142,10 @@ EFFECT = ViscoelasticCreep(
         Knob(
             "spread", "1: one time constant; more: three of them, apart by this factor", "",
             1.0, 1.0, 100.0, tried=(1.0, 5.0),
+        ),
+        Knob(
+            "from_run", "0: held since it was wetted; 1: since the run began", "",
+            0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
     ),
     tolerance=("time", "position"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.decide import SURE, TEMPER, Leftover, choice, posterior
+from model.discrepancy.decide import HARDLY, TEMPER, Leftover, choice, posterior
 from model.discrepancy.nulls import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.outliers import (
     condition_name,
@@ -44,7 +44,7 @@ def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
 
 def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
     gains = {"gravity": 20.0, "roll_offset": 18.0, "clamp_angle": 19.0}
-    gains["frame_delay"] = 20.0 + 2.0 * TEMPER * np.log(SURE)
+    gains["frame_delay"] = 20.0 + 2.0 * TEMPER * np.log(HARDLY)
     ranking = [contender(name, gain) for name, gain in gains.items()]
     one = choice(ranking[0], ranking)
     assert one.effect.name == "gravity"

@@ -194,7 +194,7 @@ def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see
 
 
 def test_what_the_rig_does_it_does_to_every_configuration_alike():
-    for name in ("force_offset", "position_error", "camera_scale"):
+    for name in ("load_cell_compliance", "position_error", "camera_scale"):
         one, study, states, steps = steps_of(name)
         assert one.of_the_rig
         columns = atoms(study, states, one, steps)

@@ -21,7 +21,7 @@ from model.effects.examples import (
     example_weighed,
 )
 from model.effects.interface import Clock, Weighed
-from model.effects.nonlinear_stiffness import bent, exponent
+from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
 from model.effects.roll_friction import slid
 from model.effects.viscoelastic_creep import alternating
 
@@ -69,10 +69,36 @@ def test_stiffness_at_ten_per_metre_has_changed_by_what_the_parameter_says():
     assert bent(np.array([at_ten]), exponent(0.3)) == pytest.approx(10.0, rel=1e-13)
 
 
+@pytest.mark.parametrize("power", [1.0, 2.0])
+@pytest.mark.parametrize("change", [-0.2, -0.02, 0.0, 0.05, 1.0])
+def test_a_stiffness_that_goes_with_a_power_of_the_bending_is_inverted(change: float, power: float):
+    linear = np.concatenate([-np.geomspace(1e-9, 9.0, 40), [0.0], np.geomspace(1e-9, 9.0, 40)])
+    u, slope = bent_by_power(linear, change, power)
+
+    def law(u):
+        c = change if change >= 0.0 else (1.0 + change) ** -power - 1.0
+        grown = 1.0 + c * (np.abs(u) / 10.0) ** power
+        return u * (grown if change >= 0.0 else grown ** (-1.0 / power))
+
+    assert law(u) == pytest.approx(linear, rel=1e-12)
+    h = 1e-4 * np.abs(u) + 1e-12
+    assert slope == pytest.approx((law(u + h) - law(u - h)) / (2.0 * h), rel=1e-6)
+    at_ten = np.array([10.0 * (1.0 + change)])
+    assert bent_by_power(at_ten, change, power)[0] == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("power", [1.0, 2.0])
+def test_a_sheet_that_softens_with_a_power_of_the_bending_does_not_give_way(power: float):
+    u, slope = bent_by_power(np.array([1e3, 1e6]), -0.2, power)
+    assert np.all(np.isfinite(u))
+    assert np.all(slope > 0.0)
+
+
 def test_a_nonlinear_sheet_bends_by_the_law_under_all_its_moments():
     beam, held = example_beam()
     beam = replace(beam, bend=beam.bend + 1.5, soft=beam.soft * 0.9)
-    other = effect("nonlinear_stiffness").beam(beam, held, {"relative_change_at_10_per_m": 0.3})
+    p = {"relative_change_at_10_per_m": 0.3, "power": 0.0}
+    other = effect("nonlinear_stiffness").beam(beam, held, p)
     contact = -np.nan_to_num(held.normal_N / beam.stiffness)[:, None] * held.lever
     change = other.soft * (other.eibm + other.bend + contact)  # k - k0
     law = change * (1.0 + (change / 10.0) ** 2) ** np.log2(1.3)
@@ -144,7 +170,7 @@ def test_the_load_cell_gives_way_where_it_is_pushed():
         ("initial_curvature", {"curvature_error_per_m": 1.5}, "rest", 1.5),
         ("clamp_angle", {"angle_rad": 0.02}, "tilt_rad", 0.02),
         ("position_error", {"offset_mm": 0.4}, "shift_m", 4e-4),
-        ("roll_offset", {"offset_mm": 0.4}, "offset_m", 4e-4),
+        ("roll_offset", {"offset_mm": 0.4, "at_the_pressed": 0.0}, "offset_m", 4e-4),
         (
             "elongation_flexibility",
             {"relative_compliance": 0.03, "in_the_joint": 0.0},
@@ -328,6 +354,20 @@ def test_a_sheet_that_is_held_shows_less_of_every_force():
     assert far == pytest.approx([-0.2, -0.2, 0.2, 0.0], abs=1e-6)
 
 
+def test_a_sheet_that_is_pulled_one_way_shows_as_much_more_of_every_force():
+    p = {"force_mN": 0.2, "from_position_mm": 20.0, "kind": 3.0}
+    far = effect("roll_sticking").force(weighed([1.0, 3.0, -2.0, 0.0], 25.0), p) * 1e3
+    assert far == pytest.approx([0.2, 0.2, 0.2, 0.2])
+
+
+def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
+    beam, held = example_beam()
+    held = replace(held, normal_N=np.array([1.0, -1.0, 0.0, np.nan, 1.0, -1.0, 1.0]) * 1e-3)
+    p = {"offset_mm": 0.4, "at_the_pressed": 1.0}
+    moved = effect("roll_offset").beam(beam, held, p).offset_m - beam.offset_m
+    assert moved * 1e3 == pytest.approx([0.4, -0.4, 0.0, 0.0, 0.4, -0.4, 0.4])
+
+
 # -------------------------------------------------------------------------------------------- time
 
 
@@ -381,15 +421,18 @@ def test_creep_is_the_same_in_each_decade():
 
 
 def creep(**own: float) -> dict[str, float]:
-    return {"relative_change_per_decade": -0.02, "time_s": 8.0, "spread": 1.0, **own}
+    usual = {"relative_change_per_decade": -0.02, "time_s": 8.0, "spread": 1.0, "from_run": 0.0}
+    return {**usual, **own}
 
 
-def test_a_strain_that_stays_becomes_the_shape_at_rest():
+@pytest.mark.parametrize("from_run", [0.0, 1.0])
+def test_a_strain_that_stays_becomes_the_shape_at_rest(from_run):
     beam, held = example_beam()
     bent = -(held.normal_N / beam.stiffness)[:, None] * held.lever  # at 0 V, by the contact
-    clock = replace(beam.clock, run_s=0.0 * beam.clock.run_s, wetted_s=beam.clock.wetted_s)
-    share = 0.02 / (np.exp(-0.25) - np.exp(-2.5)) * -np.expm1(-clock.wetted_s / 8.0)
-    rest = effect("viscoelastic_creep").beam(beam, held, creep()).rest - beam.rest
+    clock = beam.clock
+    held_s = clock.run_s if from_run else clock.wetted_s
+    share = 0.02 / (np.exp(-0.25) - np.exp(-2.5)) * -np.expm1(-held_s / 8.0)
+    rest = effect("viscoelastic_creep").beam(beam, held, creep(from_run=from_run)).rest - beam.rest
     for k in (0, 3):
         mean = np.mean(share[beam.reading_of == k])
         np.testing.assert_allclose(rest[k], mean * bent[k], atol=1e-12)

@@ -176,7 +176,9 @@ def test_a_stiffness_along_the_sheet_gives_the_force_of_the_unit_load_theorem():
 @pytest.mark.parametrize(("at_mm", "bend", "change"), [(5.0, 25.0, 0.2), (20.0, 0.0, -0.1)])
 def test_a_nonlinear_sheet_settles_where_a_boundary_value_solver_does(at_mm, bend, change):
     one = bench((at_mm,), bend=bend, volts=(2.0,))
-    _, held = one.settled(effect("nonlinear_stiffness"), {"relative_change_at_10_per_m": change})
+    _, held = one.settled(
+        effect("nonlinear_stiffness"), {"relative_change_at_10_per_m": change, "power": 0.0}
+    )
     n = np.log2(1.0 + change)
 
     def law(m):
@@ -192,7 +194,9 @@ def test_a_nonlinear_sheet_settles_where_a_boundary_value_solver_does(at_mm, ben
 
 def test_a_nonlinear_free_sheet_is_an_arc_of_the_laws_curvature():
     one = bench((None,), bend=30.0)
-    _, held = one.settled(effect("nonlinear_stiffness"), {"relative_change_at_10_per_m": 0.3})
+    _, held = one.settled(
+        effect("nonlinear_stiffness"), {"relative_change_at_10_per_m": 0.3, "power": 0.0}
+    )
     for k, moment in enumerate((0.0, 30.0, -24.0)):
         u = held.curvature[k, 0]
         assert u * (1.0 + (u / 10.0) ** 2) ** np.log2(1.3) == pytest.approx(moment, abs=1e-9)
@@ -260,7 +264,7 @@ def test_a_clamp_angle_turns_a_straight_free_sheet():
 
 def test_an_offset_of_the_rolls_lifts_the_free_position_to_the_sheets_left():
     one = bench((1e3 * R * np.arcsin(0.5e-3 / R),), volts=(0.0,))
-    _, held = one.settled(effect("roll_offset"), {"offset_mm": 0.5})
+    _, held = one.settled(effect("roll_offset"), {"offset_mm": 0.5, "at_the_pressed": 0.0})
     assert held.force_N[0] == pytest.approx(0.0, abs=1e-11)
 
 
