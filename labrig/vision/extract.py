@@ -28,6 +28,7 @@ FloatArray = npt.NDArray[np.float64]
 
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
+MOST_EXCESS_PX = 4.0  # known to two pixels; thick sheets may look wider
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 LEAST_OF_A_WIRE_PX = 60.0
 MOST_TURNS = 2  # of finding wires beside the best curve, and searching without them
@@ -76,6 +77,13 @@ def neutral_curve(
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
     excess = np.maximum(excess, best.wider_px)
+    if excess.max() > max(MOST_EXCESS_PX, job.thickness_px):
+        return NeutralCurve(
+            ok=False,
+            why=f"what was followed looks up to {excess.max():.1f} pixels wider than the sheet is "
+            "thick, and nothing tells which part of it is the sheet's edge; light the edge, or "
+            "check the sheet's thickness.",
+        )
     curve = report(best.fit, best.setting, best.verdict, excess)
     return with_wires(curve, job.wires, picture.grey.shape)
 

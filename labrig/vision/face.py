@@ -26,7 +26,8 @@ FloatArray = npt.NDArray[np.float64]
 GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
 LIKELY_SHOWN = 0.2  # the odds of each guess before the picture is looked at
 LEAST_DOUBT_PX = 0.02
-MOST_DEPTH, LEAST_SHARE, MOST_SHARE = 0.12, 0.02, 1.0
+LEAST_DEPTH, MOST_DEPTH = 1e-4, 0.12
+LEAST_SHARE, MOST_SHARE = 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
 CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
@@ -91,7 +92,8 @@ class FaceSearch:
 
     def first(self) -> Face | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
-        guesses = [self._guess(depth, self._allowed(share)) for depth, share in GUESSES]
+        shown = [*GUESSES, *self._beside_thin_elongation()]
+        guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
         gains = [float((self.nothing - self._costs(self.seen, face)).sum()) for face in guesses]
         best = int(np.argmax(gains))
         if gains[best] < LIKELY_GAIN:
@@ -132,6 +134,16 @@ class FaceSearch:
         doubt = float(np.sqrt(odds @ square / (1 + odds.sum())))
         return doubt if doubt > LEAST_DOUBT_PX else 0.0
 
+    def _beside_thin_elongation(self) -> list[tuple[float, float]]:
+        """The face that would be there were an elongation no thicker than the sheet."""
+        band = self.plain
+        excess = 2 * float(band.half_width[-1] - band.half_width[0])
+        if not band.elongation.any() or excess <= 0:
+            return []
+        unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[band.elongation]
+        depth = LEAST_DEPTH * excess / max(float(np.median(np.abs(unit))), 1e-6)
+        return [(depth, 0.9)] if depth < MOST_DEPTH else []
+
     def _allowed(self, share: float) -> float:
         return 1.0 if self.silhouette else min(share, self.most_share)
 
@@ -139,15 +151,19 @@ class FaceSearch:
         """A face, with the blur and the elongation's width that are left beside it."""
         band, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
         face = Face(depth, share, centre, 1.0, 1.0)
-        thick, wide = 2 * band.half_width, np.abs(face.widths(self.seen.shape))
-        grey = share * wide
-        # second moment of band and face together, less the band's own
-        spread = grey * wide**2 / 12 + thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
-        more = float(np.mean((spread / (thick + grey))[~band.elongation]))
+        wide = np.abs(face.widths(self.seen.shape))
+        thick = 2 * float(band.half_width[-1])
+        if not band.elongation.any():
+            # the fitted blur of a band of known width is led by its flanks: all of it is the face's
+            more = float(np.mean(_spread(thick, wide, share)))
+            half = thick / 2
+        else:
+            # nobody knows an elongation's width: what the face takes may be missing there
+            wide = wide[band.elongation]
+            half = max((thick - share * float(np.median(wide))) / 2, 0.5)
+            own = (2 * half) ** 3 / 12 / (2 * half + share * wide)
+            more = float(np.mean(own + _spread(2 * half, wide, share))) - thick**2 / 12
         blur = float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2)))
-        half = float(band.half_width[-1])
-        if band.elongation.any():
-            half = max(half - 0.5 * float(np.median(grey[band.elongation])), 0.5)
         return replace(face, blur=blur, elongation_half=half)
 
     def _refined(self, seen: _Seen, face: Face) -> Face:
@@ -204,7 +220,7 @@ class FaceSearch:
         x, y = self.centre + self.spread * p[2:4]
         blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
         share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
-        depth = float(np.clip(np.exp(p[0]), 1e-4, MOST_DEPTH))
+        depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
         return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
     def _costs(self, seen: _Seen, face: Face) -> FloatArray:
@@ -244,6 +260,16 @@ class _Seen:
         thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
         middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
         return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
+
+
+def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:
+    """Second moment of a band and a face beside it about the middle of both, less the band's own.
+
+    That is thick^3 / 12 over the grey of both.
+    """
+    grey = share * wide
+    apart = thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
+    return np.asarray((grey * wide**2 / 12 + apart) / (thick + grey))
 
 
 def _lowest(

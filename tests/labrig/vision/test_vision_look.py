@@ -49,9 +49,9 @@ def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "face"), [(960_061, 0.85), (960_072, 1.0)])
+@pytest.mark.parametrize(("seed", "face"), [(960_061, 0.85), (960_029, 0.85)])
 def test_a_face_that_is_not_told_from_the_edge_widens_the_band(scenes, known, seed, face):
-    """The first may be a thicker sheet, the second a thicker elongation in much noise."""
+    """The first may be a thicker sheet, the second no more than blur in much noise."""
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
@@ -71,3 +71,21 @@ def test_a_faint_face_is_found_in_a_picture_of_little_noise(scenes, known, seed,
     assert curve.ok
     assert curve.face_share > 0
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.06
+
+
+@pytest.mark.slow
+def test_a_face_beside_an_elongation_of_unknown_width_is_found(scenes, known):
+    """The elongation was taken for a thicker one, and its middle missed by 1.07 pixels."""
+    scene = scenes.make_scene(replace(scenes.mixed(2_300_033), face=1.0))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.2
+
+
+@pytest.mark.slow
+def test_what_looks_much_wider_than_the_sheet_gives_no_curve(scenes, known):
+    """A silhouette's face and a wire beside it: nothing tells which part is the edge."""
+    scene = scenes.make_scene(replace(scenes.mixed(2_300_024), face=1.0))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert not curve.ok
+    assert "wider than the sheet" in curve.why
