@@ -23,6 +23,7 @@ MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
 WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
 LEAST_SNR = 2.0
 MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
+KINK_RAD = 0.04  # that a sheet may have where it leaves the jaws
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
 
@@ -152,7 +153,8 @@ def _faults(
 def _start_beside(fit: Fit, setting: Setting) -> tuple[float, float, float]:
     """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
     beside, covariance = seen_start(fit, setting)
-    chi2 = beside @ np.linalg.solve(covariance + np.diag(setting.prior**2), beside)
+    clamp = np.diag(setting.prior**2 + np.array([0.0, KINK_RAD**2]))
+    chi2 = beside @ np.linalg.solve(covariance + clamp, beside)
     return float(beside[0]), float(beside[1]), float(chi2)
 
 

@@ -28,7 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
-MOST_EXCESS_PX = 4.0  # known to two pixels; thick sheets may look wider
+MOST_EXCESS_PX = 4.0  # known to two pixels
+MOST_EXCESS = 0.009  # of the length, where there are many pixels
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 LEAST_OF_A_WIRE_PX = 60.0
 MOST_TURNS = 2  # of finding wires beside the best curve, and searching without them
@@ -77,7 +78,7 @@ def neutral_curve(
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
     excess = np.maximum(excess, best.wider_px)
-    if excess.max() > max(MOST_EXCESS_PX, job.thickness_px):
+    if excess.max() > max(MOST_EXCESS_PX, MOST_EXCESS * job.basis.total_px):
         return NeutralCurve(
             ok=False,
             why=f"what was followed looks up to {excess.max():.1f} pixels wider than the sheet is "
