@@ -28,8 +28,8 @@ FloatArray = npt.NDArray[np.float64]
 
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
-MOST_EXCESS_PX = 4.0  # known to two pixels
-MOST_EXCESS = 0.009  # of the length, where there are many pixels
+MOST_EXCESS_PX = 6.0  # known to three pixels
+MOST_EXCESS = 0.0135  # of the length, where there are many pixels
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
 LEAST_OF_A_WIRE_PX = 60.0
 MOST_TURNS = 2  # of finding wires beside the best curve, and searching without them
