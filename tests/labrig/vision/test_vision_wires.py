@@ -71,8 +71,9 @@ def test_a_sheet_is_measured_beside_a_wire_that_crosses_it_at_a_small_angle(
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok, curve.why
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < most_px
-    # where the wire hides it the band is wide, and holds the truth
-    assert curve.sigma_m.max() > 1.3 * np.median(curve.sigma_m)
+    # where the wire hides it the band is wide, whatever a face might add everywhere
+    seen = np.sqrt(((curve.normal_modes @ curve.covariance) * curve.normal_modes).sum(axis=1))
+    assert seen.max() > 1.3 * np.median(seen)
 
 
 @pytest.mark.slow
