@@ -81,7 +81,7 @@ def choices(
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
-    left = _rest_of_another(result)
+    left = rest_of_another(result)
     if left is None:
         return result, final
     rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
@@ -90,7 +90,7 @@ def choices(
     return choices(shorter, effects, threshold)
 
 
-def _rest_of_another(named: Sequence[Choice]) -> int | None:
+def rest_of_another(named: Sequence[Choice]) -> int | None:
     """Place of an effect that is rather what is left of a stronger one's form.
 
     Forms differ in more ways than are tolerated. What several effects of several slots explain as

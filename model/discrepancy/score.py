@@ -22,7 +22,7 @@ from model.noise import Solution, deviance, estimate
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
-BEYOND = 3.0  # times its bounds that a straight line may lead to: strong effects bend it
+BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from model.noise import Solution, weigh
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
 CLOSE_LEAST = 10.0  # ... or absolute
+ALIKE, SHAPES = 2.0, 2  # other shapes of an effect that are refined, too: so close, so many
 REFINED = 4
 MOST_OUTLIERS = 2
 STUCK = 0.2  # share that says that the size may have been found at the wrong place
@@ -50,6 +51,7 @@ class Contender:
     gain: float  # ln of the Bayes factor against the present model
     solution: Solution | None = None
     fitted: Fitted | None = None  # where it was refined
+    shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
 
     @property
     def name(self) -> str:
@@ -88,7 +90,8 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
     if slots:
         every += unknowns(fitted)
     every += outlier_candidates(fitted)
-    best = _best(fitted, every, fitted.solution)
+    scores = _by_name(fitted, every, fitted.solution)
+    best = {name: found[0] for name, found in scores.items()}
     usual = _best(fitted, every, _usual_scatter(fitted))
     hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
     result, tried = [], 0
@@ -104,21 +107,29 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
             looks.append(usual[name])
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
-        result.append(Contender(chosen, gain, solution))
+        shapes = [s for s in scores.get(name, [])[1:] if s.log_bayes > one.log_bayes - ALIKE]
+        result.append(Contender(chosen, gain, solution, shapes=tuple(shapes[:SHAPES])))
     result.sort(key=lambda c: -c.gain)
     return result
 
 
 def _best(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
     """The best score of each name, at given scatter; best first."""
+    return {name: found[0] for name, found in _by_name(fitted, every, solution).items()}
+
+
+def _by_name(
+    fitted: Fitted, every: Sequence[Candidate], solution: Solution
+) -> dict[str, list[Score]]:
+    """The scores of all shapes of each name, at given scatter; best first."""
     study = fitted.problem.study
     projected = Projected.of(study, fitted.linear, solution)
     scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
     scores.sort(key=lambda s: -s.log_bayes)
-    best: dict[str, Score] = {}
+    result: dict[str, list[Score]] = {}
     for one in scores:
-        best.setdefault(one.candidate.name, one)
-    return best
+        result.setdefault(one.candidate.name, []).append(one)
+    return result
 
 
 def _alike(one: Score, other: Score) -> bool:
@@ -133,30 +144,43 @@ def _usual_scatter(fitted: Fitted) -> Solution:
 
 
 def refined(fitted: Fitted, contender: Contender) -> Contender:
-    """With the effect in the model, its values fitted and everything linearised there."""
-    candidate, effect = contender.score.candidate, contender.score.candidate.effect
-    if effect is None:
-        raise TypeError(f"{candidate.name} is no effect of the catalogue")
-    amplitude = contender.score.amplitude
-    width = max(contender.score.scale, 2.0 * abs(amplitude))
+    """With the effect in the model, its values fitted and everything linearised there.
+
+    Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
+    """
     known = None if contender.solution is None else contender.solution.log_sigma
-    first = Found(effect, _begun(fitted, effect, candidate, amplitude), width)
-    best = _settled(fitted, first, known)
-    if best is None or form_share(best, -1) > STUCK or _strained(best):
-        # a straight line from where the effect is absent may lead nowhere: begin at a usual size or
-        # where it leads with the usual scatter, and let nothing hide in scatter or form
-        usual = _best(fitted, [candidate], _usual_scatter(fitted)).get(candidate.name)
-        size = 1.0 if usual is None else usual.amplitude
-        size = float(np.copysign(max(1.0, abs(size)), size))
-        begin = Found(effect, _begun(fitted, effect, candidate, size), max(width, 2.0 * abs(size)))
-        other = _settled(fitted, begin, None, strictly=True)
+    best, of = None, contender.score
+    for one in (contender.score, *contender.shapes):
+        other = _refined(fitted, one, known)
         if best is None or (other is not None and other.deviance < best.deviance):
-            best = other
+            best, of = other, one
     if best is None:
         return contender
     # its size was chosen from several, as in `score`
-    gain = 0.5 * (fitted.deviance - best.deviance) - float(np.log(len(candidate.sizes)))
-    return replace(contender, gain=gain, fitted=best)
+    gain = 0.5 * (fitted.deviance - best.deviance) - float(np.log(len(of.candidate.sizes)))
+    return replace(contender, score=of, gain=gain, fitted=best)
+
+
+def _refined(fitted: Fitted, one: Score, known: FloatArray | None) -> Fitted | None:
+    """A model with an effect of this shape; None where it does not settle."""
+    candidate, effect = one.candidate, one.candidate.effect
+    if effect is None:
+        raise TypeError(f"{candidate.name} is no effect of the catalogue")
+    width = max(one.scale, 2.0 * abs(one.amplitude))
+    first = Found(effect, _begun(fitted, effect, candidate, one.amplitude), width)
+    best = _settled(fitted, first, known)
+    if best is not None and form_share(best, -1) <= STUCK and not _strained(best):
+        return best
+    # a straight line from where the effect is absent may lead nowhere: begin at a usual size or
+    # where it leads with the usual scatter, and let nothing hide in scatter or form
+    usual = _best(fitted, [candidate], _usual_scatter(fitted)).get(candidate.name)
+    size = 1.0 if usual is None else usual.amplitude
+    size = float(np.copysign(max(1.0, abs(size)), size))
+    begin = Found(effect, _begun(fitted, effect, candidate, size), max(width, 2.0 * abs(size)))
+    other = _settled(fitted, begin, None, strictly=True)
+    if best is None or (other is not None and other.deviance < best.deviance):
+        return other
+    return best
 
 
 def _begun(

@@ -27,6 +27,7 @@ OUTSIDE = Case((Hiding("local_eibm"),), seed=5)
 BADLY_SET = Case((Hiding("nonuniform_eibm"),), seed=6, outlier=True)
 TILTED = Case((Hiding("clamp_angle", size=0.008),), seed=7)
 DRYING = Case((Hiding("stiffness_drift", "exp", 0.4),), seed=8)
+SOFT_END = Case((Hiding("nonuniform_stiffness", "line", -0.7),), seed=31)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
         "sentence", "notes"}  # fmt: skip
@@ -70,6 +71,14 @@ def test_a_falling_eibm_is_named_also_in_another_form():
     assert [e.name for e in found.model.effects] == ["nonuniform_eibm"]
     best = next(r for r in found.ranking if not r.name.startswith("unknown"))
     assert best.name == "nonuniform_eibm"
+
+
+@pytest.mark.slow
+def test_so_strong_an_effect_is_named_that_a_straight_line_leads_beyond_its_bounds():
+    found = diagnosed(SOFT_END)
+    assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_stiffness"])
+    assert found.effects[0].parameters["relative_change"].value == pytest.approx(-0.7, abs=0.01)
+    assert found.closed > 0.98
 
 
 @pytest.mark.slow

@@ -7,7 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.decide import HARDLY, TEMPER, Leftover, choice, posterior
+from model.discrepancy.decide import (
+    HARDLY,
+    TEMPER,
+    Choice,
+    Leftover,
+    choice,
+    posterior,
+    rest_of_another,
+)
 from model.discrepancy.nulls import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.outliers import (
     condition_name,
@@ -55,6 +63,26 @@ def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
 def test_a_free_form_cannot_be_chosen_as_a_name():
     with pytest.raises(TypeError, match="unknown:time is no effect"):
         choice(contender("unknown:time", 3.0), [])
+
+
+def named(name: str, gain: float, confidence: float, of_slot: float) -> Choice:
+    return Choice(effect(name), confidence, (), gain, of_slot)
+
+
+@pytest.mark.parametrize(
+    ("second", "dropped"),
+    [
+        (named("eibm_drift", 12.0, 0.5, 1.0), 1),  # time beside time, and no clear name
+        (named("eibm_drift", 12.0, 0.9, 1.0), None),  # a clear name
+        (named("roll_offset", 12.0, 0.5, 0.5), 1),  # several slots would do
+        (named("roll_offset", 12.0, 0.5, 0.9), None),  # a class, but of one slot
+        (named("eibm_drift", 200.0, 0.5, 1.0), None),  # the stronger of the two
+    ],
+)
+def test_what_several_effects_explain_as_well_is_the_rest_of_a_stronger_one(second, dropped):
+    assert rest_of_another([named("viscoelastic_creep", 100.0, 1.0, 1.0), second]) == dropped
+    assert rest_of_another([second]) is None
+    assert rest_of_another([]) is None
 
 
 @pytest.mark.parametrize(("gain", "total", "share"), [(5.0, 50.0, 0.1), (-1.0, 50.0, 0.0)])

@@ -116,6 +116,8 @@ def made(name: str, amplitude: float) -> Score:
         ("roll_friction", 1.0, True),
         ("charging_lag", -1.0, False),  # found by trying time constants, all positive
         ("gravity", -1.0, True),
+        ("nonuniform_stiffness", -24.0, True),  # beyond its bound, as strong effects lead to
+        ("nonuniform_stiffness", -100.0, False),
     ],
 )
 def test_a_size_that_an_effect_cannot_have_is_not_allowed(name, amplitude, may_be):
