@@ -18,9 +18,9 @@ from model.field import Field
 from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
 
 STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
-SELF_CONSISTENT = 8  # rounds of solving and applying effects that depend on the solution
+SELF_CONSISTENT = 5  # rounds of solving and applying effects that depend on the solution
 LEAST_M = 1e-8  # that the EIBM moves a curve
-SETTLED_N = 1e-8  # change of any force that ends them sooner
+SETTLED_N = 3e-8  # change of any force that ends them sooner
 
 
 @dataclass(frozen=True)

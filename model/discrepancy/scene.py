@@ -23,6 +23,7 @@ from model.system import STEEPEST_PER_M, legendre_field
 
 NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
+MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,8 @@ class Scene:
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         self.free = np.flatnonzero(np.isnan(self.stated_m))
         self._stack_curves()
+        # by condition: angle and solution where the contact was last beside the point on the arc
+        self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
         self._found: list[tuple[Index, Equilibria]] = []
 
@@ -208,18 +211,29 @@ class Scene:
             start = self._last
             self._last = self._solve(beam, rows, beta, R, start)
             return [(rows, self._last)]
-        groups = []
-        for row, b, d in zip(rows, beta, offset, strict=True):
-            one, gamma = np.array([row]), 0.0
-            for _ in range(4):  # the curve passes beside the point on the arc
-                tangential, radial = -d * np.cos(gamma), R + d * np.sin(gamma)
-                angle = b + np.arctan2(tangential, radial)
-                found = self._solve(
-                    beam, one, np.array([angle]), float(np.hypot(tangential, radial))
-                )
-                gamma = float(found.phi_hat_rad[0]) - b
-            groups.append((one, found))
-        return groups
+        each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
+        return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
+
+    def _beside_arc(self, beam: Beam, row: int, beta: float, d: float) -> Equilibria:
+        """One condition whose curve passes beside the point on the arc, by `d`."""
+
+        def solved(gamma: float, start: Equilibria | None) -> Equilibria:
+            tangential, radial = -d * np.cos(gamma), R + d * np.sin(gamma)
+            angle = np.array([beta + np.arctan2(tangential, radial)])
+            radius_m = float(np.hypot(tangential, radial))
+            return self._solve(beam, np.array([row]), angle, radius_m, start)
+
+        R = self.sheet.arc_radius_m
+        last = self._beside.get(row)
+        gamma = last[0] if last else 0.0
+        found = solved(gamma, last[1] if last else None)
+        for _ in range(MOST_BESIDE - 1):
+            before, gamma = gamma, float(found.phi_hat_rad[0]) - beta
+            if abs(gamma - before) < SAME_RAD:
+                break
+            found = solved(gamma, found)
+        self._beside[row] = gamma, found
+        return found
 
     def _solve(
         self,

@@ -31,7 +31,8 @@ from model.noise import Solution, weigh
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
 CLOSE_LEAST = 10.0  # ... or absolute
-ALIKE, SHAPES = 2.0, 2  # other shapes of an effect that are refined, too: so close, so many
+ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
+SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
 REFINED = 4
 MOST_OUTLIERS = 2
 STUCK = 0.2  # share that says that the size may have been found at the wrong place
@@ -108,7 +109,8 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
         shapes = [s for s in scores.get(name, [])[1:] if s.log_bayes > one.log_bayes - ALIKE]
-        result.append(Contender(chosen, gain, solution, shapes=tuple(shapes[:SHAPES])))
+        shapes = shapes[:SHAPES] if _bends(one) else []
+        result.append(Contender(chosen, gain, solution, shapes=tuple(shapes)))
     result.sort(key=lambda c: -c.gain)
     return result
 
@@ -132,6 +134,12 @@ def _by_name(
     return result
 
 
+def _bends(one: Score) -> bool:
+    """Whether it changes the beam, so that a straight line may not do."""
+    effect = one.candidate.effect
+    return effect is not None and effect.slot != "time" and type(effect).beam is not Effect.beam
+
+
 def _alike(one: Score, other: Score) -> bool:
     """Whether they are the same columns of the same scale."""
     return one.candidate is other.candidate and one.scale == other.scale
@@ -149,38 +157,44 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
     Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
-    best, of = None, contender.score
+    result = contender
     for one in (contender.score, *contender.shapes):
-        other = _refined(fitted, one, known)
-        if best is None or (other is not None and other.deviance < best.deviance):
-            best, of = other, one
-    if best is None:
-        return contender
-    # its size was chosen from several, as in `score`
-    gain = 0.5 * (fitted.deviance - best.deviance) - float(np.log(len(of.candidate.sizes)))
-    return replace(contender, score=of, gain=gain, fitted=best)
+        first = _found(fitted, one, one.amplitude)
+        result = _better(fitted, result, one, _settled(fitted, first, known))
+    return result
 
 
-def _refined(fitted: Fitted, one: Score, known: FloatArray | None) -> Fitted | None:
-    """A model with an effect of this shape; None where it does not settle."""
-    candidate, effect = one.candidate, one.candidate.effect
-    if effect is None:
-        raise TypeError(f"{candidate.name} is no effect of the catalogue")
-    width = max(one.scale, 2.0 * abs(one.amplitude))
-    first = Found(effect, _begun(fitted, effect, candidate, one.amplitude), width)
-    best = _settled(fitted, first, known)
-    if best is not None and form_share(best, -1) <= STUCK and not _strained(best):
-        return best
-    # a straight line from where the effect is absent may lead nowhere: begin at a usual size or
-    # where it leads with the usual scatter, and let nothing hide in scatter or form
-    usual = _best(fitted, [candidate], _usual_scatter(fitted)).get(candidate.name)
+def _refined_again(fitted: Fitted, contender: Contender) -> Contender:
+    """From another beginning: a straight line from where the effect is absent may lead nowhere.
+
+    It begins at a usual size or where it leads with the usual scatter, and lets nothing hide in
+    scatter or form.
+    """
+    one = contender.score
+    usual = _best(fitted, [one.candidate], _usual_scatter(fitted)).get(contender.name)
     size = 1.0 if usual is None else usual.amplitude
     size = float(np.copysign(max(1.0, abs(size)), size))
-    begin = Found(effect, _begun(fitted, effect, candidate, size), max(width, 2.0 * abs(size)))
-    other = _settled(fitted, begin, None, strictly=True)
-    if best is None or (other is not None and other.deviance < best.deviance):
-        return other
-    return best
+    begin = _found(fitted, one, size)
+    return _better(fitted, contender, one, _settled(fitted, begin, None, strictly=True))
+
+
+def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
+    """The contender, or with this shape and fit where they are better than what it has."""
+    best = contender.fitted
+    if other is None or (best is not None and best.deviance <= other.deviance):
+        return contender
+    # its size was chosen from several, as in `score`
+    gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
+    return replace(contender, score=one, gain=gain, fitted=other)
+
+
+def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:
+    """A scored effect at a multiple of its own size."""
+    effect = one.candidate.effect
+    if effect is None:
+        raise TypeError(f"{one.candidate.name} is no effect of the catalogue")
+    width = max(one.scale, 2.0 * abs(one.amplitude), 2.0 * abs(amplitude))
+    return Found(effect, _begun(fitted, effect, one.candidate, amplitude), width)
 
 
 def _begun(
@@ -225,9 +239,24 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     top = known[0].gain
     least = top - max(CLOSE_LEAST, CLOSE * top)
     chosen = [c for c in known if c.gain >= least][:REFINED]
-    done = [refined(fitted, c) for c in chosen]
-    rest = [c for c in ranking if c not in chosen]
-    return sorted([*done, *rest], key=lambda c: -c.gain)
+    done = {c.name: refined(fitted, c) for c in chosen}
+    for name in _promising(fitted, list(done.values())):
+        if _doubtful(done[name]):
+            done[name] = _refined_again(fitted, done[name])
+    rest = [c for c in ranking if c.name not in done]
+    return sorted([*done.values(), *rest], key=lambda c: -c.gain)
+
+
+def _promising(fitted: Fitted, done: list[Contender]) -> set[str]:
+    """The one that explains most, and the one that would with the usual scatter."""
+    usual = _best(fitted, [c.score.candidate for c in done], _usual_scatter(fitted))
+    return {max(done, key=lambda c: c.gain).name, *list(usual)[:1]}
+
+
+def _doubtful(contender: Contender) -> bool:
+    """Whether its size may have been found at the wrong place."""
+    best = contender.fitted
+    return best is None or form_share(best, -1) > STUCK or _strained(best)
 
 
 def supported(before: Fitted, after: Fitted) -> bool:
@@ -317,6 +346,7 @@ def _rows(fitted: Fitted) -> FloatArray:
 def _worth(turn: Turn, threshold: float) -> Contender | None:
     """The best effect of the catalogue whose form is in the data, if they ask for it."""
     threshold += FURTHER if turn.before.found else 0.0
+    rest = _rest_of_forms(turn)
     for one in turn.ranking:
         if not one.known or one.fitted is None:
             continue
@@ -325,6 +355,12 @@ def _worth(turn: Turn, threshold: float) -> Contender | None:
         itself = (1.0 - share) * worth if turn.before.found else 0.0
         if share > MOST_FORM and itself < threshold:
             continue
-        asked = one.gain >= threshold and worth >= threshold
+        asked = min(one.gain, worth) >= threshold and one.gain > rest - ALIKE
         return one if asked and supported(turn.before, one.fitted) else None
     return None
+
+
+def _rest_of_forms(turn: Turn) -> float:
+    """What a free form explains in the slot of an effect before: more of that one's form."""
+    slots = {f"unknown:{f.effect.slot}" for f in turn.before.found}
+    return max((c.gain for c in turn.ranking if c.name in slots), default=-np.inf)

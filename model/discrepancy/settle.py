@@ -13,7 +13,8 @@ from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, inverse_symmetric, weigh
 
-ROUNDS = 16
+ROUNDS = 12
+WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.1  # share of a step that is taken whether or not it helps
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
@@ -125,7 +126,7 @@ class _Way:
 
     def worse_than(self, other: _Way) -> bool:
         """Whether it is further from the data, both before their steps, at the other's noise."""
-        return self._distance(other.log_sigma) > other._distance(other.log_sigma)
+        return self._distance(other.log_sigma) > other._distance(other.log_sigma) + WORSE
 
     def _distance(self, log_sigma: FloatArray) -> float:
         """Square of what is left, whitened, with no step but in the tolerance of the forms."""
