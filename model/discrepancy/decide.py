@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.search import FURTHER, Contender, Outcome, Turn, apart, rank, refine_best
+from model.discrepancy.ranking import Contender, rank
+from model.discrepancy.refine import refine_best
+from model.discrepancy.search import FURTHER, Outcome, Turn, apart
 from model.discrepancy.settle import Fitted, settle
 from model.effects.interface import Effect
 

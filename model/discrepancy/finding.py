@@ -16,6 +16,7 @@ from model.discrepancy.menu import next_measurement
 from model.discrepancy.outliers import condition_name
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
 from model.discrepancy.profile import form_of, unknown_of, with_free_form
+from model.discrepancy.ranking import Contender
 from model.discrepancy.result import (
     BeforeAfter,
     Diagnosis,
@@ -30,7 +31,7 @@ from model.discrepancy.result import (
 from model.discrepancy.sanity import remarks
 from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate, candidates
-from model.discrepancy.search import Contender, Outcome
+from model.discrepancy.search import Outcome
 from model.discrepancy.settle import Fitted
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.where import places

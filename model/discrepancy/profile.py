@@ -11,8 +11,8 @@ from model.discrepancy.form_share import form_share, steps_of
 from model.discrepancy.gaps import variance
 from model.discrepancy.linear import with_columns
 from model.discrepancy.point import Step
+from model.discrepancy.ranking import Contender
 from model.discrepancy.result import FormCurve, Unknown
-from model.discrepancy.search import Contender
 from model.discrepancy.settle import Fitted
 from model.discrepancy.slots import TIMES, Shape, shapes, unit_of
 from model.discrepancy.tolerance import FORM, cosine, waves_along

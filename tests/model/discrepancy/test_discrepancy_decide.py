@@ -24,8 +24,9 @@ from model.discrepancy.outliers import (
     outlier_candidates,
     without,
 )
+from model.discrepancy.ranking import Contender
 from model.discrepancy.score import Candidate, Score, candidates
-from model.discrepancy.search import Contender, search
+from model.discrepancy.search import search
 from model.discrepancy.settle import settle
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.slots import unknowns

@@ -11,8 +11,8 @@ from model.discrepancy import search
 from model.discrepancy.point import Step
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.profile import unknown_of
+from model.discrepancy.ranking import Contender
 from model.discrepancy.score import Score
-from model.discrepancy.search import Contender
 from model.discrepancy.slots import _MAKERS, shapes, unknowns
 from model.discrepancy.tolerance import (
     FORM,

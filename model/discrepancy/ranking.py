@@ -1,0 +1,115 @@
+"""Everything that could be added to a model, with what it is worth; the best first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.outliers import outlier_candidates
+from model.discrepancy.score import (
+    Candidate,
+    Projected,
+    Score,
+    allowed,
+    candidates,
+    rescored,
+    score,
+)
+from model.discrepancy.settle import Fitted
+from model.discrepancy.slots import unknowns
+from model.effects.interface import Effect
+from model.noise import Solution, weigh
+
+CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
+ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
+SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A candidate with its evidence."""
+
+    score: Score
+    gain: float  # ln of the Bayes factor against the present model
+    solution: Solution | None = None
+    fitted: Fitted | None = None  # where it was refined
+    shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
+
+    @property
+    def name(self) -> str:
+        """Of the effect, `unknown:SLOT`, or `outlier:NUMBER`."""
+        return self.score.candidate.name
+
+    @property
+    def known(self) -> bool:
+        """Whether it is an effect of the catalogue."""
+        return self.score.candidate.effect is not None
+
+
+def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[Contender]:
+    """Everything that could be added, best first; the promising ones with the noise beside them."""
+    inside = {f.effect.name for f in fitted.found}
+    every = candidates(fitted, [e for e in effects if e.name not in inside])
+    if slots:
+        every += unknowns(fitted)
+    every += outlier_candidates(fitted)
+    scores = _by_name(fitted, every, fitted.solution)
+    best = {name: found[0] for name, found in scores.items()}
+    usual = best_scores(fitted, every, usual_scatter(fitted))
+    hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
+    result, tried = [], 0
+    for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
+        outlier = one.candidate.slot == "outlier"
+        promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
+        if not promising and name not in hidden:
+            result.append(Contender(one, one.log_bayes))
+            continue
+        tried += promising and not outlier
+        looks = [one]
+        if name in hidden and not _alike(one, usual[name]):
+            looks.append(usual[name])
+        both = [(*rescored(fitted, look), look) for look in looks]
+        gain, solution, chosen = max(both, key=lambda item: item[0])
+        shapes = [s for s in scores.get(name, [])[1:] if s.log_bayes > one.log_bayes - ALIKE]
+        shapes = shapes[:SHAPES] if _bends(one) else []
+        result.append(Contender(chosen, gain, solution, shapes=tuple(shapes)))
+    result.sort(key=lambda c: -c.gain)
+    return result
+
+
+def best_scores(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
+    """The best score of each name, at given scatter; best first."""
+    return {name: found[0] for name, found in _by_name(fitted, every, solution).items()}
+
+
+def _by_name(
+    fitted: Fitted, every: Sequence[Candidate], solution: Solution
+) -> dict[str, list[Score]]:
+    """The scores of all shapes of each name, at given scatter; best first."""
+    study = fitted.problem.study
+    projected = Projected.of(study, fitted.linear, solution)
+    scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
+    scores.sort(key=lambda s: -s.log_bayes)
+    result: dict[str, list[Score]] = {}
+    for one in scores:
+        result.setdefault(one.candidate.name, []).append(one)
+    return result
+
+
+def _bends(one: Score) -> bool:
+    """Whether it changes the beam, so that a straight line may not do."""
+    effect = one.candidate.effect
+    return effect is not None and effect.slot != "time" and type(effect).beam is not Effect.beam
+
+
+def _alike(one: Score, other: Score) -> bool:
+    """Whether they are the same columns of the same scale."""
+    return one.candidate is other.candidate and one.scale == other.scale
+
+
+def usual_scatter(fitted: Fitted) -> Solution:
+    """The same fit with no more scatter than is usual: what acts in every set-up hides in it."""
+    least = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
+    return weigh(fitted.linear.data, least)

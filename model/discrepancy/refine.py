@@ -1,0 +1,132 @@
+"""Contenders put into the model: solved with it, all values fitted, from where that leads."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.form_share import form_share
+from model.discrepancy.ranking import Contender, best_scores, usual_scatter
+from model.discrepancy.scatter import ASSUMED
+from model.discrepancy.score import Candidate, Score, unit_values
+from model.discrepancy.settle import Fitted, settle
+from model.discrepancy.tolerance import Found
+from model.effects.interface import Effect
+from model.measurements import FloatArray, ModelError
+
+CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
+CLOSE_LEAST = 10.0  # ... or absolute
+REFINED = 4
+STUCK = 0.2  # share of form that says that the size may have been found at the wrong place
+STRAINED = 4.0  # times the usual scatter that says so, too
+STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+INSIDE = 0.9  # of its bounds that a size may have to begin with
+
+
+def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
+    """The effects of the catalogue that are close to the best one, refined; best first."""
+    known = [c for c in ranking if c.known]
+    if not known:
+        return ranking
+    top = known[0].gain
+    least = top - max(CLOSE_LEAST, CLOSE * top)
+    chosen = [c for c in known if c.gain >= least][:REFINED]
+    done = {c.name: refined(fitted, c) for c in chosen}
+    for name in _promising(fitted, list(done.values())):
+        if _doubtful(done[name]):
+            done[name] = _refined_again(fitted, done[name])
+    rest = [c for c in ranking if c.name not in done]
+    return sorted([*done.values(), *rest], key=lambda c: -c.gain)
+
+
+def refined(fitted: Fitted, contender: Contender) -> Contender:
+    """With the effect in the model, its values fitted and everything linearised there.
+
+    Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
+    """
+    known = None if contender.solution is None else contender.solution.log_sigma
+    result = contender
+    for one in (contender.score, *contender.shapes):
+        first = _found(fitted, one, one.amplitude)
+        result = _better(fitted, result, one, _settled(fitted, first, known))
+    return result
+
+
+def _refined_again(fitted: Fitted, contender: Contender) -> Contender:
+    """From another beginning: a straight line from where the effect is absent may lead nowhere.
+
+    It begins at a usual size or where it leads with the usual scatter, and lets nothing hide in
+    scatter or form.
+    """
+    one = contender.score
+    usual = best_scores(fitted, [one.candidate], usual_scatter(fitted)).get(contender.name)
+    size = 1.0 if usual is None else usual.amplitude
+    size = float(np.copysign(max(1.0, abs(size)), size))
+    begin = _found(fitted, one, size)
+    return _better(fitted, contender, one, _settled(fitted, begin, None, strictly=True))
+
+
+def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
+    """The contender, or with this shape and fit where they are better than what it has."""
+    best = contender.fitted
+    if other is None or (best is not None and best.deviance <= other.deviance):
+        return contender
+    # its size was chosen from several, as in `score`
+    gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
+    return replace(contender, score=one, gain=gain, fitted=other)
+
+
+def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:
+    """A scored effect at a multiple of its own size."""
+    effect = one.candidate.effect
+    if effect is None:
+        raise TypeError(f"{one.candidate.name} is no effect of the catalogue")
+    width = max(one.scale, 2.0 * abs(one.amplitude), 2.0 * abs(amplitude))
+    return Found(effect, _begun(fitted, effect, one.candidate, amplitude), width)
+
+
+def _begun(
+    fitted: Fitted, effect: Effect, candidate: Candidate, amplitude: float
+) -> dict[str, dict[str, float]]:
+    """Its values at a multiple of its own size, within bounds; alike in all configurations."""
+    size, values = effect.size, unit_values(effect, candidate.values, amplitude)
+    if not (size.tried or size.log):
+        low, high = INSIDE * size.low, INSIDE * size.high
+        values[size.name] = float(np.clip(values[size.name], low, high))
+    return {name: dict(values) for name in fitted.problem.study.names}
+
+
+def _strained(fitted: Fitted) -> bool:
+    """Whether set-ups seem to differ by much more than is usual."""
+    times = fitted.solution.log_sigma - fitted.problem.guess
+    return bool(np.max(times[: len(ASSUMED)]) > np.log(STRAINED))
+
+
+def _settled(
+    fitted: Fitted, one: Found, log_sigma: FloatArray | None, strictly: bool = False
+) -> Fitted | None:
+    """A model with one more effect, from this scatter on; None where it does not settle.
+
+    `strictly`: the values are found in the catalogue's form before it may differ.
+    """
+    problem, theta, found = fitted.problem, fitted.theta, (*fitted.found, one)
+    try:
+        if strictly:
+            strict = settle(problem, theta, found, log_sigma, STRICT)
+            theta, found, log_sigma = strict.theta, strict.found, strict.solution.log_sigma
+        return settle(problem, theta, found, log_sigma)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+
+
+def _promising(fitted: Fitted, done: list[Contender]) -> set[str]:
+    """The one that explains most, and the one that would with the usual scatter."""
+    usual = best_scores(fitted, [c.score.candidate for c in done], usual_scatter(fitted))
+    return {max(done, key=lambda c: c.gain).name, *list(usual)[:1]}
+
+
+def _doubtful(contender: Contender) -> bool:
+    """Whether its size may have been found at the wrong place."""
+    best = contender.fitted
+    return best is None or form_share(best, -1) > STUCK or _strained(best)
