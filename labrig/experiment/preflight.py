@@ -5,12 +5,12 @@ from __future__ import annotations
 import datetime as dt
 import math
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from drivers.interfaces import Camera, DeviceError
+from drivers.interfaces import Camera, DeviceError, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
@@ -166,22 +166,15 @@ def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
         if wanted_size is None
         else f"{wanted_size[0]} x {wanted_size[1]} (optics.json)",
     )
-    camera.start()
-    began_s = rig.clock.now()
-    camera.want(began_s, began_s + _WATCH_S)
-    rig.clock.sleep_until(began_s + _WATCH_S)
-    try:
-        frames = camera.frames()
-        delivered = ""
-    except DeviceError as fault:
-        frames, delivered = [], str(fault)
-    camera.stop()
-    rate_hz = camera.counts.grabbed / _WATCH_S
     target_hz = plan.schedule.frame_rate_hz
+    frames, rate_hz, fault = _watched(rig, camera)
+    if not fault and not _in_time(rate_hz, target_hz):
+        # what a busy computer could not take before comes all at once: so once more
+        frames, rate_hz, fault = _watched(rig, camera)
     yield Check(
         "camera rate",
-        ok=abs(rate_hz - target_hz) <= _RATE_TOLERANCE * target_hz + 1 / _WATCH_S,
-        found=delivered or f"{rate_hz:g} frames/s",
+        ok=_in_time(rate_hz, target_hz),
+        found=fault or f"{rate_hz:g} frames/s",
         wanted=f"{target_hz:g} frames/s (protocol.toml)",
     )
     if frames:
@@ -193,3 +186,23 @@ def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
             found=f"grey levels {int(image.min())} to {int(image.max())}",
             wanted="neither black nor blank",
         )
+
+
+def _watched(rig: Rig, camera: Camera) -> tuple[Sequence[Frame], float, str]:
+    """Frames of a while, how many come in a second, and what the camera complains of."""
+    camera.start()
+    began_s = rig.clock.now()
+    camera.want(began_s, began_s + _WATCH_S)
+    rig.clock.sleep_until(began_s + _WATCH_S)
+    frames: Sequence[Frame] = []
+    fault = ""
+    try:
+        frames = camera.frames()
+    except DeviceError as error:
+        fault = str(error)
+    camera.stop()
+    return frames, camera.counts.grabbed / _WATCH_S, fault
+
+
+def _in_time(rate_hz: float, target_hz: float) -> bool:
+    return abs(rate_hz - target_hz) <= _RATE_TOLERANCE * target_hz + 1 / _WATCH_S
