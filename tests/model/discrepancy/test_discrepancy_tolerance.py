@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy import search
+from model.discrepancy import ranking
 from model.discrepancy.point import Step
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.profile import unknown_of
@@ -272,17 +272,17 @@ def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
         usual = solution is not fitted.solution
         return {n: s for n, s in found.items() if usual or n != "gravity"}
 
-    best_of = search._best
-    monkeypatch.setattr(search, "_best", scores)
-    monkeypatch.setattr(search, "CONTENDERS", 40)
+    best_of = ranking._by_name
+    monkeypatch.setattr(ranking, "_by_name", scores)
+    monkeypatch.setattr(ranking, "CONTENDERS", 40)
 
     def rescored(fitted, one):
         seen.append(one.candidate.name)
         return one.log_bayes, fitted.solution
 
-    monkeypatch.setattr(search, "rescored", rescored)
-    ranking = search.rank(base, [effect("gravity"), effect("clamp_angle")], slots=False)
-    assert {c.name for c in ranking} >= {"gravity", "clamp_angle"}
+    monkeypatch.setattr(ranking, "rescored", rescored)
+    found = ranking.rank(base, [effect("gravity"), effect("clamp_angle")], slots=False)
+    assert {c.name for c in found} >= {"gravity", "clamp_angle"}
     assert "gravity" in seen
 
 
