@@ -14,11 +14,11 @@ readings_per_voltage = 3
 
 [[places]]
 configuration = "long"
-positions_mm = [0, 10, 20, 25]
+positions_mm = [10, 20]
 
 [[places]]
 configuration = "short"
-positions_mm = [0, 10, 20, 25]
+positions_mm = [10, 20]
 
 [extras]
 mode = "paper"

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from labrig.analysis import analyze
+from labrig.config import templates
 from labrig.session import load_measurements
 from model import Measurements, fit
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
@@ -26,6 +27,22 @@ FREE_POSITION_M = {"long": 15e-3, "short": 5e-3}  # where the undriven sheet res
 E_PA = {"long": 150e6, "short": 100e6}  # of the default world
 THICKNESS_M, WIDTH_M = 0.21e-3, 11e-3
 POSITIONS = {"demo": 7}  # of each configuration; other sessions have four
+OTHER = """
+[pulse_train]
+zero_readings = 3
+readings_per_voltage = 3
+
+[[places]]
+configuration = "long"
+positions_mm = [0, 10, 20, 25]
+
+[[places]]
+configuration = "short"
+positions_mm = [0, 10, 20, 25]
+
+[extras]
+mode = "paper"
+"""
 
 
 @dataclass(frozen=True)
@@ -37,12 +54,36 @@ class Demo:
     code: int
 
 
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
-    folder = tmp_path_factory.mktemp("demo") / "demo"
+def run_demo(folder: Path) -> Demo:
     with redirect_stdout(StringIO()) as printed:
         code = labrig("demo", folder)
     return Demo(folder, printed.getvalue(), code)
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
+    """All positions, voltages and steps of it; three readings of each voltage instead of ten."""
+    real = templates.write_templates
+
+    def fewer_readings(folder: Path, *, simulated: bool) -> None:
+        real(folder, simulated=simulated)
+        protocol = folder / "protocol.toml"
+        text = protocol.read_text()
+        for key in ("zero_readings", "readings_per_voltage"):
+            assert f"{key} = 10" in text
+            text = text.replace(f"{key} = 10", f"{key} = 3")
+        protocol.write_text(text)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(templates, "write_templates", fewer_readings)
+        return run_demo(tmp_path_factory.mktemp("demo") / "demo")
+
+
+@pytest.mark.thorough
+def test_as_shipped_it_prints_and_leaves_the_same(tmp_path: Path) -> None:
+    shipped = run_demo(tmp_path / "demo")
+    test_the_demo_prints_the_papers_tables_and_leaves_a_report(shipped)
+    test_the_fit_finds_the_worlds_stiffness(load_measurements(shipped.folder / "session.h5"))
 
 
 def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> None:
@@ -84,7 +125,8 @@ def measurements(
 ) -> Measurements:
     if seed == "demo":
         return load_measurements(request.getfixturevalue("demo").folder / "session.h5")
-    folder = make_rig(tmp_path_factory.mktemp("seed") / "rig", world=f"seed = {seed}\n")
+    world = f"seed = {seed}\n"
+    folder = make_rig(tmp_path_factory.mktemp("seed") / "rig", OTHER, world)
     path = run_rig(folder)
     analyze(path)
     return load_measurements(path)

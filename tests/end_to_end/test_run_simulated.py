@@ -20,7 +20,7 @@ def test_a_session_is_complete_and_whole(session: Path) -> None:
     with open_session(session) as opened:
         assert opened.outcome is Outcome.COMPLETED
         assert opened.output_state is OutputState.SAFE
-        assert [run.completed for run in opened.runs] == [True] * 8
+        assert [run.completed for run in opened.runs] == [True] * 4
         for run in opened.runs:
             assert run.counts.lost_samples == 0
             assert run.counts.frames_dropped == 0
