@@ -92,7 +92,7 @@ def _faults(
     in_view = float(fit.in_view[2:-2].mean())
     seen = _share(fit.used, fit.in_view, slice(2, -2))
     whole = fit.used.mean() > WHOLLY_SEEN
-    loose = float(spread(shape.normal_modes(), fit.covariance).max()) if not whole else 0.0
+    loose = 0.0 if whole else float(spread(shape.normal_modes(), fit.cautious_covariance).max())
     late = missing_start_px(fit, setting)
     most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
     return [

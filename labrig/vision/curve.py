@@ -92,7 +92,6 @@ class NeutralCurve:
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
     face_share: float = 0.0  # its grey over the edge's
     wires: tuple[Wire, ...] = ()  # that hide parts of the sheet
-    smoothness_per_m3: float = 0.0  # q of the prior int (dk/ds)^2 ds / q, as the picture chose it
 
     def as_curve(self) -> Curve:
         """The same as the model takes it."""

@@ -111,7 +111,6 @@ class _Job(Refiner):
             return None
         self._hide(start.wires)
         setting = self.setting(1.0 if start.polarity == "bright" else -1.0)
-        setting = replace(setting, spectral=start.smoothness_per_m3 / self.optics.px_per_m**3)
         shape = self._shape_of(start)
         beyond = self.beyond()
         half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
@@ -124,7 +123,6 @@ class _Job(Refiner):
                 setting,
                 band,
                 rounds=3,
-                choose=False,
                 contrast=start.contrast,
                 settled_px=0.02,
             )
@@ -165,6 +163,8 @@ class _Job(Refiner):
         if known is not None:
             found = [self.improved(known.fit.shape, known.setting.sign)]
             self.only = known.setting.sign
+            if known.confirmed and found[0].confirmed:
+                return found[0]  # what is left of a wire might explain more than a gap in the sheet
         found += self._candidates(width=90, hasty=True)
         if all(c.verdict.why for c in found):
             found += self._candidates(width=800, hasty=False)
@@ -180,14 +180,16 @@ class _Job(Refiner):
         reach, clamp = best.fit.band.reach, np.array(self.optics.clamp_px)
         scale = self.ridges.scale
         least, apart = LEAST_OF_A_WIRE_PX * scale, reach + BESIDE_PX * scale
-        found = find_wires(self.picture, self.ridges, sign) if not self.wires else []
-        found += find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, apart)
+        crossing = find_wires(self.picture, self.ridges, sign) if not self.wires else []
+        found = find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, apart)
+        # a sheet ends in the picture: that one does, and leaves what goes on to the border
+        left = [w for w in crossing if best.confirmed and not w.shows_at(nodes[-1])]
         wires = [
             wire
-            for wire in found
+            for wire in crossing + found
             # where it does not run with the curve it must be seen, too
             if wire.length_beside_px(nodes, apart) > least
-            and not wire.begins_at(clamp, least)
+            and (wire in left or not wire.begins_at(clamp, least))
             and not (best.confirmed and wire.is_all_of(nodes, reach))
             and (best.verdict.why or wire.runs_with(nodes, reach))
         ]
@@ -258,8 +260,7 @@ class _Job(Refiner):
         before = found.fit.band.spoilt
         spoilt = spoilt_cells(excess)
         band = replace(found.fit.band, spoilt=spoilt if before is None else spoilt | before)
-        setting = replace(found.setting, spectral=found.fit.spectral)
-        fit = fit_intensities(found.fit.shape, setting, band)
+        fit = fit_intensities(found.fit.shape, found.setting, band)
         again = self.judged(fit, found.setting)
         if not again.verdict.why:
             excess = excess_width_px(fit, found.setting)

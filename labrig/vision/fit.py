@@ -1,8 +1,8 @@
 """The two fits: a curve through sub-pixel ridge points, then through the intensities themselves.
 
-Both are Gauss-Newton on the curve's parameters with the minimum-variation penalty
-int (dk/ds)^2 ds / q, which says that curvature is a smooth function of unknown slope, and with
-the clamp's calibration as a prior on the first two parameters.
+Both are Gauss-Newton on the curve's parameters, with a prior that curvature is smooth and with the
+clamp's calibration as one on the first two parameters. For points a weak penalty
+int (dk/ds)^2 ds / q is enough; with the intensities the picture says how smooth it is.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from labrig.vision.setting import WINDOW_CELLS, Band, Setting, look
 from labrig.vision.shape import Shape
+from labrig.vision.smooth import WANDERING, averaged
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -23,8 +24,6 @@ SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
 LEAST_PRESENT = 0.6  # of the pixels beside the curve
-CHOOSING_ROUNDS = (0, 2)  # the choice hardly changes once the curve is near
-SPECTRAL_CHOICE_PER_M3 = 10.0 ** np.arange(2.0, 7.6, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class Fit:
     noise: float  # grey levels, of a pixel, from the residuals
     normal: FloatArray  # (parameters, parameters): information of data and clamp prior
     pull: FloatArray  # (parameters,): normal @ (the parameters the data alone would take)
-    spectral: float  # q used
+    covariance: FloatArray  # (parameters, parameters), from noise and clamp, smoothness included
     step_px: float  # largest movement of the last iteration
 
     @property
@@ -53,10 +52,12 @@ class Fit:
         return self.present > LEAST_PRESENT
 
     @property
-    def covariance(self) -> FloatArray:
-        """(parameters, parameters), from noise and clamp, smoothness included."""
-        full = penalised(self.normal, self.shape, self.spectral)
-        return np.asarray(np.linalg.inv(full), dtype=np.float64)
+    def cautious_covariance(self) -> FloatArray:
+        """(parameters, parameters), of a curvature that may jump where nothing is seen of it."""
+        basis = self.shape.basis
+        return averaged(
+            self.normal, self.pull, basis.priors[WANDERING], basis.log_weight[WANDERING]
+        )[1]
 
     @property
     def offsets_px(self) -> tuple[FloatArray, FloatArray]:
@@ -74,7 +75,7 @@ def seen_start(fit: Fit, setting: Setting) -> tuple[FloatArray, FloatArray]:
     # what is nowhere seen must not make this singular
     normal[[0, 1], [0, 1]] += np.array([1e-6, 1e-2]) - 1 / setting.prior**2
     # at its root a sheet may curve more than where it is seen
-    spectral = max(fit.spectral, SPECTRAL_PER_M3 / setting.optics.px_per_m**3)
+    spectral = max(setting.spectral, fit.shape.basis.free_px**-3)
     covariance = np.asarray(np.linalg.inv(penalised(normal, fit.shape, spectral)), dtype=np.float64)
     return (covariance @ fit.pull)[:2], covariance[:2, :2]
 
@@ -176,23 +177,19 @@ def fit_intensities(
     band: Band,
     *,
     rounds: int = 8,
-    choose: bool = True,
     contrast: float | None = None,
     settled_px: float = SETTLED_PX,
 ) -> Fit:
     """Fit the picture's own intensities beside the curve, and the band's look with it.
 
-    `choose`: let the picture choose how smooth its curvature is. `contrast`: of the sheet, where it
-    is known from before. `settled_px`: the last step's size.
+    `contrast`: of the sheet, where it is known from before. `settled_px`: the last step's size.
     """
     used = np.ones(len(band.half_width), dtype=bool)
     # before the first step the curve misses by more than the noise: allow a tenth of the sheet
     contrast = contrast or _contrast(shape, setting, band)
     noise = max(setting.picture.noise, 0.1 * contrast)
     fit = _iteration(shape, setting, band, noise, used)
-    for turn in range(rounds - 1):
-        if choose and turn in CHOOSING_ROUNDS:
-            setting = replace(setting, spectral=likeliest_spectral(fit, setting.optics.px_per_m))
+    for _ in range(rounds - 1):
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
         if fit.step_px < settled_px:
             break
@@ -202,24 +199,6 @@ def fit_intensities(
 def _contrast(shape: Shape, setting: Setting, band: Band) -> float:
     cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
     return float(np.median(np.abs(cells[:, 0])))
-
-
-def likeliest_spectral(fit: Fit, px_per_m: float) -> float:
-    """The q under which the picture is likeliest, the curve's own parameters integrated out.
-
-    Neighbouring cells share no noise (a pixel belongs to one cell), so this does not undersmooth
-    as cross-validation of ridge points does.
-    """
-    best, answer = -np.inf, fit.spectral
-    for q in SPECTRAL_CHOICE_PER_M3 / px_per_m**3:
-        full = penalised(fit.normal, fit.shape, q)
-        factor = np.linalg.cholesky(full)
-        white = np.linalg.solve(factor, fit.pull)
-        rank = len(full) - 3
-        evidence = white @ white - 2 * np.log(np.diag(factor)).sum() - rank * np.log(q)
-        if evidence > best:
-            best, answer = float(evidence), float(q)
-    return answer
 
 
 def _retuned(fit: Fit) -> Band:
@@ -251,7 +230,8 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     modes = shape.normal_modes()
     middle = 0.5 * (modes[1:] + modes[:-1])
     normal, pull = information(shape, middle, offset, weight, setting.prior)
-    wanted = solved(penalised(normal, shape, setting.spectral), pull)
+    basis = shape.basis
+    wanted, covariance = averaged(normal, pull, basis.priors, basis.log_weight)
     moved = middle @ (wanted - shape.parameters)
     return Fit(
         shape=shape.moved(wanted),
@@ -262,7 +242,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
         noise=noise,
         normal=normal,
         pull=pull,
-        spectral=setting.spectral,
+        covariance=covariance,
         step_px=float(np.abs(moved).max()),
     )
 

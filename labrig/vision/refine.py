@@ -108,8 +108,7 @@ class Refiner:
         if not strange.any():
             return found
         band = replace(found.fit.band, spoilt=strange)
-        setting = replace(found.setting, spectral=found.fit.spectral)
-        return self.judged(fit_intensities(found.fit.shape, setting, band), found.setting)
+        return self.judged(fit_intensities(found.fit.shape, found.setting, band), found.setting)
 
     def _faced(self, plain: Candidate) -> Candidate:
         """The curve with the far face taken off, where one is seen."""
@@ -147,8 +146,7 @@ class Refiner:
         known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
         shape = found.fit.shape
         moved = shape.slid(known * beyond)
-        setting = replace(found.setting, spectral=found.fit.spectral)
-        fit = fit_intensities(moved, setting, found.fit.band, rounds=3, choose=False)
+        fit = fit_intensities(moved, found.setting, found.fit.band, rounds=3)
         # its end and what lies beside it were looked at: the line is the same
         verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
         return Candidate(fit, found.setting, found.tip, verdict, found.wider_px)

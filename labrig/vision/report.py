@@ -72,7 +72,7 @@ def report(
         ),
         excess_px=excess,
         curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
-        curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
+        curvature_resolution_m=_resolution_px(fit) / ppm,
         points_px=setting.nodes_px(shape),
         covered=verdict.covered,
         seen=np.append(fit.used, fit.used[-1]),
@@ -91,7 +91,6 @@ def report(
         else 0.0,
         face_px=np.append(fit.band.face, fit.band.face[-1]),
         face_share=fit.band.face_share,
-        smoothness_per_m3=fit.spectral * ppm**3,
     )
 
 
@@ -132,7 +131,7 @@ def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
     return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 
-def _resolution_px(fit: Fit, covariance: FloatArray) -> float:
+def _resolution_px(fit: Fit) -> float:
     """Length per effective degree of freedom of the curvature."""
-    share = np.trace(covariance[2:, 2:] @ fit.normal[2:, 2:])
-    return float(fit.shape.basis.free_px / max(share, 1.0))
+    free = float(np.trace(fit.covariance @ fit.normal)) - 2.0  # place and angle at the clamp
+    return fit.shape.basis.free_px / max(free, 1.0)

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision._jit import jit
+from labrig.vision.smooth import log_weights, smooth_priors
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -33,6 +34,8 @@ class ShapeBasis:
     angle: FloatArray  # (nodes, coefficients): phi - phi0 = angle @ c
     angle_mid: FloatArray  # (cells, coefficients): the same in the cells' middles
     penalty: FloatArray  # (coefficients, coefficients): c' penalty c = int (dk/ds)^2 ds
+    priors: FloatArray  # (kinds, coefficients, coefficients): see smooth_priors
+    log_weight: FloatArray  # (kinds,)
 
     @property
     def size(self) -> int:
@@ -139,6 +142,8 @@ def make_basis(
     splines = BSpline(t, np.eye(coefficients), 3)
     integral = splines.antiderivative()
     inside = s <= free_px
+    penalty = _penalty(splines.derivative(), knots)
+    priors = smooth_priors(penalty, _penalty(splines.derivative(2), knots), free_px)
     curvature = np.where(inside[:, None], splines(np.minimum(s, free_px)), 0.0)
     return ShapeBasis(
         free_px=free_px,
@@ -148,12 +153,14 @@ def make_basis(
         curvature=curvature,
         angle=integral(np.minimum(s, free_px)),
         angle_mid=integral(np.minimum(s[:-1] + step / 2, free_px)),
-        penalty=_penalty(splines.derivative(), knots),
+        penalty=penalty,
+        priors=priors,
+        log_weight=log_weights(priors),
     )
 
 
 def _penalty(slope: object, knots: FloatArray) -> FloatArray:
-    # the slope's square is of fourth order in each piece: three Gauss points are exact
+    # its square is of fourth order at most in each piece: three Gauss points are exact
     at, weight = np.polynomial.legendre.leggauss(3)
     width = np.diff(knots)[:, None]
     where = (knots[:-1, None] + width * (at + 1) / 2).ravel()
