@@ -17,7 +17,7 @@ from model.effects.interface import Points, Weighed
 from model.measurements import FloatArray
 from model.setup import ActiveEffect, Profile, Setup
 from model.solved import Solved
-from model.typical_run import SAMPLE_S, TypicalRun, mean_over, typical_run
+from model.typical_run import TypicalRun, mean_over, typical_run
 
 
 def load_cell_N(
@@ -67,16 +67,17 @@ def _weighed(
 
 def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
     """The sheet as it was when the picture was taken, which may be older than the reading."""
-    delay = sum(
-        one.effect.delay_s(one.values) for one in acting(effects, setup.sheet.configuration)
-    )
-    if not delay or setup.voltage_V == 0.0:
+    inner = acting(effects, setup.sheet.configuration)
+    if setup.voltage_V == 0.0:
         return setup
-    rise_s = max(setup.sheet.rise_time_s, 1e-6)
-    run = typical_run(setup.voltage_V, -setup.voltage_V)
-    way = 1.0 - run.clock.opposite  # what the EIBM has to go, over where it goes
-    lacking = way * (np.exp(-(SAMPLE_S - delay) / rise_s) - np.exp(-SAMPLE_S / rise_s))
-    return replace(setup, eibm=setup.eibm * (1.0 - mean_over(lacking, run.at(setup.voltage_V))))
+    run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s)
+    seen = [
+        change
+        for one in inner
+        if (change := one.effect.pictured(run.clock, one.values)) is not None
+    ]
+    use = run.at(setup.voltage_V)
+    return replace(setup, eibm=setup.eibm * (1.0 + sum(mean_over(one, use) for one in seen)))
 
 
 def camera_m(

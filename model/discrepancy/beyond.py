@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from model.discrepancy.timing import rise_left
 from model.effects.interface import Effect, Values
+from model.effects.rise import rise_left
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from model.discrepancy.beyond import LEVELS, MOST_LOST, beyond_first_order
 from model.discrepancy.features import Look
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
-from model.discrepancy.timing import rise_left
-from model.effects.interface import Beam, Effect, Points, Values, Weighed
+from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
+from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
 from model.field import Field
 from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
@@ -134,10 +134,11 @@ class Study:
     def _response(
         self, c: int, beam: Beam, inner: list[tuple[Effect, Values]]
     ) -> FloatArray | None:
-        """Forces at other sizes of the EIBM, where an effect changes it, or B, much in time."""
+        """Forces at other sizes of the EIBM, where it, or B, changes much in time."""
         part = self.part(c)
         courses = [e.course(k, v) for e, v in inner for k in (part.clock, part.bin_clock)]
         changes = [change for course in courses if course for change in course]
+        changes.append(rise_left(part.bin_clock, self._rise_s(c), 0.0))
         largest = max((float(np.max(np.abs(x), initial=0.0)) for x in changes), default=0.0)
         if largest < STRONG:
             return None
@@ -157,15 +158,19 @@ class Study:
 
     def _residual(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
         part, scene = self.part(c), self.scenes[c]
-        y = np.zeros(self.layout.size)
+        y, nothing = np.zeros(self.layout.size), self.no_step(c)
         of = part.reading_of
         measured = part.trend @ (part.measured_N - state.solved.force_N[of])
         y[part.trend_rows] = measured
         has = scene.has_curve
         y[part.mode_rows[has]] = state.solved.modes_m[has]
+        pictured = self._pictured(c, inner)
+        if pictured is not None:  # what the step below takes off once more is put on here
+            first = self.rows_of(c, state, self._picture_step(c, state, pictured, nothing))
+            rows, exact = part.mode_rows[has], self._in_pictures(c, state.beam, pictured)
+            y[rows] = first[rows] + exact[has]
         y[part.bin_rows] = part.bin_N
         y[part.sway_rows] = self._sway(c, state)
-        nothing = self.no_step(c)
         of, (eibm, stiffness) = part.reading_of, self.mean_course(c, inner)
         for effect, values in inner:
             step = self.outer_step(c, state, effect, values, nothing)
@@ -218,11 +223,9 @@ class Study:
                 step, eibm=np.where(driven, course[0], 0.0), stiffness=np.asarray(course[1]),
                 bin_eibm=within[0] - at_sample[0], bin_stiffness=within[1] - at_sample[1],
             )  # fmt: skip
-        delay = effect.delay_s(values)
-        if delay:
-            rise = max(scene.sheet.rise_time_s, 1e-6)
-            later = rise_left(part.clock, rise, -delay) - rise_left(part.clock, rise, 0.0)
-            step = replace(step, frame_eibm=step.frame_eibm - later)
+        pictured = self._pictured(c, [(effect, values)])
+        if pictured is not None:
+            step = self._picture_step(c, state, pictured, step)
         for shape, much in effect.lagging(state.beam, state.solved.held, values):
             force, size = self._lagging(c, state, shape, much)
             step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
@@ -235,6 +238,47 @@ class Study:
             normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
             step = replace(step, points_m=normal)
         return step
+
+    def _pictured(
+        self, c: int, inner: list[tuple[Effect, Values]]
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Relative change of the EIBM in pictures: of readings (n,), of free shapes (K,)."""
+        readings, free = self.part(c).clock, self._free_clock(c)
+        found = [(e.pictured(readings, v), e.pictured(free, v)) for e, v in inner]
+        seen = [(one, other) for one, other in found if one is not None and other is not None]
+        if not seen:
+            return None
+        of_free = np.zeros(self.scenes[c].K)
+        of_free[self.scenes[c].free] = sum(other for _, other in seen)
+        return np.sum([one for one, _ in seen], axis=0), of_free
+
+    def _free_clock(self, c: int) -> Clock:
+        """Of free shapes, which are pulses of alternating voltage, too."""
+        clocks = [self.looks[c].seen[k].clock for k in self.scenes[c].free]
+        clock = Clock.joined(clocks)
+        return replace(clock, opposite=np.where(clock.voltage_V != 0.0, -1.0, 1.0))
+
+    def _picture_step(
+        self, c: int, state: State, pictured: tuple[FloatArray, FloatArray], step: Step
+    ) -> Step:
+        """`step` with another EIBM in the pictures, to first order."""
+        readings, free = pictured
+        bent = np.zeros_like(step.beam)
+        pushed = state.beam.eibm * state.beam.soft
+        bent[:, : self.scenes[c].count] = free[:, None] * pushed
+        return replace(step, frame_eibm=step.frame_eibm + readings, beam=step.beam + bent)
+
+    def _in_pictures(
+        self, c: int, beam: Beam, pictured: tuple[FloatArray, FloatArray]
+    ) -> FloatArray:
+        """Modes of the distances of the curves in them, exactly: (K, M)."""
+        of, K = self.part(c).reading_of, self.scenes[c].K
+        count = np.maximum(np.bincount(of, minlength=K), 1)
+        change = np.bincount(of, pictured[0], K) / count + pictured[1]
+        return self.scenes[c].modes_of(replace(beam, eibm=beam.eibm * (1.0 + change[:, None])))
+
+    def _rise_s(self, c: int) -> float:
+        return max(self.scenes[c].sheet.rise_time_s, 1e-6)
 
     def _lagging(
         self, c: int, state: State, shape: FloatArray, much: FloatArray
@@ -271,7 +315,7 @@ class Study:
     def _rise_step(self, c: int) -> Step:
         """The known rise of the voltage: parts of a pulse against its sampling point."""
         part, step = self.part(c), self.no_step(c)
-        rise = max(self.scenes[c].sheet.rise_time_s, 1e-6)
+        rise = self._rise_s(c)
         at_sample = part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
         later = part.bin_mean(rise_left(part.bin_clock, rise, 0.0)) - at_sample
         # the EIBM is stated as it is at the sampling point, not as it would settle

@@ -25,6 +25,7 @@ from model.noise import Solution, weigh
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
 SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
+BENT = 0.1  # share of the evidence by which a straight line may misjudge the shape of a strong one
 
 
 @dataclass(frozen=True)
@@ -72,9 +73,8 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
             looks.append(usual[name])
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
-        shapes = [s for s in scores.get(name, [])[1:] if s.log_bayes > one.log_bayes - ALIKE]
-        shapes = shapes[:SHAPES] if _bends(one) else []
-        result.append(Contender(chosen, gain, solution, shapes=tuple(shapes)))
+        shapes = _other_shapes(chosen, scores.get(name, []))
+        result.append(Contender(chosen, gain, solution, shapes=shapes))
     result.sort(key=lambda c: -c.gain)
     return result
 
@@ -98,10 +98,22 @@ def _by_name(
     return result
 
 
-def _bends(one: Score) -> bool:
-    """Whether it changes the beam, so that a straight line may not do."""
+def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
+    """Shapes that explain about as much, where effects are refined in all but their shape."""
+    known, result = [_shape(chosen)], list[Score]()
+    for one in scores:
+        least = scores[0].log_bayes - max(ALIKE, BENT * scores[0].log_bayes)
+        if one.log_bayes > least and _shape(one) not in known and len(result) < SHAPES:
+            known.append(_shape(one))
+            result.append(one)
+    return tuple(result)
+
+
+def _shape(one: Score) -> tuple[float, ...]:
+    """Values of the knobs that stay as they are tried."""
     effect = one.candidate.effect
-    return effect is not None and effect.slot != "time" and type(effect).beam is not Effect.beam
+    stay = () if effect is None else effect.knobs[1:]
+    return tuple(one.candidate.values[k.name] for k in stay if not k.log)
 
 
 def _alike(one: Score, other: Score) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.form_share import form_share
-from model.discrepancy.ranking import Contender, best_scores, usual_scatter
+from model.discrepancy.ranking import BENT, Contender, best_scores, usual_scatter
 from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate, Score, unit_values
 from model.discrepancy.settle import Fitted, settle
@@ -21,6 +21,8 @@ REFINED = 4
 STUCK = 0.2  # share of form that says that the size may have been found at the wrong place
 STRAINED = 4.0  # times the usual scatter that says so, too
 STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+PLAIN = 2  # that are refined because they explain most with the usual scatter
+VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
 
@@ -32,10 +34,14 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     top = known[0].gain
     least = top - max(CLOSE_LEAST, CLOSE * top)
     chosen = [c for c in known if c.gain >= least][:REFINED]
+    plain = _plain(fitted, known)
+    chosen += [c for c in known if c.name in plain and c not in chosen]
     done = {c.name: refined(fitted, c) for c in chosen}
-    for name in _promising(fitted, list(done.values())):
-        if _doubtful(done[name]):
-            done[name] = _refined_again(fitted, done[name])
+    doubtful = [n for n in _promising(fitted, list(done.values())) if _doubtful(done[n])]
+    begins = [fitted.theta, by_forces(fitted)] if doubtful else []
+    for name in doubtful:
+        for theta in begins:
+            done[name] = _refined_again(fitted, done[name], theta)
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
@@ -53,7 +59,23 @@ def refined(fitted: Fitted, contender: Contender) -> Contender:
     return result
 
 
-def _refined_again(fitted: Fitted, contender: Contender) -> Contender:
+def by_forces(fitted: Fitted) -> FloatArray:
+    """Base parameters that forces and the curves at 0 V ask for.
+
+    What curves under voltage say may be the very thing that is to be explained.
+    """
+    problem, study = fitted.problem, fitted.problem.study
+    vague = np.zeros(study.layout.size)
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
+    noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
+    try:
+        return settle(replace(problem, noise=noise), fitted.theta, fitted.found).theta
+    except (ModelError, np.linalg.LinAlgError):
+        return fitted.theta
+
+
+def _refined_again(fitted: Fitted, contender: Contender, theta: FloatArray) -> Contender:
     """From another beginning: a straight line from where the effect is absent may lead nowhere.
 
     It begins at a usual size or where it leads with the usual scatter, and lets nothing hide in
@@ -64,7 +86,8 @@ def _refined_again(fitted: Fitted, contender: Contender) -> Contender:
     size = 1.0 if usual is None else usual.amplitude
     size = float(np.copysign(max(1.0, abs(size)), size))
     begin = _found(fitted, one, size)
-    return _better(fitted, contender, one, _settled(fitted, begin, None, strictly=True))
+    again = _settled(replace(fitted, theta=theta), begin, None, strictly=True)
+    return _better(fitted, contender, one, again)
 
 
 def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
@@ -121,9 +144,15 @@ def _settled(
 
 
 def _promising(fitted: Fitted, done: list[Contender]) -> set[str]:
-    """The one that explains most, and the one that would with the usual scatter."""
-    usual = best_scores(fitted, [c.score.candidate for c in done], usual_scatter(fitted))
-    return {max(done, key=lambda c: c.gain).name, *list(usual)[:1]}
+    """The one that explains most, and those that would with the usual scatter."""
+    return {max(done, key=lambda c: c.gain).name, *_plain(fitted, done)}
+
+
+def _plain(fitted: Fitted, contenders: list[Contender]) -> list[str]:
+    """The one that explains most with the usual scatter, and another one that comes close."""
+    scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
+    best = max((s.log_bayes for s in scores.values()), default=0.0)
+    return [name for name, s in scores.items() if s.log_bayes >= (1.0 - BENT) * best][:PLAIN]
 
 
 def _doubtful(contender: Contender) -> bool:

@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.point import State, Study
-from model.discrepancy.timing import rise_left
 from model.effects.interface import Clock
+from model.effects.rise import rise_left, through_zero
 from model.measurements import FloatArray
 
 LATE, LONGER, STRAIGHT = 2.0, 0.03, (0.5, 0.5)
@@ -41,10 +41,5 @@ def _changes(clock: Clock, rise_s: float, late_s: float) -> list[FloatArray]:
     return [
         rise_left(clock, rise_s, late_s) - left,
         (rise_left(clock, 1.01 * rise_s, 0.0) - left) / 0.01,
-        rise_left(_crossing(clock), rise_s, 0.0) - left,
+        rise_left(through_zero(clock), rise_s, 0.0) - left,
     ]
-
-
-def _crossing(clock: Clock) -> Clock:
-    """The EIBM follows the voltage through 0, each polarity at its own slope."""
-    return replace(clock, opposite=np.sign(clock.opposite))

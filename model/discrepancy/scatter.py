@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.point import State, Step, Study
-from model.discrepancy.timing import rise_left
+from model.effects.rise import rise_left
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).

@@ -198,6 +198,13 @@ class Scene:
         self._last, self._found = last, kept
         return result
 
+    def modes_of(self, beam: Beam) -> FloatArray:
+        """Modes of the distances measured - predicted alone (K, M), likewise."""
+        last, kept = self._last, self._found
+        result = self.solve(beam).modes_m
+        self._last, self._found = last, kept
+        return result
+
     def _beta(self, beam: Beam, rows: Index) -> FloatArray:
         """Polar angle of the point on the arc, seen along the clamp."""
         at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m

@@ -2,26 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.effects._memory import lagging, spread_about
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
 SAMPLE_S = 0.5  # after the edge: where the EIBM of the base model is taken
+AT_SAMPLE, LATE = np.array(SAMPLE_S), 1e3  # ... in a pulse that is far from the first
 
 
 @dataclass(frozen=True)
 class BackRelaxation(Effect):
-    """An exponential loss after each edge, relative to the EIBM at the sampling point."""
+    """A loss after each edge, relative to the EIBM at the sampling point.
+
+    What follows the EIBM slowly is taken from it; it may begin anew with each pulse, or remember
+    the one before.
+    """
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        loss, tau = p["relative_loss_at_sample"], p["time_constant_s"]
-        # of what is lost by the sampling point, the share lost by now
-        share = np.expm1(-np.maximum(clock.pulse_s, 0.0) / tau) / np.expm1(-SAMPLE_S / tau)
-        change = loss * (1.0 - share) / (1.0 - loss)
+        loss, times = p["relative_loss_at_sample"], spread_about(p["time_constant_s"], p["spread"])
+        before = np.minimum(clock.opposite, 0.0)
+        settled = np.where(before < 0.0, before, np.min(before, initial=0.0))
+        # of what a sheet at rest has lost by the sampling point, what is lost by now
+        whole = float(np.mean(-np.expm1(-SAMPLE_S / times)))
+        late = replace(clock, pulse=np.full_like(clock.pulse, LATE), pulse_s=AT_SAMPLE)
+        now, sampled = (
+            np.mean([lagging(c, float(tau), p["remembers"] * b) for tau in times], axis=0) / whole
+            for c, b in ((clock, before), (late, settled))
+        )
+        change = loss * (sampled - now) / (1.0 - loss * sampled)
         change = np.where(clock.voltage_V != 0.0, change, 0.0)
         return change, np.zeros_like(change)
 
@@ -34,7 +47,8 @@ EFFECT = BackRelaxation(
     ),
     form=(
         "EIBM = EIBM(0.5 s) x (1 - a (1 - exp(-t/tau)))/(1 - a (1 - exp(-0.5 s/tau))), the loss at"
-        " the sampling point being a (1 - exp(-0.5 s/tau))"
+        " the sampling point being a (1 - exp(-0.5 s/tau)); of each pulse anew, or as a lag that"
+        " remembers the pulses before; with one time constant, or several"
     ),
     slot="time",
     signature=(
@@ -54,6 +68,14 @@ EFFECT = BackRelaxation(
         Knob(
             "time_constant_s", "time in which 63 % of the loss happens", "s", 1.0,
             low=0.05, high=20.0, log=True, tried=(0.3, 1.0, 3.0),
+        ),
+        Knob(
+            "remembers", "0: each pulse begins anew; 1: what it lost is lost to the next", "",
+            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+        ),
+        Knob(
+            "spread", "1: one time constant; more: three of them, apart by this factor", "",
+            1.0, 1.0, 100.0, tried=(1.0, 5.0),
         ),
     ),
     tolerance=("time", "voltage"),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.effects._memory import before_edge
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
@@ -15,15 +16,20 @@ class ChargingLag(Effect):
     """From what it was before the edge the EIBM goes exponentially to its settled value.
 
     It follows the voltage at the sheet, which takes its known time to rise: two lags in a row, of
-    which the base model has the known one.
+    which the base model has the known one. The slow one has not forgotten the pulse before.
     """
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         missing = np.zeros_like(clock.pulse_s)
-        if p["time_constant_s"] > 0.0:
-            left = _left(np.maximum(clock.pulse_s, 0.0), p["time_constant_s"], clock.rise_s)
-            missing = np.where(clock.voltage_V != 0.0, (clock.opposite - 1.0) * left, 0.0)
+        tau = p["time_constant_s"]
+        if tau > 0.0:
+            t = np.maximum(clock.pulse_s, 0.0)
+            further = before_edge(clock, tau, clock.opposite) - clock.opposite
+            further = np.where(clock.opposite < 0.0, p["remembers"] * further, 0.0)
+            missing = (clock.opposite - 1.0) * _left(t, tau, clock.rise_s)
+            missing += further * np.exp(-t / tau)
+            missing = np.where(clock.voltage_V != 0.0, p["slow_share"] * missing, 0.0)
         return missing, np.zeros_like(missing)
 
 
@@ -47,7 +53,7 @@ EFFECT = ChargingLag(
     ),
     form=(
         "EIBM = settled x (1 - (1 - q) exp(-t/tau)), q = EIBM before the edge over settled; behind"
-        " the known rise of the voltage, as two lags in a row"
+        " the known rise of the voltage, as two lags in a row; all of it, or a part"
     ),
     slot="time",
     signature=(
@@ -63,6 +69,14 @@ EFFECT = ChargingLag(
         Knob(
             "time_constant_s", "time in which the EIBM does 63 % of its way", "s", 0.12,
             low=0.003, high=3.0, log=True, tried=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
+        ),
+        Knob(
+            "slow_share", "of the EIBM, that comes so; the rest comes with the voltage", "",
+            1.0, low=0.05, high=1.0, log=True, tried=(1.0,),
+        ),
+        Knob(
+            "remembers", "1: a pulse begins where the one before came to; 0: where it would have"
+            " settled", "", 1.0, 0.0, 1.0, tried=(1.0, 0.0),
         ),
     ),
     tolerance=("time", "voltage"),

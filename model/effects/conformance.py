@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -23,8 +23,9 @@ from model.effects.interface import SLOTS, Beam, Effect, Knob
 from model.measurements import FloatArray
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
-ACTIONS = ("beam", "course", "lagging", "force", "curve", "delay_s")
+ACTIONS = ("beam", "course", "lagging", "force", "curve", "pictured")
 MOST_LAGGING = 9
+RISE_S = 0.1  # of the voltage, where pictures are taken
 _TOLERANCES = get_args(get_args(get_type_hints(Effect)["tolerance"])[0])
 
 
@@ -120,8 +121,8 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
         found["force"] = added
     if (moved := effect.curve(points, p)) is not None:
         found |= {"curve's x": moved[0], "curve's y": moved[1]}
-    if "delay_s" in acts(effect):
-        found["delay"] = np.array([effect.delay_s(p)])
+    if (seen := effect.pictured(replace(run, rise_s=RISE_S), p)) is not None:
+        found["EIBM in pictures"] = seen
     spoilt = not all(_same(a, b) for a, b in zip(kept, given, strict=True))
     found["changed what it was given"] = np.array([float(spoilt)])
     return found
@@ -146,7 +147,7 @@ def _untouched() -> Results:
         "force": example_weighed().force_N,
         "curve's x": points.x_m,
         "curve's y": points.y_m,
-        "delay": np.zeros(1),
+        "EIBM in pictures": np.zeros_like(example_clock().voltage_V),
         "changed what it was given": np.zeros(1),
     }
     for name, clock in (("run", example_clock()), ("pulse", example_pulse())):

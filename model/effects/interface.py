@@ -1,11 +1,12 @@
 """What an effect is: one object that says what it is and what it changes.
 
-An effect acts in up to five places, each a method that changes nothing unless it is overridden:
+An effect acts in up to six places, each a method that changes nothing unless it is overridden:
     `beam`    the beam problem: moments, stiffness, rest curvature, where clamp and contact are
     `course`  how EIBM and stiffness go with time, relative to the settled values
     `lagging` what its memory adds to the rest curvature from reading to reading
     `force`   what the load cell adds to the force
     `curve`   where the camera puts the points of a curve
+    `pictured` the EIBM in the picture of a reading
 All work on arrays; a `Beam` holds K conditions of one configuration, quantities along the sheet are
 values at its G nodes.
 """
@@ -198,9 +199,9 @@ class Effect:
         """What is added to the points' x and y, m."""
         return None
 
-    def delay_s(self, p: Values) -> float:
-        """By how much the picture is older than the reading."""
-        return 0.0
+    def pictured(self, clock: Clock, p: Values) -> FloatArray | None:
+        """Relative change of the EIBM in the picture of a reading, at each time."""
+        return None
 
     def derived(self, p: Values, sheet: SheetGeometry) -> dict[str, float]:
         """Further quantities people ask for, named as in `extra`."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.effects._memory import lagging, spread_about
 from model.effects._values import finite
 from model.effects.interface import Beam, Clock, Effect, Held, Knob, Values
 from model.measurements import FloatArray
@@ -62,26 +63,16 @@ def remembered(beam: Beam, held: Held, p: Values) -> list[tuple[FloatArray, Floa
     return [
         (at_zero, _share(lambda tau: -np.expm1(-held_s / tau), p)),
         (mean - at_zero, _share(lambda tau: -driven * np.expm1(-clock.driven_s / tau), p)),
-        (half, _share(lambda tau: driven * alternating(clock, tau), p)),
+        (half, _share(lambda tau: np.sign(clock.voltage_V) * lagging(clock, tau, -1.0), p)),
     ]
 
 
 def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
     """By which a strain with this lag has become the shape at rest."""
-    times = p["time_s"] * np.array([1.0 / p["spread"], 1.0, p["spread"]])
+    times = spread_about(p["time_s"], p["spread"])
     decade = float(np.mean(np.exp(-DECADE_S[0] / times) - np.exp(-DECADE_S[1] / times)))
     lagging = np.mean([lag(float(tau)) for tau in times], axis=0)
     return np.asarray(-p["relative_change_per_decade"] / decade * lagging)
-
-
-def alternating(clock: Clock, tau: float) -> FloatArray:
-    """Lag of pulses +1, -1, ... of equal length that begin at rest, as it is at these times."""
-    n = np.maximum(clock.pulse, 0.0)
-    length = np.where(n > 0.0, (clock.driven_s - clock.pulse_s) / np.maximum(n, 1.0), 1.0)
-    q, sign = np.exp(-np.maximum(length, 0.0) / tau), np.sign(clock.voltage_V)
-    before = -sign * (1.0 - q) / (1.0 + q) * (1.0 - (-q) ** n)
-    left = np.exp(-clock.pulse_s / tau)
-    return np.asarray(before * left + sign * (1.0 - left))
 
 
 def strains(beam: Beam, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -25,8 +25,12 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
         ("relative_change_per_decade",),
         ("time_s", "spread", "from_run"),
     ),
-    "charging_lag": ("time", ("time_constant_s",), ()),
-    "back_relaxation": ("time", ("relative_loss_at_sample", "time_constant_s"), ()),
+    "charging_lag": ("time", ("time_constant_s",), ("slow_share", "remembers")),
+    "back_relaxation": (
+        "time",
+        ("relative_loss_at_sample", "time_constant_s"),
+        ("remembers", "spread"),
+    ),
     "first_pulse_transient": ("time", ("relative_deficit",), ("ratio",)),
     "elongation_flexibility": ("compliance", ("relative_compliance",), ("in_the_joint",)),
     "gravity": ("even_moment", ("load_N_per_m",), ()),
@@ -44,7 +48,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "position_error": ("position", ("offset_mm",), ()),
     "camera_scale": ("camera", ("relative_error",), ("axis",)),
     "camera_perspective": ("camera", ("relative_error",), ("direction_rad",)),
-    "frame_delay": ("camera", ("delay_s",), ()),
+    "frame_delay": ("camera", ("delay_s",), ("through_zero",)),
 }
 UNITS = {
     "_mm": "mm", "_per_m": "1/m", "_s": "s", "_mN": "mN", "_rad": "rad", "_N_per_m": "N/m",
@@ -91,7 +95,7 @@ def test_only_what_may_differ_between_sheets_is_free_by_configuration():
 def test_effects_of_the_load_cell_leave_the_shape_alone_and_those_of_the_camera_the_force():
     for effect in EFFECTS.values():
         if effect.slot == "camera":
-            assert acts(effect) <= {"curve", "delay_s"}
+            assert acts(effect) <= {"curve", "pictured"}
         elif effect.slot == "load_cell" and effect.name != "load_cell_compliance":
             assert acts(effect) == {"force"}
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model.effects import catalogue, effect
+from model.effects._memory import lagging
 from model.effects.conformance import plausible
 from model.effects.examples import (
     LENGTH_M,
@@ -23,7 +24,6 @@ from model.effects.examples import (
 from model.effects.interface import Clock, Weighed
 from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
 from model.effects.roll_friction import slid
-from model.effects.viscoelastic_creep import alternating
 
 WEIGHTS = np.polynomial.legendre.leggauss(NODES)[1] / 2.0  # of a mean over the nodes
 
@@ -372,11 +372,11 @@ def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
 
 
 def test_a_lag_leaves_what_has_not_been_charged_yet():
-    clock = example_pulse()
-    eibm, stiffness = effect("charging_lag").course(clock, {"time_constant_s": 0.15})
+    clock, lag = example_pulse(), values("charging_lag", time_constant_s=0.15, remembers=0.0)
+    eibm, stiffness = effect("charging_lag").course(clock, lag)
     assert eibm == pytest.approx(-2.0 * np.exp(-clock.pulse_s / 0.15))
     assert not np.any(stiffness)
-    eibm, _ = effect("charging_lag").course(example_clock(), {"time_constant_s": 0.15})
+    eibm, _ = effect("charging_lag").course(example_clock(), lag)
     assert not np.any(eibm[:10])  # at 0 V
     assert eibm[10] == pytest.approx(0.5 * eibm[11])  # the first pulse comes from 0, not from -1
 
@@ -384,15 +384,16 @@ def test_a_lag_leaves_what_has_not_been_charged_yet():
 def test_a_lag_stands_behind_the_known_rise_of_the_voltage():
     clock, tau = replace(example_pulse(), rise_s=0.04), 0.15
     t = clock.pulse_s
-    eibm, _ = effect("charging_lag").course(clock, {"time_constant_s": tau})
+    lag = values("charging_lag", time_constant_s=tau, remembers=0.0)
+    eibm, _ = effect("charging_lag").course(clock, lag)
     two = (tau * np.exp(-t / tau) - 0.04 * np.exp(-t / 0.04)) / (tau - 0.04)  # of two lags in a row
     assert eibm == pytest.approx(-2.0 * (two - np.exp(-t / 0.04)), rel=1e-12)
-    same, _ = effect("charging_lag").course(replace(clock, rise_s=tau), {"time_constant_s": tau})
+    same, _ = effect("charging_lag").course(replace(clock, rise_s=tau), lag)
     assert same == pytest.approx(-2.0 * t / tau * np.exp(-t / tau), rel=1e-7)
 
 
 def test_relaxation_is_counted_from_the_sampling_point():
-    p = {"relative_loss_at_sample": 0.1, "time_constant_s": 0.7}
+    p = values("back_relaxation", relative_loss_at_sample=0.1, time_constant_s=0.7)
     relax = effect("back_relaxation")
     clock = replace(example_pulse(), pulse_s=np.array([0, 0.1, 0.5, 0.55, 1e3, 0.2, 0.3, 0.4]))
     eibm, _ = relax.course(clock, p)
@@ -448,20 +449,63 @@ def test_what_lags_behind_is_on_the_average_in_the_beam_already():
     assert effect("viscoelastic_creep").lagging(beam, held, creep(time_s=0.0)) == []
 
 
-def test_alternating_pulses_lag_as_a_first_order_filter_says():
-    tau, length, step = 1.3, 0.6, 1e-4
-    drive = np.where(np.arange(0.0, 6.0, step) % (2 * length) < length, 1.0, -1.0)
+def alternating(seconds: float, step_s: float) -> np.ndarray:
+    """Voltages in turn, +1 first, of 0.6 s each."""
+    return np.where(np.arange(0.0, seconds, step_s) % 1.2 < 0.6, 1.0, -1.0)
+
+
+def filtered(drive: np.ndarray, tau_s: float, step_s: float) -> np.ndarray:
+    """What a first-order lag makes of it, one more number than `drive`."""
     y = np.zeros(len(drive) + 1)
     for k, d in enumerate(drive):
-        y[k + 1] = d + (y[k] - d) * np.exp(-step / tau)
-    pulse = np.arange(10.0)
-    zero = np.zeros(10)
-    clock = Clock(
-        np.where(pulse % 2 == 0.0, 2.0, -2.0), zero + 0.5, pulse, zero, zero, zero,
-        length * pulse + 0.5, zero,
+        y[k + 1] = d + (y[k] - d) * np.exp(-step_s / tau_s)
+    return y
+
+
+def sampled(pulses: int, pulse_s: float) -> Clock:
+    """One reading in each of so many pulses."""
+    pulse, zero = np.arange(float(pulses)), np.zeros(pulses)
+    return Clock(
+        np.where(pulse % 2 == 0.0, 2.0, -2.0), zero + pulse_s, pulse, zero, zero, zero,
+        0.6 * pulse, np.where(pulse > 0.0, -1.0, 0.0),
     )  # fmt: skip
-    wanted = y[np.round((length * pulse + 0.5) / step).astype(int)]
-    assert alternating(clock, tau) == pytest.approx(wanted, abs=2e-4)
+
+
+def test_alternating_pulses_lag_as_a_first_order_filter_says():
+    tau, step = 1.3, 1e-4
+    clock = sampled(10, 0.5)
+    y = filtered(alternating(6.0, step), tau, step)
+    wanted = y[np.round((0.6 * clock.pulse + 0.5) / step).astype(int)]
+    assert np.sign(clock.voltage_V) * lagging(clock, tau, -1.0) == pytest.approx(wanted, abs=2e-4)
+
+
+@pytest.mark.parametrize("tau", [0.1, 0.4, 1.5])
+def test_a_lag_has_not_forgotten_the_pulse_before(tau: float):
+    clock, step = sampled(8, 0.35), 1e-4
+    y = filtered(alternating(5.0, step), tau, step)
+    wanted = y[np.round((0.6 * clock.pulse + 0.35) / step).astype(int)]
+    p = values("charging_lag", time_constant_s=tau)
+    eibm, _ = effect("charging_lag").course(clock, p)
+    assert np.sign(clock.voltage_V) * (1.0 + eibm) == pytest.approx(wanted, abs=2e-4)
+    part, _ = effect("charging_lag").course(clock, {**p, "slow_share": 0.3})
+    assert part == pytest.approx(0.3 * eibm)
+    anew, _ = effect("charging_lag").course(clock, {**p, "remembers": 0.0})
+    assert anew[1:] == pytest.approx(-2.0 * np.exp(-0.35 / tau))
+
+
+@pytest.mark.parametrize("spread", [1.0, 4.0])
+def test_a_relaxation_that_remembers_follows_all_pulses(spread: float):
+    late, step, tau = sampled(60, 0.2), 1e-3, 0.7
+    drive = alternating(36.0, step)
+    slow = np.mean([filtered(drive, t, step) for t in (tau / spread, tau, tau * spread)], axis=0)
+    times = tau * np.array([1.0 / spread, 1.0, spread])
+    a = 0.1 / np.mean(1.0 - np.exp(-0.5 / times))  # of a sheet at rest 0.1 is lost at 0.5 s
+    left = np.append(drive, drive[-1]) - a * slow
+    at = {t: np.round((0.6 * late.pulse + t) / step).astype(int) for t in (0.2, 0.5)}
+    wanted = np.sign(late.voltage_V) * left[at[0.2]] / abs(left[at[0.5]][-1])
+    p = {"relative_loss_at_sample": 0.1, "time_constant_s": tau, "remembers": 1.0}
+    eibm, _ = effect("back_relaxation").course(late, {**p, "spread": spread})
+    assert 1.0 + eibm == pytest.approx(wanted, abs=2e-3)
 
 
 def drifting(session: list[float], driven_s: list[float]) -> Clock:
@@ -521,6 +565,13 @@ def test_perspective_is_a_scale_that_changes_across_the_picture():
     assert y == pytest.approx(share * points.y_m, abs=1e-15)
 
 
-def test_a_positive_delay_means_an_older_picture():
-    assert effect("frame_delay").delay_s({"delay_s": 0.012}) == 0.012
-    assert effect("force_offset").delay_s({"force_mN": 1.0}) == 0.0
+@pytest.mark.parametrize("through_zero", [0.0, 1.0])
+def test_an_older_picture_shows_what_had_come_by_then(through_zero: float):
+    clock = replace(sampled(3, 0.5), rise_s=0.1, opposite=np.array([0.0, -0.7, -0.7]))
+    p = {"delay_s": 0.3, "through_zero": through_zero}
+    way = 1.0 - np.array([0.0, -1.0, -1.0] if through_zero else clock.opposite)
+    then, now = 1.0 - way * np.exp(-2.0), 1.0 - way * np.exp(-5.0)
+    assert effect("frame_delay").pictured(clock, p) == pytest.approx(then / now - 1.0)
+    late = effect("frame_delay").pictured(clock, {**p, "delay_s": 0.55})  # before the edge
+    assert late == pytest.approx((1.0 - way) / now - 1.0)
+    assert effect("force_offset").pictured(clock, {"force_mN": 1.0}) is None

@@ -1,0 +1,31 @@
+"""What has not forgotten the pulses before: lags behind alternating voltages."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.effects.interface import Clock
+from model.measurements import FloatArray
+
+PULSE_S = 0.6  # of the paper's pulses
+
+
+def before_edge(clock: Clock, tau_s: float, opposite: FloatArray | float) -> FloatArray:
+    """Where a lag was as the present pulse began, over where it goes now.
+
+    It begins at rest, behind pulses of which each aims at `opposite` times the next one's aim.
+    """
+    n, forgotten = np.maximum(clock.pulse, 0.0), np.exp(-PULSE_S / tau_s)
+    settled = opposite * (1.0 - forgotten) / (1.0 + forgotten)
+    return np.asarray(np.where(n > 0.0, settled * (1.0 - (-forgotten) ** n), 0.0))
+
+
+def lagging(clock: Clock, tau_s: float, opposite: FloatArray | float) -> FloatArray:
+    """Where it is at these times, over where it goes."""
+    left = np.exp(-np.maximum(clock.pulse_s, 0.0) / tau_s)
+    return np.asarray(before_edge(clock, tau_s, opposite) * left + 1.0 - left)
+
+
+def spread_about(tau_s: float, spread: float) -> FloatArray:
+    """Time constants of a process that has several: three, apart by a factor."""
+    return tau_s * np.array([1.0 / spread, 1.0, spread])
