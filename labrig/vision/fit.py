@@ -23,6 +23,7 @@ BoolArray = npt.NDArray[np.bool_]
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
+SETTLED_LOOK_PX = 0.03
 LEAST_PRESENT = 0.6  # of the pixels beside the curve
 
 
@@ -190,8 +191,9 @@ def fit_intensities(
     noise = max(setting.picture.noise, 0.1 * contrast)
     fit = _iteration(shape, setting, band, noise, used)
     for _ in range(rounds - 1):
+        before = fit.band
         fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
-        if fit.step_px < settled_px:
+        if fit.step_px < settled_px and fit.band.looks_like(before, SETTLED_LOOK_PX):
             break
     return fit
 

@@ -54,6 +54,11 @@ class Band:
         face = float(np.abs(self.face).max()) if self.face_share > 0 else 0.0
         return float(self.half_width.max()) + face + 3 * self.blur + 2.5
 
+    def looks_like(self, other: Band, within: float) -> bool:
+        """Whether blur and widths differ by no more than `within`."""
+        wider = float(np.abs(self.half_width - other.half_width).max())
+        return max(wider, abs(self.blur - other.blur)) <= within
+
     def retuned(self, blur: float, elongation_half_width: float) -> Band:
         """With another look."""
         half = np.where(self.elongation, elongation_half_width, self.half_width)

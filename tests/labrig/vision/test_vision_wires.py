@@ -140,8 +140,8 @@ def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(
     ("seed", "sheet", "said"),
     [
         (1_500_139, True, "a wire, or something else that is straight"),
-        (1_500_196, False, "plain background on the first"),
-        (1_600_022, False, "it is known to ±"),
+        (1_500_196, False, "no sheet was found at the clamp"),
+        (1_600_022, False, "the sheet leaves the picture"),
     ],
 )
 def test_a_path_that_takes_a_line_of_the_clutter_for_the_sheet_is_refused(
