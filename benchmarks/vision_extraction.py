@@ -59,11 +59,12 @@ def bound_px(curve, snr: float, thickness_px: float, blur_px: float) -> float:
 
 def accuracy(count: int, first: int = 0) -> None:
     print(
-        "| SNR | RMSE median px | p95 px | bound px | ratio | curvature RMS /m | band 95 % holds |"
+        "| SNR | RMSE median px | p95 px | bound px | ratio | band 95 % holds "
+        "| curvature RMS median /m | p95 /m | its band 95 % holds |"
     )
-    print("|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|---|")
     for snr in (5, 10, 20, 40):
-        errors, bounds, bends, inside = [], [], [], []
+        errors, bounds, bends, inside, inside_k = [], [], [], [], []
         for seed in range(count):
             scene = make_scene(
                 Recipe(seed=first + seed, physical=True, snr=snr, bright=seed % 2 == 0)
@@ -77,13 +78,16 @@ def accuracy(count: int, first: int = 0) -> None:
             r = scene.recipe
             bounds.append(bound_px(curve, snr, r.thickness_mm * r.px_per_mm, r.blur_px))
             k = np.interp(curve.s_m * 1000, scene.s_mm, scene.k_per_m)
-            bends.append(np.sqrt(np.mean((curve.curvature_per_m - k) ** 2)))
+            miss_k = curve.curvature_per_m - k
+            bends.append(np.sqrt(np.mean(miss_k**2)))
+            inside_k.append(np.mean(np.abs(miss_k) < 1.96 * curve.curvature_sigma_per_m))
             inside.append(np.mean(np.abs(miss) < 1.96 * curve.sigma_m * r.px_per_mm * 1000))
         ratio = np.sqrt(np.mean(np.square(errors)) / np.mean(np.square(bounds)))
         print(
             f"| {snr} | {np.median(errors):.4f} | {np.percentile(errors, 95):.4f} | "
-            f"{np.median(bounds):.4f} | {ratio:.2f} | {np.median(bends):.2f} | "
-            f"{np.mean(inside):.1%} |"
+            f"{np.median(bounds):.4f} | {ratio:.2f} | {np.mean(inside):.1%} | "
+            f"{np.median(bends):.2f} | {np.percentile(bends, 95):.2f} | {np.mean(inside_k):.1%} |",
+            flush=True,
         )
 
 
