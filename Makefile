@@ -6,7 +6,8 @@ PYTEST := $(BIN)/python -m pytest
 # Between them they use all that numba compiles; else each worker would compile it for itself.
 COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures.py \
 	tests/sim_hardware/test_world_chain.py tests/sim_hardware/test_world_effects.py \
-	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py
+	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py \
+	tests/sim_hardware/test_world.py tests/model/test_equilibrium_reference.py
 # Where they are: looking through all the others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
 PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt
@@ -41,16 +42,17 @@ compiled: setup-dev
 test: compiled
 	@$(MAKE) --no-print-directory test-compiled
 
-# Two at a time, and then one by one what is held against the real clock.
+# Three at a time, of which one waits most of the time (tests/side_by_side.py), and then one by one
+# what is held against the real clock.
 test-compiled: setup-dev
-	@$(PYTEST) -n 2 --dist worksteal -m "not thorough and not alone"; code=$$?; \
+	@$(PYTEST) -n 3 --dist worksteal -m "not thorough and not alone"; code=$$?; \
 	$(PYTEST) -m "alone and not thorough" $(ALONE) && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: compiled
-	@$(PYTEST) -n 2 --dist worksteal -m "not alone"; code=$$?; \
+	@$(PYTEST) -n 3 --dist worksteal -m "not alone"; code=$$?; \
 	$(PYTEST) -m alone $(ALONE) && exit $$code
 
 test-fast: setup-dev

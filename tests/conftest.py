@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from tests.side_by_side import in_parts, step_back, watches
+
 # A shared, busy machine stalls any example now and then; and a test must not fail by chance alone.
 settings.register_profile("labrig", deadline=None, derandomize=True)
 settings.load_profile("labrig")
+
+BEGUN = pytest.StashKey[bool]()  # of a worker: it has begun
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -18,26 +23,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
-# Begun first, or one worker waits for the other at the end.
-LONGEST = ("tests/end_to_end/test_demo.py", "tests/end_to_end/test_closed_loop")
-
-
-def _turn(item: pytest.Item) -> int:
-    """The longest come first, and last what wants a quiet computer."""
-    if "alone" in item.keywords:
-        return 2
-    return 0 if item.nodeid.startswith(LONGEST) else 1
-
-
+@pytest.hookimpl(trylast=True)  # when those that are not wanted have gone
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Each in its turn; real hardware is touched only when a rig is named."""
-    items.sort(key=_turn)
+    items[:] = in_parts(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     if config.getoption("--rig") is not None:
         return
     skip = pytest.mark.skip(reason="needs a rig: -m real_hardware --rig rig.toml")
     for item in items:
         if "real_hardware" in item.keywords:
             item.add_marker(skip)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> None:
+    """A worker that begins with what computes steps back for the one that watches."""
+    if "PYTEST_XDIST_WORKER" in os.environ and not item.config.stash.get(BEGUN, False):
+        item.config.stash[BEGUN] = True
+        if not watches(item):
+            step_back()
 
 
 @pytest.fixture(scope="session")
