@@ -85,7 +85,7 @@ class ServedRig:
         self.until(lambda: bool(self.rows()))
         return float(self.rows()[-1]["drive_V"])
 
-    def until(self, condition: Callable[[], bool], timeout_s: float = 30.0) -> None:
+    def until(self, condition: Callable[[], bool], timeout_s: float = 60.0) -> None:
         """Wait for a condition, on the real clock."""
         end = time.monotonic() + timeout_s
         while not condition():

@@ -85,7 +85,7 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
             os.kill(pid, signal.SIGKILL)
         process.wait(5)
         assert rig.is_energised()
-        assert rig.start().wait(30) == 3
+        assert rig.start().wait(60) == 3
         assert "`labrig safe` writes 0 V and frees it" in rig.said()
         assert not rig.session.exists()
         assert labrig("safe", file) == 0
@@ -94,7 +94,7 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
         again = rig.start()
         rig.until(rig.is_energised)
         again.terminate()
-        assert again.wait(10) == 4
+        assert again.wait(30) == 4
 
 
 def test_labrig_safe_without_boards_to_speak_to_ends_with_code_6(

@@ -61,7 +61,7 @@ def test_a_stop_signal_ends_at_zero_volts_with_code_4(
     rig.until(rig.is_energised)
     for _ in range(times):
         process.send_signal(number)
-    assert process.wait(10) == 4
+    assert process.wait(30) == 4
     assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
     with open_session(rig.session) as session:
         assert session.outcome is Outcome.ABORTED

@@ -39,6 +39,7 @@ class FakePanel:
         self.hangs = False
         self.sockets: set[WebSocket] = set()
         self._greeted = threading.Event()  # a page has come, and was told all there was
+        self._heard = threading.Condition()
         self.control = {"holder": None, "name": None, "since": None, "here": True, "clients": 1}
         routes = [
             Route("/", lambda _: FileResponse(STATIC / "index.html")),
@@ -77,7 +78,16 @@ class FakePanel:
         """To every page, once there is one: what is told to nobody is never told again."""
         assert self._greeted.wait(PATIENCE_S), "no page has come to be told anything"
         for message in messages:
-            asyncio.run_coroutine_threadsafe(self._tell(message), self.loop).result(5)
+            asyncio.run_coroutine_threadsafe(self._tell(message), self.loop).result(PATIENCE_S)
+
+    def until_asked(self, *paths: str) -> None:
+        """Until a page has acted in all these ways: what it shows may come before its request."""
+
+        def all_came() -> bool:
+            return set(paths) <= {path for method, path, _ in self.asked if method != "GET"}
+
+        with self._heard:
+            assert self._heard.wait_for(all_came, PATIENCE_S), f"asked: {self.asked}"
 
     async def _tell(self, message: dict[str, Any] | bytes) -> None:
         for one in list(self.sockets):
@@ -118,7 +128,9 @@ class FakePanel:
         raw = await request.body()
         with contextlib.suppress(ValueError):
             raw = await request.json() if raw else None
-        self.asked.append((request.method, path, raw))
+        with self._heard:
+            self.asked.append((request.method, path, raw))
+            self._heard.notify_all()
         if self.hangs and path != "/stop":
             await asyncio.sleep(30)
         if (request.method, path) in self.answers:

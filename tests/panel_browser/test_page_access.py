@@ -71,8 +71,7 @@ def test_axe_finds_nothing_in_any_state_nor_on_a_phone(full, visit):
 def test_axe_itself_finds_what_is_wrong(full, visit):
     page = visit(f"{full.url}#/run")
     page.wait_for_selector(".mean")
-    field = page.query_selector(".runbar select")
-    page.evaluate("(field) => field.closest('label').replaceWith(field)", field)
+    page.locator(".runbar select").evaluate("(it) => it.closest('label').replaceWith(it)")
     assert any(rule == "select-name" for rule, _ in violations(page))
 
 

@@ -135,6 +135,7 @@ def test_a_prompt_is_shown_and_answered(fake, visit):
     assert page.title().startswith("▶")
     page.keyboard.press("Control+Enter")
     page.wait_for_function("document.querySelector('.go').disabled")
+    fake.until_asked("/api/answer")
     fake.tell({"type": "answered", "time_s": 2, "prompt": 9, "done": True, "log": "x"})
     page.wait_for_selector(".prompt", state="hidden")
     paths = [

@@ -22,6 +22,7 @@ def test_esc_presses_both_ways_at_once(fake, visit):
     page.wait_for_selector(".mean")
     page.keyboard.press("Escape")
     until_said(page, "output SAFE after 0.07 s")
+    fake.until_asked("/api/stop", "/stop")
     assert sorted(pressed(fake)) == ["/api/stop", "/stop"]
 
 
@@ -30,7 +31,8 @@ def test_one_press_of_the_button_is_one_press(fake, visit):
     page.wait_for_selector(".mean")
     page.click("#stop")
     until_said(page, "output SAFE")
-    page.wait_for_timeout(300)
+    fake.until_asked("/api/stop", "/stop")
+    page.wait_for_timeout(300)  # for a second press, that must not come
     assert sorted(pressed(fake)) == ["/api/stop", "/stop"]
 
 
@@ -69,7 +71,7 @@ def test_stop_works_when_the_panel_hangs(fake, visit):
 def test_stop_works_when_the_panel_hung_before_the_page_came(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
-    page.evaluate("sessionStorage.getItem('labrig-stop-url') !== null")
+    page.wait_for_function("sessionStorage.getItem('labrig-stop-url') !== null")
     fake.hangs = True
     page.reload(wait_until="commit")
     page.wait_for_selector("#stop")
@@ -85,13 +87,13 @@ def test_stop_works_when_no_module_loads(fake, visit):
     page.keyboard.press("Escape")
     until_said(page, "STOP")
     page.wait_for_function("document.getElementById('stop-said').dataset.kind === 'good'")
-    assert "/stop" in pressed(fake)
+    fake.until_asked("/stop")
 
 
 def test_stop_works_without_any_script(fake, visit):
     page = visit(fake.url, java_script_enabled=False)
     page.click("#stop")
-    page.wait_for_timeout(300)
+    fake.until_asked("/api/stop")
     assert pressed(fake) == ["/api/stop"]
 
 

@@ -125,6 +125,12 @@ class Page:
                 assert self.closed is None, str(self.closed)
                 self._changed.wait(left_s)
 
+    def ended(self, job: Message) -> Message:
+        """The end of the job that began with this answer: the story of one before may be there."""
+        return self.until(
+            lambda m: m["type"] == "job" and m["id"] == job["id"] and m["state"] != "going"
+        )
+
     def of(self, kind: str) -> list[Message]:
         """All messages of a type."""
         with self._changed:

@@ -137,18 +137,16 @@ def test_control_of_a_page_that_has_gone_can_be_taken(server):
 
 
 def test_the_preflight_of_a_simulated_rig_is_shown(page):
-    page.do("/api/preflight", protocol="short.toml")
+    assert page.ended(page.do("/api/preflight", protocol="short.toml"))["code"] == 0
     found = page.until("preflight")
     assert found["ok"]
     assert {"output at 0 V", "camera rate"} <= {check["name"] for check in found["checks"]}
-    assert page.until(lambda m: m["type"] == "job" and m["state"] == "ended")["code"] == 0
 
 
 def test_the_load_cell_is_weighed_and_the_line_accepted(page, rig_folder):
     before = load_load_cell(rig_folder / "load_cell.toml")
     assert page.ask("POST", "/api/weighing/accept", {})[0] == 409
-    page.do("/api/weighing", loads_mN=[0, 20, 40, 0])
-    assert page.until(lambda m: m["type"] == "job" and m["state"] == "ended")["code"] == 0
+    assert page.ended(page.do("/api/weighing", loads_mN=[0, 20, 40, 0]))["code"] == 0
     found = page.until("weighing")
     assert found["finished"]
     assert [len(m["points"]) for m in page.of("weighing")] == [0, 1, 2, 3, 4, 4]
@@ -162,8 +160,8 @@ def test_the_load_cell_is_weighed_and_the_line_accepted(page, rig_folder):
 
 
 def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
-    page.do("/api/camera", do="start")
-    page.until(lambda _: bool(page.pictures), 30)
+    job = page.do("/api/camera", do="start")
+    page.until(lambda _: bool(page.pictures))
     optics = Optics.from_json((rig_folder / "optics.json").read_text())
     status, answer = page.ask("POST", "/api/camera/view", {"board": {"columns": 12, "rows": 9}})
     assert (status, "corners" in answer["error"]) == (400, True)  # the sheet is no board
@@ -189,7 +187,7 @@ def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
     )
     assert (status, "edge" in answer["error"]) == (400, True)
     page.do("/api/camera", do="end")
-    assert page.until(lambda m: m["type"] == "job" and m["state"] == "ended")["code"] == 0
+    assert page.ended(job)["code"] == 0
 
 
 def test_a_board_that_is_seen_calibrates_the_camera():

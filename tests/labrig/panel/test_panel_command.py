@@ -71,7 +71,7 @@ def test_with_a_certificate_panel_and_stop_speak_tls_only(rig_folder, tmp_path):
 
         def get(url):
             asked = urllib.request.Request(url, headers=bearer)
-            with urllib.request.urlopen(asked, timeout=10, context=trusting) as answer:
+            with urllib.request.urlopen(asked, timeout=30, context=trusting) as answer:
                 return answer.read().decode()
 
         assert '"mode":"rig"' in get(f"{server.origin}/api/status")
