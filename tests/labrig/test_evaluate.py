@@ -168,7 +168,7 @@ def test_simulate_refuses_what_the_model_cannot_answer(model_path, capsys, extra
 
 @pytest.mark.slow
 def test_report_says_where_the_page_is(tmp_path, capsys):
-    small = session(tmp_path / "small.h5", measure("long", curves=False))
+    small = stopped_session(tmp_path / "small.h5", after_runs=0)
     assert run(["report", str(small), "-o", str(tmp_path / "out")]) == 0
     page = tmp_path / "out" / "index.html"
     assert f"wrote {page}" in printed(capsys)[0]
