@@ -182,8 +182,9 @@ class _Job(Refiner):
         least, apart = LEAST_OF_A_WIRE_PX * scale, reach + BESIDE_PX * scale
         crossing = find_wires(self.picture, self.ridges, sign) if not self.wires else []
         found = find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, apart)
-        # a sheet ends in the picture: that one does, and leaves what goes on to the border
-        left = [w for w in crossing if best.confirmed and not w.shows_at(nodes[-1])]
+        # a lead from the clamp to the border that the sheet leaves looks like its face before
+        faced = best.confirmed and best.fit.band.face_share > 0
+        left = [wire for wire in crossing if faced and not wire.shows_at(nodes[-1])]
         wires = [
             wire
             for wire in crossing + found

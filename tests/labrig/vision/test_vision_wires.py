@@ -170,7 +170,7 @@ def test_a_lead_from_the_jaw_to_the_border_is_no_face_of_the_sheet_it_runs_with(
     assert any("a wire lies along" in said for said in curve.warnings)
 
 
-@pytest.mark.parametrize("spacing", [24, 47])
+@pytest.mark.parametrize("spacing", [40, 47])
 def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     scenes, known, spacing
 ):
