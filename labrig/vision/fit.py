@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from labrig.vision.setting import WINDOW_CELLS, Band, Setting, look
 from labrig.vision.shape import Shape
-from labrig.vision.smooth import WANDERING, averaged
+from labrig.vision.smooth import WANDERING, averaged, covariance
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -39,7 +39,6 @@ class Fit:
     noise: float  # grey levels, of a pixel, from the residuals
     normal: FloatArray  # (parameters, parameters): information of data and clamp prior
     pull: FloatArray  # (parameters,): normal @ (the parameters the data alone would take)
-    covariance: FloatArray  # (parameters, parameters), from noise and clamp, smoothness included
     step_px: float  # largest movement of the last iteration
 
     @property
@@ -53,12 +52,17 @@ class Fit:
         return self.present > LEAST_PRESENT
 
     @property
-    def cautious_covariance(self) -> FloatArray:
-        """(parameters, parameters), of a curvature that may jump where nothing is seen of it."""
+    def covariance(self) -> FloatArray:
+        """(parameters, parameters), from noise and clamp, smoothness included."""
         basis = self.shape.basis
-        return averaged(
-            self.normal, self.pull, basis.priors[WANDERING], basis.log_weight[WANDERING]
-        )[1]
+        return covariance(self.normal, self.pull, basis.priors, basis.log_weight)
+
+    @property
+    def cautious_covariance(self) -> FloatArray:
+        """The same for a curvature that may jump where nothing is seen of it."""
+        basis = self.shape.basis
+        priors, log_weight = basis.priors[WANDERING], basis.log_weight[WANDERING]
+        return covariance(self.normal, self.pull, priors, log_weight)
 
     @property
     def offsets_px(self) -> tuple[FloatArray, FloatArray]:
@@ -233,7 +237,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     middle = 0.5 * (modes[1:] + modes[:-1])
     normal, pull = information(shape, middle, offset, weight, setting.prior)
     basis = shape.basis
-    wanted, covariance = averaged(normal, pull, basis.priors, basis.log_weight)
+    wanted = averaged(normal, pull, basis.priors, basis.log_weight)
     moved = middle @ (wanted - shape.parameters)
     return Fit(
         shape=shape.moved(wanted),
@@ -244,7 +248,6 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
         noise=noise,
         normal=normal,
         pull=pull,
-        covariance=covariance,
         step_px=float(np.abs(moved).max()),
     )
 

@@ -72,7 +72,7 @@ def report(
         ),
         excess_px=excess,
         curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
-        curvature_resolution_m=_resolution_px(fit) / ppm,
+        curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
         points_px=setting.nodes_px(shape),
         covered=verdict.covered,
         seen=np.append(fit.used, fit.used[-1]),
@@ -131,7 +131,7 @@ def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
     return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 
-def _resolution_px(fit: Fit) -> float:
+def _resolution_px(fit: Fit, covariance: FloatArray) -> float:
     """Length per effective degree of freedom of the curvature."""
-    free = float(np.trace(fit.covariance @ fit.normal)) - 2.0  # place and angle at the clamp
+    free = float(np.trace(covariance @ fit.normal)) - 2.0  # place and angle at the clamp
     return fit.shape.basis.free_px / max(free, 1.0)

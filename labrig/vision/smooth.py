@@ -41,15 +41,35 @@ def log_weights(priors: FloatArray) -> FloatArray:
     return np.asarray(0.5 * np.linalg.slogdet(priors)[1])
 
 
-@jit
 def averaged(
     normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Mean (parameters,) and covariance of the parameters, over all priors.
+) -> FloatArray:
+    """The parameters' mean over all priors.
 
     `normal @ parameters = pull` are the equations of the data; priors are on all parameters but the
     first two, which have theirs in `normal`.
     """
+    answers, odds, _ = _answers(normal, pull, priors, log_weight)
+    return np.asarray(odds @ answers)
+
+
+def covariance(
+    normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
+) -> FloatArray:
+    """The parameters' covariance about that mean: each answer's own, and how much they differ."""
+    answers, odds, factors = _answers(normal, pull, priors, log_weight)
+    likely = odds > LEAST_ODDS
+    off = answers[likely] - odds @ answers
+    root = np.linalg.inv(factors[likely])
+    own = np.einsum("i,ikp,ikq->pq", odds[likely], root, root)
+    return np.asarray(own + (off * odds[likely, None]).T @ off)
+
+
+@jit
+def _answers(
+    normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Each prior's parameters, its odds, and Cholesky's factor of its equations."""
     kinds, size = len(priors), len(pull)
     factors, answers = np.zeros((kinds, size, size)), np.zeros((kinds, size))
     evidence = log_weight.copy()
@@ -65,33 +85,19 @@ def averaged(
             evidence[i] -= math.log(factor[q, q])
         _backward(factor, answer)
     odds = np.exp(evidence - evidence.max())
-    odds /= odds.sum()
-    mean = np.zeros(size)
-    for i in range(kinds):
-        mean += odds[i] * answers[i]
-    covariance, column = np.zeros((size, size)), np.empty(size)
-    for i in range(kinds):
-        if odds[i] < LEAST_ODDS:
-            continue
-        off = answers[i] - mean
-        for q in range(size):
-            column[:] = 0.0
-            column[q] = 1.0
-            _forward(factors[i], column)
-            _backward(factors[i], column)
-            covariance[q] += odds[i] * (column + off[q] * off)
-    return mean, covariance
+    return answers, odds / odds.sum(), factors
 
 
 @jit
 def _factorise(a: FloatArray) -> None:
-    """Cholesky's factor in the lower triangle, in place."""
+    """Cholesky's factor, in place."""
     for i in range(len(a)):
         for j in range(i + 1):
             total = a[i, j]
             for q in range(j):
                 total -= a[i, q] * a[j, q]
             a[i, j] = math.sqrt(total) if i == j else total / a[j, j]
+        a[i, i + 1 :] = 0.0
 
 
 @jit

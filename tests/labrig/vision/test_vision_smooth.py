@@ -5,7 +5,7 @@ import pytest
 
 from labrig.vision import neutral_curve
 from labrig.vision.shape import make_basis
-from labrig.vision.smooth import TURNS_RAD, averaged, smooth_priors
+from labrig.vision.smooth import TURNS_RAD, averaged, covariance, smooth_priors
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +22,9 @@ def seen(basis, truth, noise, rng):
 
 
 def smooth_of(basis, normal, pull):
-    mean, covariance = averaged(normal, pull, basis.priors, basis.log_weight)
-    rows = basis.curvature
-    return rows @ mean[2:], np.sqrt(((rows @ covariance[2:, 2:]) * rows).sum(axis=1))
+    data = (normal, pull, basis.priors, basis.log_weight)
+    rows, among = basis.curvature, covariance(*data)[2:, 2:]
+    return rows @ averaged(*data)[2:], np.sqrt(((rows @ among) * rows).sum(axis=1))
 
 
 def test_the_mean_of_all_answers_is_weighed_by_how_likely_their_priors_make_the_data(basis):
@@ -43,9 +43,9 @@ def test_the_mean_of_all_answers_is_weighed_by_how_likely_their_priors_make_the_
     spread = sum(
         w * (c + np.outer(p - wanted, p - wanted)) for w, (p, c) in zip(odds, answers, strict=True)
     )
-    mean, covariance = averaged(normal, pull, basis.priors, basis.log_weight)
-    assert mean == pytest.approx(wanted, abs=1e-9)
-    assert covariance == pytest.approx(spread, abs=1e-3 * spread.max())
+    data = (normal, pull, basis.priors, basis.log_weight)
+    assert averaged(*data) == pytest.approx(wanted, abs=1e-9)
+    assert covariance(*data) == pytest.approx(spread, abs=1e-3 * spread.max())
     assert odds.max() < 0.9  # else one prior alone would do
 
 
@@ -67,7 +67,7 @@ def test_curvature_that_falls_off_at_the_root_is_found_better_than_by_one_that_w
         normal, pull = seen(basis, truth, 0.002, np.random.default_rng(seed))
         found, sigma = smooth_of(basis, normal, pull)
         half = len(basis.priors) // 2
-        mean, _ = averaged(normal, pull, basis.priors[:half], basis.log_weight[:half])
+        mean = averaged(normal, pull, basis.priors[:half], basis.log_weight[:half])
         alone = basis.curvature @ mean[2:]
         misses.append([np.sum((found - truth) ** 2), np.sum((alone - truth) ** 2)])
         inside.append(np.mean(np.abs(found - truth) < 1.96 * sigma))
