@@ -10,10 +10,10 @@ from hypothesis import settings
 
 from tests.side_by_side import in_parts, step_back, watches
 
-# As `labrig` itself: threads of linear algebra wait for each other, and take twice the processor.
-# Said before anything imports numpy.
-for _library in ("OPENBLAS", "MKL"):
-    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+# Workers are processes already: threads of linear algebra and of pictures only wait for each other,
+# and take up to twice the processor. Said before anything imports numpy or cv2.
+for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"):
+    os.environ.setdefault(_threads, "1")
 
 # A shared, busy machine stalls any example now and then; and a test must not fail by chance alone.
 settings.register_profile("labrig", deadline=None, derandomize=True)
