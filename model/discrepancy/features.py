@@ -31,6 +31,7 @@ from model.observations import check_sheet, checked_curve
 
 TRENDS = 4  # the mean, and polynomials in time up to the third degree
 PULSE_S = 0.6
+AMID = 10.0  # number of a pulse long after the first one
 OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
 FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
 EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
@@ -103,7 +104,10 @@ def look(measurements: Measurements, configuration: str) -> Look:
     span = _session_span(measurements)
     zeros = _first_pulses(own)
     ratio = _opposite_ratio(own)
-    found = [_seen(c, sheet, span, zeros, ratio) for c in own]
+    begun_s = min(
+        (r.session_s for c in own for r in c.used() if r.session_s is not None), default=None
+    )
+    found = [_seen(c, sheet, span, zeros, ratio, begun_s) for c in own]
     seen = tuple(s for s in found if s is not None)
     if not seen:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
@@ -133,8 +137,12 @@ def _seen(
     span: tuple[float, float],
     zeros: dict[RunKey, int],
     ratio: float,
+    begun_s: float | None,
 ) -> Seen | None:
-    """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite."""
+    """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite.
+
+    Free shapes are taken before the positions, so as the first of these begins, at `begun_s`.
+    """
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
     name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
@@ -155,7 +163,7 @@ def _seen(
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
-        timing.of_no_reading() if free else timing.of(readings, span), curve,
+        timing.of_no_reading(_share(begun_s, span)) if free else timing.of(readings, span), curve,
         () if free else own, identical, condition.tilt_rad,
     )  # fmt: skip
 
@@ -195,10 +203,11 @@ class _Timing:
         session = np.array([_share(r.session_s, span) for r in readings])
         return self._clock(index, run_s, session, wetted)
 
-    def of_no_reading(self) -> Clock:
-        """Of a free shape, in the middle of the session."""
-        nothing = np.zeros(1)
-        return replace(self, zeros=0)._clock(nothing, nothing, np.full(1, 0.5), nothing)
+    def of_no_reading(self, session: float) -> Clock:
+        """Of a free shape, at this time of the session, in a pulse amid others."""
+        pulse = np.full(1, AMID)
+        run_s = PULSE_S * pulse + SAMPLE_S
+        return replace(self, zeros=0)._clock(pulse, run_s, np.full(1, session), run_s)
 
     def _clock(
         self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray

@@ -265,7 +265,7 @@ class Suspect:
 
     def forms(self, fitted: Fitted) -> list[Candidate]:
         """All its forms in a design, its own one first."""
-        pool = candidates(fitted, [self.effect])
+        pool = candidates(fitted, [self.effect], tolerant=False)
         return sorted(pool, key=lambda c: dict(c.values) != self.values)
 
 
@@ -275,7 +275,7 @@ def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]
     The second one's own size may be what the first one has left of it, next to nothing.
     """
     first, second = pair
-    units = [separation(fitted, (one.forms(fitted)[0],), 1.0) for one in pair]
+    units = [separation(fitted, one.forms(fitted)[:1], 1.0) for one in pair]
     length = max(one.size * unit for one, unit in zip(pair, units, strict=True))
     sizes = [
         length / unit if unit > 0.0 else one.size for one, unit in zip(pair, units, strict=True)
@@ -285,10 +285,11 @@ def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]
 
 def _apart(fitted: Fitted, pair: tuple[Suspect, Suspect]) -> float:
     """Sigmas from either of two to the nearest form of the other; the smaller of the two."""
+    forms = [one.forms(fitted) for one in pair]
     return min(
-        separation(fitted, (one.forms(fitted)[0], form), one.size)
-        for one, other in (pair, pair[::-1])
-        for form in other.forms(fitted)
+        separation(fitted, (own[0], other), one.size)
+        for one, own, others in zip(pair, forms, forms[::-1], strict=True)
+        for other in others
     )
 
 

@@ -11,7 +11,7 @@ from model.discrepancy.beyond import LEVELS, MOST_LOST, beyond_first_order
 from model.discrepancy.features import Look
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
-from model.effects.interface import Beam, Clock, Effect, Points, Values, Weighed
+from model.effects.interface import Beam, Effect, Points, Values, Weighed
 from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
 from model.field import Field
@@ -129,6 +129,7 @@ class Study:
                 driven = part.clock.voltage_V != 0.0
                 eibm += np.bincount(part.reading_of, np.where(driven, course[0], 0.0), K) / count
                 stiffness += np.bincount(part.reading_of, course[1], K) / count
+                eibm += self._free_course(c, effect, values)
         return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
 
     def _response(
@@ -166,7 +167,8 @@ class Study:
         y[part.mode_rows[has]] = state.solved.modes_m[has]
         pictured = self._pictured(c, inner)
         if pictured is not None:  # what the step below takes off once more is put on here
-            first = self.rows_of(c, state, self._picture_step(c, state, pictured, nothing))
+            bent = self._bent(c, state, pictured[1])
+            first = self.rows_of(c, state, replace(nothing, frame_eibm=pictured[0], beam=bent))
             rows, exact = part.mode_rows[has], self._in_pictures(c, state.beam, pictured)
             y[rows] = first[rows] + exact[has]
         y[part.bin_rows] = part.bin_N
@@ -177,7 +179,9 @@ class Study:
             y -= self.rows_of(c, state, step)
         # the means are in the beam problem already
         driven = part.clock.voltage_V != 0.0
-        mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of])
+        free = sum((self._free_course(c, e, v) for e, v in inner), start=np.zeros(scene.K))
+        beam = self._bent(c, state, free)
+        mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of], beam=beam)
         y += self.rows_of(c, state, mean)
         y -= beyond_first_order(self, c, state, inner)
         return y - self.rows_of(c, state, self._rise_step(c))
@@ -222,10 +226,12 @@ class Study:
             step = replace(
                 step, eibm=np.where(driven, course[0], 0.0), stiffness=np.asarray(course[1]),
                 bin_eibm=within[0] - at_sample[0], bin_stiffness=within[1] - at_sample[1],
+                beam=step.beam + self._bent(c, state, self._free_course(c, effect, values)),
             )  # fmt: skip
         pictured = self._pictured(c, [(effect, values)])
         if pictured is not None:
-            step = self._picture_step(c, state, pictured, step)
+            beam = step.beam + self._bent(c, state, pictured[1])
+            step = replace(step, frame_eibm=step.frame_eibm + pictured[0], beam=beam)
         for shape, much in effect.lagging(state.beam, state.solved.held, values):
             force, size = self._lagging(c, state, shape, much)
             step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
@@ -243,30 +249,32 @@ class Study:
         self, c: int, inner: list[tuple[Effect, Values]]
     ) -> tuple[FloatArray, FloatArray] | None:
         """Relative change of the EIBM in pictures: of readings (n,), of free shapes (K,)."""
-        readings, free = self.part(c).clock, self._free_clock(c)
-        found = [(e.pictured(readings, v), e.pictured(free, v)) for e, v in inner]
+        clock, free = self.part(c).clock, self.scenes[c].free_clock
+        found = [(e.pictured(clock, v), e.pictured(free, v)) for e, v in inner]
         seen = [(one, other) for one, other in found if one is not None and other is not None]
         if not seen:
             return None
-        of_free = np.zeros(self.scenes[c].K)
-        of_free[self.scenes[c].free] = sum(other for _, other in seen)
-        return np.sum([one for one, _ in seen], axis=0), of_free
+        readings, shapes = (np.sum(both, axis=0) for both in zip(*seen, strict=True))
+        return readings, self._of_free(c, shapes)
 
-    def _free_clock(self, c: int) -> Clock:
-        """Of free shapes, which are pulses of alternating voltage, too."""
-        clocks = [self.looks[c].seen[k].clock for k in self.scenes[c].free]
-        clock = Clock.joined(clocks)
-        return replace(clock, opposite=np.where(clock.voltage_V != 0.0, -1.0, 1.0))
+    def _free_course(self, c: int, effect: Effect, values: Values) -> FloatArray:
+        """Relative change of Me/B that a course in time makes to the free shapes: (K,)."""
+        course = effect.course(self.scenes[c].free_clock, values)
+        nothing = np.zeros(self.scenes[c].K)
+        return nothing if course is None else self._of_free(c, course[0] - course[1])
 
-    def _picture_step(
-        self, c: int, state: State, pictured: tuple[FloatArray, FloatArray], step: Step
-    ) -> Step:
-        """`step` with another EIBM in the pictures, to first order."""
-        readings, free = pictured
-        bent = np.zeros_like(step.beam)
+    def _of_free(self, c: int, values: FloatArray) -> FloatArray:
+        """Values of the free shapes among all conditions; 0 elsewhere and at 0 V: (K,)."""
+        scene, result = self.scenes[c], np.zeros(self.scenes[c].K)
+        result[scene.free] = np.where(scene.voltage_V[scene.free] != 0.0, values, 0.0)
+        return result
+
+    def _bent(self, c: int, state: State, change: FloatArray) -> FloatArray:
+        """Step of the beam by a relative change of the EIBM of each condition (K,): (K, Q)."""
+        step = self.no_step(c).beam
         pushed = state.beam.eibm * state.beam.soft
-        bent[:, : self.scenes[c].count] = free[:, None] * pushed
-        return replace(step, frame_eibm=step.frame_eibm + readings, beam=step.beam + bent)
+        step[:, : self.scenes[c].count] = change[:, None] * pushed
+        return step
 
     def _in_pictures(
         self, c: int, beam: Beam, pictured: tuple[FloatArray, FloatArray]

@@ -73,6 +73,7 @@ class Scene:
         self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         self.free = np.flatnonzero(np.isnan(self.stated_m))
+        self.free_clock = Clock.joined([seen[k].clock for k in self.free])
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}

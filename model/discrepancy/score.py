@@ -60,8 +60,13 @@ def members(effect: Effect) -> list[dict[str, float]]:
     return result
 
 
-def candidates(fitted: Fitted, effects: Sequence[Effect]) -> list[Candidate]:
-    """Every effect in each of its shapes, as columns at the present model."""
+def candidates(
+    fitted: Fitted, effects: Sequence[Effect], *, tolerant: bool = True
+) -> list[Candidate]:
+    """Every effect in each of its shapes, as columns at the present model.
+
+    Not `tolerant`: its form alone, without the ways in which it may differ.
+    """
     study, states = fitted.problem.study, fitted.linear.states
     result = []
     dated = any(
@@ -72,7 +77,7 @@ def candidates(fitted: Fitted, effects: Sequence[Effect]) -> list[Candidate]:
             continue
         for values in members(effect):
             steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
-            columns = atoms(study, states, effect, steps)
+            columns = atoms(study, states, effect, steps, tolerant=tolerant)
             sizes = FULL if effect.size.tried else SIZES
             result.append(Candidate(effect.name, values, columns, sizes, effect, effect.slot))
     return result

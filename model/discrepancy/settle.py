@@ -13,7 +13,7 @@ from model.discrepancy.tolerance import Found, effect_columns, moved
 from model.measurements import FloatArray, ModelError
 from model.noise import Solution, deviance, estimate, inverse_symmetric, weigh
 
-ROUNDS = 20
+ROUNDS = 12
 WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.1  # share of a step that is taken whether or not it helps
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2

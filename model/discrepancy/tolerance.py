@@ -182,10 +182,15 @@ def unit(values: FloatArray) -> FloatArray:
     return share
 
 
-def atoms(study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step]) -> FloatArray:
+def atoms(
+    study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step], *,
+    tolerant: bool = True,
+) -> FloatArray:  # fmt: skip
     """The form itself, and its deviations times their standard deviations: (N, 1 + J)."""
     whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
-    columns = [np.sum(whole, axis=0)]
+    columns: list[FloatArray] = [np.sum(whole, axis=0)]
+    if not tolerant:
+        return np.stack(columns, axis=1)
     if len(steps) > 1 and all(np.any(w) for w in whole) and not effect.of_the_rig:
         share = OWN if effect.by_configuration else SIGN
         signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
@@ -295,7 +300,7 @@ def moved(
                     new = old * float(np.exp(np.clip(step, -MOST_LOG_STEP, MOST_LOG_STEP)))
                     unsure[name][knob.name] = new * doubt
                 else:
-                    most = max(3.0 * knob.plausible, abs(old - knob.neutral))
+                    most = max(3.0 * abs(knob.plausible), abs(old - knob.neutral))
                     new = old + float(np.clip(step, -most, most))
                     unsure[name][knob.name] = doubt
                 values[name][knob.name] = float(np.clip(new, knob.low, knob.high))

@@ -44,7 +44,7 @@ EFFECT = CameraPerspective(
         Knob("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
         Knob(
             "direction_rad", "in which the scale grows: 0 along x, pi/2 along y", "rad", 0.0,
-            -np.pi, np.pi, tried=(0.0, 0.5 * np.pi),
+            -np.pi, np.pi, tried=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
         ),
     ),
     tolerance=("place",),

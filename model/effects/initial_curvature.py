@@ -4,17 +4,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.measurements import FloatArray
+
+FLAT_PER_M = 0.1  # mean of k0 below which nothing is in proportion to it
 
 
 @dataclass(frozen=True)
 class InitialCurvature(Effect):
-    """A change of k0, the same from the clamp to the end."""
+    """A change of k0, the same from the clamp to the end, or all of it by the same factor."""
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         del held
-        return replace(beam, rest=beam.rest + p["curvature_error_per_m"])
+        shape = 1.0 + p["like_stated"] * (_like_stated(beam) - 1.0)
+        return replace(beam, rest=beam.rest + p["curvature_error_per_m"] * shape)
+
+
+def _like_stated(beam: Beam) -> FloatArray:
+    """The stated k0 over its mean, (G,); 1 where there is none."""
+    stated = beam.sheet.initial_curvature
+    if stated is None:
+        return np.ones_like(beam.s_m)
+    k0 = np.interp(beam.s_m, *stated)
+    mean = float(np.sum(k0 * beam.piece_m) / np.sum(beam.piece_m))
+    return k0 / mean if abs(mean) > FLAT_PER_M else np.ones_like(k0)
 
 
 EFFECT = InitialCurvature(
@@ -22,7 +38,7 @@ EFFECT = InitialCurvature(
     meaning=(
         "The sheet at rest is more curved than stated, in the direction of positive deflection."
     ),
-    form="k0(s) = stated k0(s) + c",
+    form="k0(s) = stated k0(s) + c; or stated k0(s) x (1 + c/mean of it)",
     slot="rest_curvature",
     signature=(
         "The same turn of the free shape at every voltage, 0 V too, and with it a force that is"
@@ -34,6 +50,10 @@ EFFECT = InitialCurvature(
         Knob(
             "curvature_error_per_m", "curvature at rest less that stated", "1/m", 1.0,
             low=-60.0, high=60.0,
+        ),
+        Knob(
+            "like_stated", "0: the same everywhere; 1: in proportion to the stated one, whose mean"
+            " is off by it", "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
     ),
     tolerance=("s",),

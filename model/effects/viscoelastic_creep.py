@@ -104,7 +104,7 @@ EFFECT = ViscoelasticCreep(
     name="viscoelastic_creep",
     meaning=(
         "Held in one place the polymer relaxes: its stiffness changes by the same share in each"
-        " tenfold of the time in the run. Negative is the usual sense: it gives way."
+        " tenfold of the time in the run. Negative: it gives way, as what relaxes does."
     ),
     form=(
         "B = B at 5 s x (1 + c log10(t/5 s)), t since the run began; or k0 moves towards the strain"
@@ -122,8 +122,8 @@ EFFECT = ViscoelasticCreep(
     ),
     knobs=(
         Knob(
-            "relative_change_per_decade", "of the stiffness in each tenfold of time", "", 0.03,
-            low=-0.4, high=0.4,
+            "relative_change_per_decade", "of the stiffness in each tenfold of time", "", -0.03,
+            low=-0.4, high=0.0,
         ),
         Knob(
             "time_s", "its time constant, where only the strain that stays relaxes; 0: the"

@@ -182,7 +182,7 @@ def test_the_load_cell_gives_way_where_it_is_pushed():
 def test_what_is_simply_added(name, p, field, wanted):
     beam, held = example_beam()
     before = replace(beam, **{field: getattr(beam, field) + 0.25})
-    after = getattr(effect(name).beam(before, held, p), field)
+    after = getattr(effect(name).beam(before, held, values(name, **p)), field)
     assert after == pytest.approx(getattr(before, field) + wanted)
 
 
@@ -366,6 +366,16 @@ def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
     p = {"offset_mm": 0.4, "at_the_pressed": 1.0}
     moved = effect("roll_offset").beam(beam, held, p).offset_m - beam.offset_m
     assert moved * 1e3 == pytest.approx([0.4, -0.4, 0.0, 0.0, 0.4, -0.4, 0.4])
+
+
+def test_a_rest_curvature_may_be_off_in_proportion():
+    beam, held = example_beam()
+    stated = (np.array([0.0, 0.05]), np.array([30.0, 10.0]))
+    beam = replace(beam, sheet=replace(beam.sheet, initial_curvature=stated))
+    p = values("initial_curvature", curvature_error_per_m=2.0)
+    assert effect("initial_curvature").beam(beam, held, p).rest - beam.rest == pytest.approx(2.0)
+    like = effect("initial_curvature").beam(beam, held, {**p, "like_stated": 1.0}).rest - beam.rest
+    assert like[0] == pytest.approx(2.0 * np.interp(beam.s_m, *stated) / 20.0, rel=1e-6)
 
 
 # -------------------------------------------------------------------------------------------- time
