@@ -10,6 +10,8 @@ from model.discrepancy.settle import Fitted
 from model.discrepancy.tolerance import whole_step
 from model.measurements import FloatArray
 
+MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
+
 
 def form_share(fitted: Fitted, index: int) -> float:
     """Share of what the effect does to the data, squared, that its form alone would not do.

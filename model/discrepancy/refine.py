@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.form_share import form_share
+from model.discrepancy.form_share import MOST_FORM, form_share
 from model.discrepancy.ranking import BENT, Contender, best_scores, usual_scatter
 from model.discrepancy.scatter import ASSUMED
 from model.discrepancy.score import Candidate, Score, unit_values
@@ -41,7 +41,8 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     begins = [fitted.theta, by_forces(fitted)] if doubtful else []
     for name in doubtful:
         for theta in begins:
-            done[name] = _refined_again(fitted, done[name], theta)
+            if _doubtful(done[name]):
+                done[name] = _refined_again(fitted, done[name], theta)
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
@@ -93,11 +94,16 @@ def _refined_again(fitted: Fitted, contender: Contender, theta: FloatArray) -> C
 def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
     """The contender, or with this shape and fit where they are better than what it has."""
     best = contender.fitted
-    if other is None or (best is not None and best.deviance <= other.deviance):
+    if other is None or (best is not None and _rank(best) <= _rank(other)):
         return contender
     # its size was chosen from several, as in `score`
     gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
     return replace(contender, score=one, gain=gain, fitted=other)
+
+
+def _rank(fitted: Fitted) -> tuple[bool, float]:
+    """Smaller: better; what is an effect in name only comes last."""
+    return form_share(fitted, -1) > MOST_FORM, fitted.deviance
 
 
 def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.form_share import form_share
+from model.discrepancy.form_share import MOST_FORM, form_share
 from model.discrepancy.left_out import predictive_gains
 from model.discrepancy.outliers import numbers_of, without
 from model.discrepancy.ranking import ALIKE, Contender, rank
@@ -20,7 +20,6 @@ from model.measurements import FloatArray
 from model.noise import weigh
 
 MOST_OUTLIERS = 2
-MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
 FURTHER = 1.5  # ln of the Bayes factor by which all but the first effect must exceed the threshold
 PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
