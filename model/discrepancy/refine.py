@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -36,8 +37,10 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     chosen = [c for c in known if c.gain >= least][:REFINED]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
-    done = {c.name: refined(fitted, c) for c in chosen}
-    doubtful = [n for n in _promising(fitted, list(done.values())) if _doubtful(done[n])]
+    done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
+    promising = _promising(fitted, list(done.values()))
+    done |= {name: refined(fitted, done[name], done[name].shapes) for name in promising}
+    doubtful = [name for name in promising if _doubtful(done[name])]
     begins = [fitted.theta, by_forces(fitted)] if doubtful else []
     for name in doubtful:
         for theta in begins:
@@ -47,14 +50,14 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
 
-def refined(fitted: Fitted, contender: Contender) -> Contender:
+def refined(fitted: Fitted, contender: Contender, shapes: Sequence[Score]) -> Contender:
     """With the effect in the model, its values fitted and everything linearised there.
 
     Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
-    for one in (contender.score, *contender.shapes):
+    for one in shapes:
         first = _found(fitted, one, one.amplitude)
         result = _better(fitted, result, one, _settled(fitted, first, known))
     return result

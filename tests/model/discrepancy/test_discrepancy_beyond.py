@@ -65,6 +65,29 @@ def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
 
 
 @pytest.mark.slow
+def test_pictures_that_are_very_late_show_what_a_beam_with_so_little_eibm_does():
+    base = base_fit()
+    study, plain = base.problem.study, base.linear.states[0].base
+    part, scene = study.part(0), study.scenes[0]
+    late = {"delay_s": 0.46, "through_zero": 0.0}
+    state = study.state(0, plain, (Active(effect("frame_delay"), {"long": late}),))
+    rise_s = part.clock.rise_s
+    then, now = (1.0 - (1.0 - part.clock.opposite) * np.exp(-t / rise_s) for t in (0.04, 0.5))
+    of = part.reading_of
+    count = np.maximum(np.bincount(of, minlength=scene.K), 1)
+    seen = np.where(part.clock.voltage_V != 0.0, then / now, 1.0)
+    change = np.bincount(of, seen - 1.0, scene.K) / count
+    assert np.min(change) < -0.4  # no straight line leads there
+    held = scene.touching[scene.has_curve[scene.touching]]
+    wanted = scene.modes_of(replace(plain, eibm=plain.eibm * (1.0 + change[:, None])))
+    np.testing.assert_allclose(
+        state.residual[part.mode_rows[held]], wanted[held], atol=1e-9
+    )  # metres; forces stay
+    same = base.linear.states[0].residual[part.trend_rows]
+    np.testing.assert_allclose(state.residual[part.trend_rows], same, atol=1e-12)
+
+
+@pytest.mark.slow
 def test_the_noise_of_a_short_sheet_that_hardly_moves_stays_what_it_is():
     """Its curves are not divided by how little the EIBM moves them."""
     base = base_fit()

@@ -101,6 +101,23 @@ def test_a_free_shape_has_a_curve_and_no_force(measure):
     assert not np.isin(part.trend_of, scene.free).any()
 
 
+def test_free_shapes_are_as_old_as_their_sheet_s_first_position(measure):
+    made_here = measure(names=("long", "short"), free=True)
+    after_s = {"long": 100.0, "short": 900.0}
+    later = [
+        replace(c, readings=tuple(
+            replace(r, session_s=after_s[c.configuration] + 10.0 * r.index) for r in c.readings
+        ))
+        for c in made_here.conditions
+    ]  # fmt: skip
+    made_here = replace(made_here, conditions=tuple(later))
+    last_s = max(r.session_s for c in later for r in c.used())
+    for name, share in (("long", 0.0), ("short", 800.0 / (last_s - 100.0))):
+        clocks = [s.clock for s in look(made_here, name).seen if s.free]
+        assert [float(clock.session[0]) for clock in clocks] == pytest.approx([share] * 3)
+        assert all(clock.pulse[0] > 2.0 for clock in clocks if clock.voltage_V[0])  # not the first
+
+
 def test_a_position_approached_from_above_is_a_run_of_its_own():
     m = session()
     again = [replace(c, approach="down") for c in m.conditions if c.position_m == 0.01]
