@@ -202,25 +202,30 @@ def _gather(
     right: FloatArray,
 ) -> None:
     """Sum the window equations of one cell: products of the basis, three right-hand sides."""
+    # kept in variables, so that no sum must be stored before the next pixel is read
+    w0, wd, wt, dd, dt, tt = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    f0, fd, ft, g0, gd, gt, h0, hd, ht = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(low, high):
-        w, d, t = weight[q], basis[q, 0], basis[q, 1]
-        f, g, h = right[q, 0], right[q, 1], right[q, 2]
-        wd, wt = w * d, w * t
-        sums[0] += w
-        sums[1] += wd
-        sums[2] += wt
-        sums[3] += wd * d
-        sums[4] += wd * t
-        sums[5] += wt * t
-        sums[6] += w * f
-        sums[7] += wd * f
-        sums[8] += wt * f
-        sums[9] += w * g
-        sums[10] += wd * g
-        sums[11] += wt * g
-        sums[12] += w * h
-        sums[13] += wd * h
-        sums[14] += wt * h
+        d, t = basis[q, 0], basis[q, 1]
+        w = weight[q]
+        f, g, h = w * right[q, 0], w * right[q, 1], w * right[q, 2]
+        w0 += w
+        wd += w * d
+        wt += w * t
+        dd += w * d * d
+        dt += w * d * t
+        tt += w * t * t
+        f0 += f
+        fd += f * d
+        ft += f * t
+        g0 += g
+        gd += g * d
+        gt += g * t
+        h0 += h
+        hd += h * d
+        ht += h * t
+    sums[:6] = (w0, wd, wt, dd, dt, tt)
+    sums[6:] = (f0, fd, ft, g0, gd, gt, h0, hd, ht)
 
 
 @jit

@@ -36,16 +36,16 @@ def ridge_score(
 ) -> float:
     """How much the place looks like a band's ridge in direction (c, s): -0.3 .. 1.
 
-    `maps` (layers, rows, columns, 5): second derivatives uu, uv, vv and the slope's u, v parts,
+    `maps` (layers, 5, rows, columns): second derivatives uu, uv, vv and the slope's u, v parts,
     in units of their noise. A step edge bends as well as a ridge does, but it slopes too.
     """
-    rows, columns = maps.shape[1], maps.shape[2]
-    i, j = int((v + 0.5) // 1), int((u + 0.5) // 1)
+    rows, columns = maps.shape[2], maps.shape[3]
+    i, j = math.floor(v + 0.5), math.floor(u + 0.5)
     if i < 0 or j < 0 or i >= rows or j >= columns:
         return -0.3
     best = -1e9
     for layer in range(layers):
-        m = maps[layer, i, j]
+        m = maps[layer, :, i, j]
         bend = -sign * (s * s * m[0] - 2 * s * c * m[1] + c * c * m[2])
         slope = abs(-s * m[3] + c * m[4])
         best = max(best, bend - 0.7 * slope)
@@ -176,9 +176,9 @@ def _spread(
     kept = 0
     for t in order:
         key = (
-            int(child[t, U] // 2.0) * 73856093
-            ^ int(child[t, V] // 2.0) * 19349663
-            ^ int(child[t, ANGLE] // fine) * 83492791
+            math.floor(child[t, U] / 2.0) * 73856093
+            ^ math.floor(child[t, V] / 2.0) * 19349663
+            ^ math.floor(child[t, ANGLE] / fine) * 83492791
             ^ int(child_bend[t] // 3) * 49979687
         ) & 8191
         if taken[key] < 2:

@@ -32,7 +32,7 @@ def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[Floa
     """How much a ridge the places are in whichever direction, and that direction."""
     bend, angle = np.empty(len(u)), np.empty(len(u))
     for i in range(len(u)):
-        m = layer[v[i], u[i]]
+        m = layer[:, v[i], u[i]]
         gap, mean = 0.5 * (m[0] - m[2]), 0.5 * (m[0] + m[2])
         across = 0.5 * math.atan2(m[1], gap) + (math.pi / 2 if sign > 0 else 0.0)
         slope = abs(m[3] * math.cos(across) + m[4] * math.sin(across))
@@ -59,7 +59,7 @@ def followed(
     It begins `inset` before that place and may be hidden for `gap_px`. None when there is none of
     the least length.
     """
-    rows, columns = maps.shape[1:3]
+    rows, columns = maps.shape[2:]
     t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
     turn, sure = _direction(maps, sign, u, v, angle, ANGLES, inset, FIRST_PX)
     here = np.array([turn])

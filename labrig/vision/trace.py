@@ -37,7 +37,7 @@ class Trace:
 class RidgeMaps:
     """The ridge maps of a picture, bright ridges positive; `scale` reduces large pictures."""
 
-    maps: MapArray
+    maps: MapArray  # (layers, 5, rows, columns), see beam.ridge_score
     scale: int
 
     @contextmanager
@@ -45,7 +45,7 @@ class RidgeMaps:
         """Wipe out everything near a path (raw pixels) for a while; copies would take long."""
         import cv2
 
-        mask = np.zeros(self.maps.shape[1:3], np.uint8)
+        mask = np.zeros(self.maps.shape[2:], np.uint8)
         points = np.round(((path + 0.5) / self.scale - 0.5) * 16).astype(np.int32)
         thickness = max(1, round(2 * radius / self.scale))
         cv2.polylines(
@@ -58,12 +58,12 @@ class RidgeMaps:
             shift=4,
         )
         rows, columns = np.nonzero(mask.view(bool))
-        kept = self.maps[:, rows, columns]
-        self.maps[:, rows, columns] = 0
+        kept = self.maps[:, :, rows, columns]
+        self.maps[:, :, rows, columns] = 0
         try:
             yield
         finally:
-            self.maps[:, rows, columns] = kept
+            self.maps[:, :, rows, columns] = kept
 
     def raw(self, places: FloatArray) -> FloatArray:
         """Raw pixels of places (..., 2) in the maps."""
@@ -71,9 +71,9 @@ class RidgeMaps:
 
     def hide(self, mask: MaskArray) -> None:
         """Wipe out what a mask of the picture hides."""
-        rows, columns = self.maps.shape[1:3]
+        rows, columns = self.maps.shape[2:]
         hidden = np.nonzero(mask[:: self.scale, :: self.scale][:rows, :columns])
-        self.maps[:, hidden[0], hidden[1]] = 0
+        self.maps[:, :, hidden[0], hidden[1]] = 0
 
 
 def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMaps:
@@ -90,11 +90,14 @@ def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMap
         grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA) * np.float32(scale)
     narrow = max(1.2, 0.45 * thickness_px / scale)
     blurs = [narrow, 2.5 * narrow] if wide else [narrow]
-    layers = [_derivatives(grey, blur) for blur in blurs]
-    return RidgeMaps(np.stack(layers) if len(layers) > 1 else layers[0][None], scale)
+    maps = np.empty((len(blurs), 5, *grey.shape), np.float32)
+    for layer, blur in zip(maps, blurs, strict=True):
+        _derivatives(grey, blur, layer)
+    return RidgeMaps(maps, scale)
 
 
-def _derivatives(grey: MapArray, blur: float) -> MapArray:
+def _derivatives(grey: MapArray, blur: float, out: MapArray) -> None:
+    """Fill in one layer (5, rows, columns) of the maps."""
     import cv2
 
     reach = math.ceil(3.2 * blur)
@@ -111,7 +114,8 @@ def _derivatives(grey: MapArray, blur: float) -> MapArray:
         (g1[::-1] * unit / blur, g0),
         (g0 * unit / blur, g1[::-1]),
     )
-    return np.asarray(cv2.merge([cv2.sepFilter2D(grey, cv2.CV_32F, ku, kv) for ku, kv in kernels]))
+    for (across, down), plane in zip(kernels, out, strict=True):
+        cv2.sepFilter2D(grey, cv2.CV_32F, across, down, dst=plane)
 
 
 def trace_from_clamp(

@@ -152,7 +152,7 @@ def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
 
 def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
     """Where ridges come in: u, v, inward angle and inset."""
-    rows, columns = layer.shape[:2]
+    rows, columns = layer.shape[1:]
     right, bottom = columns - 1 - inset, rows - 1 - inset
     across, down = np.arange(inset, right), np.arange(inset, bottom)
     if len(across) < 40 or len(down) < 40:
@@ -178,7 +178,7 @@ def _from_curve(
     alone = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > beside - 2
     alone = np.repeat(alone, 4)[: len(ring)]
     place = np.round((ring + 0.5) / ridges.scale - 0.5).astype(np.int64)
-    rows, columns = ridges.maps.shape[1:3]
+    rows, columns = ridges.maps.shape[2:]
     inside = ((place >= 0) & (place < (columns, rows))).all(axis=1)
     kept = alone & inside
     if kept.sum() < 9:
