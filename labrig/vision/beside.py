@@ -50,18 +50,19 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
     reach = round(2 * half + 3 * fit.band.blur + 5)
     across = np.arange(-reach, reach + 1, dtype=float)
     strip = straightened(fit, setting, across)
-    own = float(np.median(np.abs(fit.contrast[fit.used]))) if fit.used.any() else 0.0
-    votes = 0
+    profiles = []
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
         if len(rows) < 2:
             continue
-        profile = np.median(rows, axis=0)
-        # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
-        ground = float(np.percentile(profile, 60 if setting.sign < 0 else 40))
-        opposite = float((-setting.sign * (profile - ground)).max())
-        votes += opposite > STRONGER * own
-    return votes >= PIECES // 2
+        profiles.append(np.median(rows, axis=0))
+    if not profiles:
+        return False
+    # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
+    ground = np.percentile(profiles, 60 if setting.sign < 0 else 40, axis=1)
+    opposite = (-setting.sign * (np.array(profiles) - ground[:, None])).max(axis=1)
+    votes = np.count_nonzero(opposite > STRONGER * fit.usual_contrast)
+    return bool(votes >= PIECES // 2)
 
 
 def is_an_edge(fit: Fit, setting: Setting) -> bool:
@@ -75,11 +76,10 @@ def is_an_edge(fit: Fit, setting: Setting) -> bool:
     near = float(fit.band.half_width.max()) + 2.5 * fit.band.blur + face
     across = near + np.linspace(*FAR_PX, 4)
     strip = straightened(fit, setting, np.concatenate([-across, across]))
-    own = float(np.median(np.abs(fit.contrast[fit.used])))
     votes = 0
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
         if len(rows) >= 2:
             below, above = (float(np.median(side)) for side in np.array_split(rows, 2, axis=1))
-            votes += int(abs(above - below) > STEP * own)
+            votes += int(abs(above - below) > STEP * fit.usual_contrast)
     return votes > PIECES // 2

@@ -82,7 +82,7 @@ def _faults(
     rows, columns = setting.picture.grey.shape
     near = 8 if tip.out_of_sight else 3
     inside = near < end_u < columns - near - 1 and near < end_v < rows - near - 1
-    snr = float(np.median(np.abs(fit.contrast[fit.used]))) / fit.noise if fit.used.any() else 0.0
+    snr = fit.usual_contrast / fit.noise
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
     start_px, start_rad, start_chi2 = _start_beside(fit, setting)
@@ -182,8 +182,7 @@ def _warnings(setting: Setting, tip: Tip, covered: float) -> list[str]:
     out = []
     if covered < 0.85:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
-    clipped = setting.picture.grey >= setting.picture.full_scale
-    if setting.sign > 0 and clipped.mean() > 0.005:
+    if setting.sign > 0 and setting.picture.clipped > 0.005:
         out.append("parts of the picture are saturated")
     if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
         out.append(

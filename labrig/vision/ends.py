@@ -67,7 +67,7 @@ def missing_end_px(fit: Fit) -> float:
     missing = np.arange(last[-1] + 1, len(fit.used) - edge)
     if len(missing) < 4:
         return 0.0
-    contrast = float(np.median(np.abs(fit.contrast[fit.used])))
+    contrast = fit.usual_contrast
     tail = last[-40:]
     ground = np.polyval(np.polyfit(tail, fit.cells[tail, 1], 1), missing)
     ground = np.clip(ground, *np.percentile(fit.cells[last, 1], [0, 100]))

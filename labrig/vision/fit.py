@@ -8,6 +8,7 @@ int (dk/ds)^2 ds / q is enough; with the intensities the picture says how smooth
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +46,12 @@ class Fit:
     def contrast(self) -> FloatArray:
         """(cells,) grey levels, positive where the sheet is brighter."""
         return self.cells[:, 0]
+
+    @cached_property
+    def usual_contrast(self) -> float:
+        """Its median size where the sheet is seen; 0 where it is nowhere."""
+        seen = self.contrast[self.used]
+        return float(np.median(np.abs(seen))) if len(seen) else 0.0
 
     @property
     def in_view(self) -> BoolArray:

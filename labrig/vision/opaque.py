@@ -48,7 +48,7 @@ def _stretches(used: BoolArray) -> list[slice]:
 
 def _step(fit: Fit, before: slice, after: slice) -> tuple[float, float, float]:
     """How ground and sheet change over a gap, in units of the contrast; the latter under shade."""
-    contrast = float(np.median(np.abs(fit.contrast[fit.used])))
+    contrast = fit.usual_contrast
     one = _greys(fit, slice(max(before.start, before.stop - ENDS), before.stop))
     other = _greys(fit, slice(after.start, min(after.stop, after.start + ENDS)))
     ground, sheet = (other - one) / contrast

@@ -28,6 +28,7 @@ class Picture:
     grey: MapArray
     noise: float
     full_scale: float
+    clipped: float  # share of the pixels at full scale
     warnings: tuple[str, ...]
 
     @cached_property
@@ -62,7 +63,8 @@ def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
             f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
             "check lens cap, light and exposure."
         )
-    return Picture(grey, pixel_noise(grey, full_scale), full_scale, tuple(warnings))
+    noise = pixel_noise(grey, full_scale)
+    return Picture(grey, noise, full_scale, clipped, tuple(warnings))
 
 
 def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:

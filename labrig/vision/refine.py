@@ -146,7 +146,9 @@ class Refiner:
         known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
         shape = found.fit.shape
         moved = shape.slid(known * beyond)
-        fit = fit_intensities(moved, found.setting, found.fit.band, rounds=3)
+        fit = fit_intensities(
+            moved, found.setting, found.fit.band, rounds=3, contrast=found.fit.usual_contrast
+        )
         # its end and what lies beside it were looked at: the line is the same
         verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
         return Candidate(fit, found.setting, found.tip, verdict, found.wider_px)

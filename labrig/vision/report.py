@@ -59,7 +59,7 @@ def report(
             f"{fit.band.face_share:.0%} as strong; it was told from the edge and left out"
         )
         warnings = (*warnings, said)
-    contrast = float(np.median(np.abs(fit.contrast[fit.used])))
+    contrast = fit.usual_contrast
     return NeutralCurve(
         ok=True,
         warnings=warnings,

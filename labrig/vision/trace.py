@@ -57,13 +57,14 @@ class RidgeMaps:
             lineType=cv2.LINE_8,
             shift=4,
         )
-        rows, columns = np.nonzero(mask.view(bool))
-        kept = self.maps[:, :, rows, columns]
-        self.maps[:, :, rows, columns] = 0
+        near = np.flatnonzero(mask.view(bool))
+        pixels = self.maps.reshape(-1, mask.size)  # the same memory
+        kept = pixels[:, near]
+        pixels[:, near] = 0
         try:
             yield
         finally:
-            self.maps[:, :, rows, columns] = kept
+            pixels[:, near] = kept
 
     def raw(self, places: FloatArray) -> FloatArray:
         """Raw pixels of places (..., 2) in the maps."""
