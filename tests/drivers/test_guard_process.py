@@ -172,6 +172,7 @@ def test_output_is_zero_after_the_whole_process_group_is_killed(remote):
     remote.assert_safe_and_free()
 
 
+@pytest.mark.alone
 @posix
 def test_output_is_zero_after_the_process_is_stopped(scene):
     scene.run("beat")
@@ -183,6 +184,7 @@ def test_output_is_zero_after_the_process_is_stopped(scene):
     scene.assert_safe_and_free()
 
 
+@pytest.mark.alone
 def test_output_is_zero_when_the_loop_hangs(scene):
     scene.run("hang")
     hung = float(scene.hear("hanging")[-1])
