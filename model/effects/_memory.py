@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.effects.interface import Clock
+from model.effects.interface import Clock, Knob
 from model.measurements import FloatArray
 
 PULSE_S = 0.6  # of the paper's pulses
+SPREAD = Knob(
+    "spread", "1: one time constant; more: three of them, apart by this factor", "",
+    1.0, 1.0, 100.0, tried=(1.0, 5.0),
+)  # fmt: skip
 
 
 def before_edge(clock: Clock, tau_s: float, opposite: FloatArray | float) -> FloatArray:

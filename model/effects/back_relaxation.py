@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects._memory import lagging, spread_about
+from model.effects._memory import SPREAD, lagging, spread_about
 from model.effects.interface import Clock, Effect, Knob, Values
 from model.measurements import FloatArray
 
@@ -24,7 +24,8 @@ class BackRelaxation(Effect):
 
     def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        loss, times = p["relative_loss_at_sample"], spread_about(p["time_constant_s"], p["spread"])
+        loss = p["relative_loss_at_sample"]
+        times = spread_about(p["time_constant_s"], p[SPREAD.name])
         before = np.minimum(clock.opposite, 0.0)
         settled = np.where(before < 0.0, before, np.min(before, initial=0.0))
         # of what a sheet at rest has lost by the sampling point, what is lost by now
@@ -73,10 +74,7 @@ EFFECT = BackRelaxation(
             "remembers", "0: each pulse begins anew; 1: what it lost is lost to the next", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
-        Knob(
-            "spread", "1: one time constant; more: three of them, apart by this factor", "",
-            1.0, 1.0, 100.0, tried=(1.0, 5.0),
-        ),
+        SPREAD,
     ),
     tolerance=("time", "voltage"),
 )  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects._memory import lagging, spread_about
+from model.effects._memory import SPREAD, lagging, spread_about
 from model.effects._values import finite
 from model.effects.interface import Beam, Clock, Effect, Held, Knob, Values
 from model.measurements import FloatArray
@@ -69,7 +69,7 @@ def remembered(beam: Beam, held: Held, p: Values) -> list[tuple[FloatArray, Floa
 
 def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
     """By which a strain with this lag has become the shape at rest."""
-    times = spread_about(p["time_s"], p["spread"])
+    times = spread_about(p["time_s"], p[SPREAD.name])
     decade = float(np.mean(np.exp(-DECADE_S[0] / times) - np.exp(-DECADE_S[1] / times)))
     lagging = np.mean([lag(float(tau)) for tau in times], axis=0)
     return np.asarray(-p["relative_change_per_decade"] / decade * lagging)
@@ -130,10 +130,7 @@ EFFECT = ViscoelasticCreep(
             " stiffness as a whole, with the logarithm of time", "s",
             0.0, 0.0, 1e4, tried=(0.0, 2.0, 8.0, 30.0),
         ),
-        Knob(
-            "spread", "1: one time constant; more: three of them, apart by this factor", "",
-            1.0, 1.0, 100.0, tried=(1.0, 5.0),
-        ),
+        SPREAD,
         Knob(
             "from_run", "0: held since it was wetted; 1: since the run began", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),
