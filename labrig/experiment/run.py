@@ -106,7 +106,7 @@ def _record(
     try:
         if resumption is not None:
             resumption.tell(writer.handle, rig.clock.now())
-        with watched(rig) as watch:
+        with watched(rig, path) as watch:
             way.watch = watch
             hub.add_critical("the output guard", _run_counter(watch))
             scheduler = _scheduler(rig, plan, hub.emit, stop, way)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Protocol
 
 from drivers.guard import Guard, GuardSettings
@@ -13,6 +14,7 @@ from drivers.safe import SafetyReport
 from labrig.errors import NotReadyError
 from labrig.experiment.rig import Rig
 from labrig.experiment.safety import output_place
+from labrig.session.guarded import guard_report_path
 
 _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts when it is passed
 
@@ -67,9 +69,12 @@ class Interlocked:
 
 
 @contextmanager
-def watched(rig: Rig) -> Iterator[Watch]:
-    """What watches over a run of this rig. NotReadyError when it cannot: nothing is energised."""
-    with _guard_of(rig) as watch:
+def watched(rig: Rig, session: Path) -> Iterator[Watch]:
+    """What watches over a run of this rig. NotReadyError when it cannot: nothing is energised.
+
+    Should this program not live to tell, the guard leaves its report beside the session.
+    """
+    with _guard_of(rig, guard_report_path(session)) as watch:
         if rig.interlock is None:
             yield watch
             return
@@ -85,17 +90,25 @@ def watched(rig: Rig) -> Iterator[Watch]:
 
 
 @contextmanager
-def _guard_of(rig: Rig) -> Iterator[Watch]:
+def _guard_of(rig: Rig, report: Path) -> Iterator[Watch]:
     """The guard's process while a real rig is run."""
     if rig.config.is_simulated:
         yield Unwatched()
         return
     limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
+    settings = GuardSettings(output_place(rig.config), limit_s, report_path=str(report.absolute()))
+    _remove(report)  # of an earlier session of this name
     try:
-        guard = Guard.start(GuardSettings(output_place(rig.config), limit_s))
+        guard = Guard.start(settings)
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
     try:
         yield guard
     finally:
         guard.disarm()  # acts first when 0 V was not confirmed
+        _remove(report)  # we live, so the session itself says how it ended
+
+
+def _remove(report: Path) -> None:
+    with suppress(OSError):  # nothing hangs on it, least of all making safe
+        report.unlink(missing_ok=True)

@@ -18,6 +18,7 @@ from labrig.panel.packing import BrokenLinkError, Header
 from labrig.panel.place import ENDED, GOING, LOST, Place, hidden_folder, read_place
 from labrig.panel.processes import detached, module_environment
 from labrig.panel.strip import strip_from
+from labrig.session.guarded import GuardReport, read_guard_report
 
 LOOK_S = 0.3
 START_S = 30.0  # a busy computer imports slowly
@@ -37,6 +38,7 @@ class Jobs:
         self._link: Link | None = None
         self._place: Place | None = None
         self._process: subprocess.Popen[bytes] | None = None
+        self._guarded: str | None = None  # the job whose guard was heard last
         self._starting = False
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -105,6 +107,7 @@ class Jobs:
         while not self._closed:
             if self._link is None:
                 self._look()
+            self._hear_the_guard()
             if self._process is not None:
                 self._process.poll()  # so that a job of ours that has ended is no zombie
             self._changed.wait(LOOK_S)
@@ -166,8 +169,26 @@ class Jobs:
     def _lose(self, place: Place) -> None:
         self._place = place.ended(None, _LOST, LOST)
         messages = [m for m in self._feed.messages() if m["type"] != "job"]
-        unknown = {"type": "output", "time_s": None, "state": "unknown", "why": _LOST, "log": _LOST}
-        self._feed.tell_story([*messages, self._place.message(), unknown])
+        self._feed.tell_story([*messages, self._place.message(), _output("unknown", _LOST)])
+        self._guarded = None
+        self._hear_the_guard()
+
+    def _hear_the_guard(self) -> None:
+        """What a job that hangs or is gone cannot tell: that the guard has written 0 V."""
+        place = self._place
+        if place is None or place.session is None or place.state == ENDED:
+            return
+        if self._guarded == place.id:
+            return
+        report = read_guard_report(self._data / place.session)
+        if report is None:
+            return
+        self._guarded = place.id
+        if place.state == LOST:
+            self._place = place.ended(None, _told(report), LOST)
+            self._feed.tell(self._place.message())
+        state = "safe" if report.is_safe else "unknown"
+        self._feed.tell({**_output(state, report.text), "by": "guard"})
 
     def _wait_for(self, order: Order, process: subprocess.Popen[bytes]) -> None:
         """Until it is followed, or has ended."""
@@ -181,6 +202,14 @@ class Jobs:
             if ended and (self._place is None or self._place.id != order.id):
                 raise LabrigError(f"the job did not start; see {self._data}/.labrig/job.log.")
         raise LabrigError(f"the job did not start in {START_S:g} s; is the computer overloaded?")
+
+
+def _told(report: GuardReport) -> str:
+    return f"{report.text}. Run labrig recover on the session."
+
+
+def _output(state: str, why: str) -> Message:
+    return {"type": "output", "time_s": None, "state": state, "why": why, "log": why}
 
 
 def _spawn(order: Order, hidden: Path) -> subprocess.Popen[bytes]:

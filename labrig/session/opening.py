@@ -13,6 +13,7 @@ import numpy as np
 
 from labrig.errors import BadInputError
 from labrig.session import layout
+from labrig.session.guarded import read_guard_report
 from labrig.session.journal import journal_path
 from labrig.session.locking import is_locked
 from labrig.session.reading import damage_told
@@ -79,6 +80,9 @@ def _why_not(path: Path, error: OSError) -> str:
 
 def cut_short(path: Path) -> str:
     """The sentence about a session without an end."""
+    guard = read_guard_report(path)
+    if guard is not None:
+        return f"{path}: {guard.text}; run labrig recover {path}."
     return (
         f"{path}: this session is being recorded right now, or its recording was cut short; in "
         f"that case run labrig recover {path}."

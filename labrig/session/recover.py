@@ -18,6 +18,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
 from labrig.session.create import create_file
 from labrig.session.disk import written_beside
+from labrig.session.guarded import GuardReport, guard_report_path, read_guard_report
 from labrig.session.journal import JournalReader, journal_path, read_journal
 from labrig.session.locking import is_locked
 from labrig.session.merge import add_missing, trim
@@ -70,10 +71,12 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
     with written_beside(target) as new:
         with ExitStack() as until:
             old = _open_old(path, journal, until, notes)
-            _build(new, _setup(path, journal, old), journal, old, notes)
+            guard = read_guard_report(path)
+            _build(new, _setup(path, journal, old), journal, old, guard, notes)
         _insist_on_whole(new, target)
     if in_place:
         beside.unlink(missing_ok=True)
+        guard_report_path(path).unlink(missing_ok=True)
     return _report(path, target, from_journal=journal is not None, notes=notes)
 
 
@@ -117,7 +120,12 @@ def _setup(path: Path, journal: JournalReader | None, old: Any) -> Setup:
 
 
 def _build(
-    new: Path, setup: Setup, journal: JournalReader | None, old: Any, notes: list[str]
+    new: Path,
+    setup: Setup,
+    journal: JournalReader | None,
+    old: Any,
+    guard: GuardReport | None,
+    notes: list[str],
 ) -> None:
     create_file(new, setup)
     with h5py.File(new, "r+", libver=layout.LIBVER) as file:
@@ -126,7 +134,7 @@ def _build(
         if old is not None:
             notes.extend(add_missing(file, old, status_too=journal is None))
         notes.extend(trim(file, setup))
-        _end(file)
+        _end(file, guard)
         Recorder(file).write_checksums()
 
 
@@ -143,14 +151,18 @@ def _replay(file: Any, journal: JournalReader, notes: list[str]) -> None:
         notes.append(f"The last {left} bytes of the journal are no whole record and were left out.")
 
 
-def _end(file: Any) -> None:
-    """A session nobody ended has crashed, and nobody knows where that left the output."""
+def _end(file: Any, guard: GuardReport | None) -> None:
+    """A session nobody ended has crashed; where that left the output only the guard may know."""
     entry = file[layout.ENTRY]
     if entry["outcome"][()] != Outcome.RUNNING.value.encode():
         return
+    reason, output = _CRASHED, OutputState.UNKNOWN
+    if guard is not None:
+        reason = f"{_CRASHED} {guard.text[:1].upper()}{guard.text[1:]}."
+        output = OutputState.SAFE if guard.is_safe else OutputState.UNKNOWN
     entry["outcome"][()] = np.bytes_(Outcome.CRASHED.value)
-    entry["reason"][()] = np.bytes_(_CRASHED)
-    entry["output_state"][()] = np.bytes_(OutputState.UNKNOWN.value)
+    entry["reason"][()] = np.bytes_(layout.pieces(reason, layout.STATUS_TEXTS["reason"])[0])
+    entry["output_state"][()] = np.bytes_(output.value)
 
 
 def _insist_on_whole(new: Path, target: Path) -> None:

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from labrig.errors import BadInputError
 from labrig.session import open_session
+from labrig.session.guarded import read_guard_report
 from protocols.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, children, serving
 from tests.end_to_end.small_rig import labrig
@@ -57,6 +59,9 @@ def test_the_output_is_at_0_V_in_time_whoever_owns_the_tasks(
     served: ServedRig, number: int, limit_s: float
 ) -> None:
     assert zeroed_after(served, number) < limit_s + ROW_S
+    served.until(lambda: read_guard_report(served.session) is not None, 10.0)
+    with pytest.raises(BadInputError, match=r"guard has ended this run .*0 V written and read"):
+        open_session(served.session)
 
 
 def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_guard(

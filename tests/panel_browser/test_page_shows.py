@@ -56,6 +56,16 @@ def test_a_lost_run_is_not_shown_as_safe(fake, visit):
     until(page, ".notice", "Press STOP")
 
 
+def test_a_run_that_the_guard_has_ended_says_so_and_that_the_output_is_at_0_V(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    said = "the output guard has ended this run (the program hangs); 0 V written and read back"
+    fake.tell({**made_up.story()[0], "state": "lost", "text": said})
+    until(page, LAMP, "UNKNOWN")
+    fake.tell({"type": "output", "time_s": None, "state": "safe", "why": said, "by": "guard"})
+    until(page, LAMP, "SAFE")
+    until(page, ".notice", said)
+
+
 def test_means_and_scatter_leave_out_discarded_and_invalid_readings(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")

@@ -137,6 +137,7 @@ def test_stop_works_while_the_run_itself_hangs(rig):
         assert gone_after(rig, pressed_s) < 1.0
         assert "did not obey" in answer["told"]
         assert page.until(lambda m: m["type"] == "job" and m["state"] == "lost")["code"] is None
+        assert page.until(lambda m: m.get("by") == "guard")["state"] == "safe"
         for pid in boards:  # the simulated boards outlive the job that has started them
             with suppress(ProcessLookupError):
                 os.kill(int(pid), signal.SIGTERM)

@@ -24,7 +24,8 @@ const OUTPUT = {
 export function outputOf(job) {
   if (!job.alive && (job.alive === false || job.job))
     return lamp("unknown", "no connection to the panel");
-  if (job.job?.state === "lost") return lamp("unknown", "the run does not answer");
+  if (job.job?.state === "lost" && job.output?.by !== "guard")
+    return lamp("unknown", "the run does not answer");
   if (job.output) return lamp(job.output.state, job.output.why);
   if (job.ended) return lamp(job.ended.output, job.ended.reason);
   return lamp("none", job.alive ? "no run has used it" : "connecting");
@@ -51,7 +52,11 @@ const KINDS = { run: "run", preflight: "preflight", weighing: "weighing", camera
 export function goingOf(job) {
   if (job.alive === false) return { word: "NOT HEARD", why: "trying to reach the panel again" };
   if (!job.job) return { word: "NO RUN", why: "nothing is going on" };
-  if (job.job.state === "lost") return { word: "LOST", why: "the run's process does not answer" };
+  if (job.job.state === "lost")
+    return {
+      word: "LOST",
+      why: job.output?.by === "guard" ? "ended by the guard" : "the run's process does not answer",
+    };
   if (job.prompt) return { word: "WAITING", why: runName(job) || "for the operator" };
   if (
     job.job.state === "starting" ||

@@ -36,7 +36,8 @@ function chosenModel(select, name) {
 }
 
 /** How the job ended, in full; empty while it goes on. */
-function endOf({ job, ended }) {
+function endOf({ job, ended, output }) {
+  if (job?.state === "lost" && output?.by === "guard") return job.text;
   if (job?.state === "lost")
     return "The run\u2019s process does not answer. Press STOP, then look at the amplifier.";
   if (job?.state !== "ended") return "";

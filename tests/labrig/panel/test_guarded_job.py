@@ -1,0 +1,89 @@
+"""A panel that comes upon a run without a process says what the guard has made of the output."""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+
+import pytest
+
+from labrig.panel.darkroom import Darkroom
+from labrig.panel.feed import Feed
+from labrig.panel.jobs import Jobs
+from labrig.panel.place import GOING, Place, write_place
+from labrig.session.guarded import guard_report_path
+
+REPORT = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0, "failures": []}
+
+
+class FeedToWaitFor(Feed):
+    """A feed whose messages can be waited for."""
+
+    def __init__(self):
+        super().__init__()
+        self.changed = threading.Condition()
+
+    def tell(self, message):
+        super().tell(message)
+        with self.changed:
+            self.changed.notify_all()
+
+    def tell_story(self, messages):
+        super().tell_story(messages)
+        with self.changed:
+            self.changed.notify_all()
+
+    def until(self, **wanted):
+        def there():
+            return [m for m in self.messages() if wanted.items() <= m.items()]
+
+        with self.changed:
+            assert self.changed.wait_for(there, 20), f"{wanted} was not told: {self.messages()}"
+        return there()[-1]
+
+
+@pytest.fixture
+def jobs(tmp_path):
+    """`(feed, jobs)` of a panel that finds a run whose process is gone."""
+    with socket.socket() as closed:  # nobody will listen there
+        closed.bind(("127.0.0.1", 0))
+        port = closed.getsockname()[1]
+    run = Place("7", "run", "Ann", "now", "s.h5", None, 1, port, "key", GOING)
+    write_place(tmp_path, run)
+    made = []
+
+    def start():
+        feed = FeedToWaitFor()
+        made.append(Jobs(tmp_path, feed, Darkroom(feed)))
+        return feed, made[-1]
+
+    yield start
+    for each in made:
+        each.close()
+
+
+@pytest.mark.parametrize("when", ["before the panel looks", "later"])
+def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when):
+    if when == "before the panel looks":
+        guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
+    feed, panel = jobs()
+    if when == "later":
+        assert feed.until(type="output")["state"] == "unknown"
+        guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
+    assert feed.until(type="output", by="guard")["state"] == "safe"
+    told = panel.message()
+    assert told["state"] == "lost"
+    assert "the output guard has ended this run (the program hangs)" in told["text"]
+    assert "0 V written and read back" in told["text"]
+    assert "labrig recover" in told["text"]
+    assert feed.messages()[-2] == told
+
+
+def test_an_output_that_the_guard_could_not_make_safe_stays_unknown(jobs, tmp_path):
+    failed = {**REPORT, "state": "unknown", "failures": ["no connection"]}
+    guard_report_path(tmp_path / "s.h5").write_text(json.dumps(failed))
+    feed, _ = jobs()
+    told = feed.until(type="output", by="guard")
+    assert told["state"] == "unknown"
+    assert "switch the amplifier off by hand" in told["why"]
