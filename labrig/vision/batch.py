@@ -64,7 +64,7 @@ def extract_curves(
     A picture NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
     for each picture (NAME_000012 for a video's frame), and curves.csv. A picture that cannot be
-    read or holds no sheet is a result (`ok` false), not an error.
+    read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
     found = curves_of(sources, options)
@@ -84,7 +84,8 @@ def extract_curves(
 def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
     """Name, picture (None: unreadable) and curve of each picture and frame, one after the other.
 
-    Raises BadInputError at once when there is none, or two of the same name.
+    Raises BadInputError at once when there is none, or two of the same name, or where a file that
+    serves several is at fault.
     """
     files = list(_files(sources))
     if not files:
@@ -93,6 +94,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedC
             f"{', '.join(PICTURES)} files in it."
         )
     _refuse_twins(files)
+    _refuse_common_faults(files, options)
     return (named for path in files for named in _curves_of(path, options))
 
 
@@ -118,36 +120,61 @@ def _refuse_twins(files: list[Path]) -> None:
         seen[path.stem] = path
 
 
+def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
+    """A fault in a picture's own files costs that picture; one in what serves several, the run."""
+    kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
+        ("optics.json", options.optics, load_optics),
+        ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
+    )
+    for kind, given, load in kinds:
+        found = {path: _beside(path, kind, given) for path in files}
+        if not any(found.values()):
+            raise BadInputError(_missing(files[0], kind))
+        for common in {each for path, each in found.items() if each != _own(path, kind)}:
+            if common is not None:
+                load(common)
+
+
 def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
-    optics, strip = _beside(path, options)
-    if path.suffix.lower() in VIDEOS:
-        tracker = Tracker(optics, strip)
-        for number, frame in enumerate(read_video(path)):
-            yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
-        return
+    image = None
     try:
+        optics, strip = _known(path, options)
+        if path.suffix.lower() in VIDEOS:
+            tracker = Tracker(optics, strip)
+            for number, frame in enumerate(read_video(path)):
+                yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
+            return
         image = read_image(path)
+        curve = neutral_curve(image, optics, strip)
     except BadInputError as error:
-        yield path.stem, None, NeutralCurve(ok=False, why=str(error))
-        return
-    yield path.stem, image, neutral_curve(image, optics, strip)
+        curve = NeutralCurve(ok=False, why=str(error))
+    yield path.stem, image, curve
 
 
-def _beside(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    optics = _first(path, "optics.json", options.optics)
-    sheet = _first(path, "sheet.toml", options.sheet)
+def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
+    """What is known of a picture from the files beside it, or those for all."""
+    optics = _beside(path, "optics.json", options.optics)
+    sheet = _beside(path, "sheet.toml", options.sheet)
+    if optics is None or sheet is None:
+        raise BadInputError(_missing(path, "sheet.toml" if optics else "optics.json"))
     known = load_optics(optics)
     if options.look is not None:
         known = known.model_copy(update={"look": options.look})
     return known, load_strip(sheet, options.configuration)
 
 
-def _first(path: Path, kind: str, given: Path | None) -> Path:
-    own = path.with_name(f"{path.stem}.{kind}")
-    common = path.with_name(kind)
-    for candidate in (own, given, common):
+def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
+    """The file of a kind that a picture uses; None where there is none."""
+    for candidate in (_own(path, kind), given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate
-    raise BadInputError(
-        f"{path}: there is neither {own.name} nor {kind} beside it; name one for all pictures."
-    )
+    return None
+
+
+def _own(path: Path, kind: str) -> Path:
+    return path.with_name(f"{path.stem}.{kind}")
+
+
+def _missing(path: Path, kind: str) -> str:
+    own = _own(path, kind).name
+    return f"{path}: there is neither {own} nor {kind} beside it; name one for all pictures."

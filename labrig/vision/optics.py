@@ -46,7 +46,7 @@ class Optics(Closed):
     )
     date: str | None = Field(None, description="when it was calibrated, ISO 8601")
     px_per_mm_sigma: float = Field(0.0, ge=0, description="standard uncertainty of px_per_mm")
-    roll_rad: float = Field(0.0, ge=-math.pi, le=math.pi, description="rotation of the camera")
+    roll_rad: float = Field(0.0, ge=-math.tau, le=math.tau, description="rotation of the camera")
     roll_sigma_rad: float = Field(0.0, ge=0, description="standard uncertainty of roll_rad")
     origin_px: Point | None = Field(None, description="the world's origin, undistorted pixel")
     origin_sigma_px: float = Field(0.0, ge=0, description="standard uncertainty of the origin")
@@ -59,7 +59,7 @@ class Optics(Closed):
         description="world (x, y) in mm -> undistorted pixels, where the camera is not quite "
         "square to the plane; it then stands instead of px_per_mm, roll_rad and origin_px",
     )
-    clamp_angle_rad: float = Field(0.0, ge=-math.pi, le=math.pi)
+    clamp_angle_rad: float = Field(0.0, ge=-math.tau, le=math.tau)
     clamp_sigma_px: float = Field(1.0, gt=0, description="how well clamp_px is known")
     clamp_angle_sigma_rad: float = Field(0.015, gt=0)
     polarity: Literal["auto", "bright", "dark"] = Field(
@@ -80,7 +80,7 @@ class Optics(Closed):
 
     @model_validator(mode="after")
     def _lens_is_complete(self) -> Self:
-        if self.distortion is not None and self.camera_matrix is None:
+        if self.has_lens and self.camera_matrix is None:
             raise ValueError("distortion needs camera_matrix beside it")
         if self.camera_matrix is not None:
             (fx, _, _), (_, fy, _), _ = self.camera_matrix

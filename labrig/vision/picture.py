@@ -15,6 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 
 SMOOTHING_PX = 1.0
+MOST_OF_NOISE = 12.0  # standard deviations, from the darkest to the brightest of a million pixels
 
 
 class PictureError(ValueError):
@@ -57,13 +58,14 @@ def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
             f"the picture is saturated ({clipped:.0%} of the pixels are at full scale); "
             "shorten the exposure."
         )
+    noise = pixel_noise(grey, full_scale)
     low, high = float(grey.min()), float(grey.max())
-    if high - low < 0.01 * full_scale:
+    # a camera of ten bits leaves most of sixteen empty: what little there is may show all
+    if high - low < min(0.01 * full_scale, MOST_OF_NOISE * noise):
         raise PictureError(
             f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
             "check lens cap, light and exposure."
         )
-    noise = pixel_noise(grey, full_scale)
     return Picture(grey, noise, full_scale, clipped, tuple(warnings))
 
 

@@ -92,3 +92,34 @@ def test_a_sheet_file_may_be_small_or_whole(tmp_path):
     path.write_text("free_length_mm = 50\nthicknes_mm = 1\n")
     with pytest.raises(BadInputError, match="did you mean thickness_mm"):
         load_strip(path)
+
+
+def test_a_fault_beside_one_picture_costs_that_picture_only(folder, plain, scenes):
+    for name in ("alone", "bent", "cut"):
+        scenes.save(plain, folder, name)
+    (folder / "alone.optics.json").write_text('{"px_per_mm": -1, "clamp_px": [80, 240]}')
+    (folder / "bent.sheet.toml").write_text("free_length_mm = = 50\n")
+    (folder / "cut.mp4").write_bytes(b"no film")
+    (folder / "cut.png").unlink()
+    result = extract_curves([folder], folder / "out", BatchOptions(overlays=False))
+    assert set(result.failed) == {"alone", "bent", "black", "cut", "damaged"}
+    assert "alone.optics.json" in result.failed["alone"]
+    assert "px_per_mm" in result.failed["alone"]
+    assert "bent.sheet.toml" in result.failed["bent"]
+    assert "not a video" in result.failed["cut"]
+
+
+def test_what_one_picture_lacks_costs_that_picture_only(tmp_path, plain, scenes):
+    scenes.save(plain, tmp_path, "whole")
+    scenes.save(plain, tmp_path, "lacking")
+    (tmp_path / "lacking.sheet.toml").unlink()
+    result = extract_curves([tmp_path], tmp_path / "out", BatchOptions(overlays=False))
+    assert list(result.failed) == ["lacking"]
+    assert "neither lacking.sheet.toml nor sheet.toml" in result.failed["lacking"]
+
+
+def test_a_fault_in_what_serves_all_pictures_is_found_before_the_first(folder):
+    (folder / "sheet.toml").write_text("free_length_mm = -5\n")
+    with pytest.raises(BadInputError, match="free_length_mm"):
+        extract_curves([folder], folder / "out")
+    assert not (folder / "out").exists()

@@ -26,6 +26,13 @@ def test_a_saturated_picture(plain, known):
     refused(image, *known(plain), "saturated")
 
 
+def test_a_camera_that_leaves_most_of_sixteen_bits_empty(plain, known):
+    optics, strip = known(plain, bits=16)
+    dim = (300 + 1.5 * plain.image.astype(float)).astype(np.uint16)  # 1 % of full scale is 655
+    assert neutral_curve(dim, optics, strip).ok
+    refused(np.full_like(dim, 300), optics, strip, "uniform")
+
+
 def test_not_an_image(plain, known):
     refused([[1, 2]], *known(plain), "not an image")
     refused(np.zeros((480, 640), complex), *known(plain), "grey is needed")
