@@ -31,9 +31,24 @@ def rig(rig_folder):
             os.kill(pid, signal.SIGTERM)
 
 
+@pytest.fixture
+def page(server, rig):
+    """A page that holds control, of a panel that goes on from test to test."""
+    found = Page(server)
+    found.take_control(force=True)
+    yield found
+    found.close()
+
+
+def begin(page, session, protocol="long.toml"):
+    """Have a run started; what the page knows is of this run alone from then on."""
+    job = page.do("/api/run", protocol=protocol, session=session, clock="real")
+    page.until(lambda m: m["type"] == "job" and m["id"] == job["id"])
+
+
 def start(page, session, protocol="long.toml"):
     """Start a run and answer all that is asked before it."""
-    page.do("/api/run", protocol=protocol, session=session, clock="real")
+    begin(page, session, protocol)
     for number in (1, 2, 3):
         page.until(lambda m, n=number: m["type"] == "prompt" and m["prompt"] == n)
         page.do("/api/answer", prompt=number, done=True)
@@ -69,78 +84,6 @@ def gone_after(folder, pressed_s):
 def ended(page):
     """The job's end."""
     return page.until(lambda m: m["type"] == "job" and m["state"] != "going")
-
-
-@pytest.mark.alone
-@pytest.mark.parametrize("way", ["stop process", "panel"])
-def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away_in_a_fifth_of_a_second(rig, way):
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        watcher = Page(server)  # STOP is everybody's
-        name = f"stopped-{way[:4]}.h5"
-        start(page, name)
-        pulse(rig)
-        pressed_s = time.perf_counter()
-        if way == "panel":
-            assert watcher.ask("POST", "/api/stop", {"why": "test"})[0] == 200
-        else:
-            url = page.hello["stop_url"].split("/")[2]
-            status, answer = server.ask("POST", "/stop", {"why": "test"}, netloc=url)
-            assert status == 200
-            assert answer["output"] in {"safe", "armed"}
-            assert answer["took_s"] < 0.2
-        assert ended(page)["code"] == 4
-        assert gone_after(rig, pressed_s) < 0.2
-    with open_session(rig / name) as session:
-        assert session.outcome.value == "aborted"
-        assert "STOP was pressed" in session.reason
-        assert session.output_state.value == "safe"
-        told = [event.text for event in session.events if event.kind == "action"]
-        assert any("pressed STOP: test" in text for text in told)
-        assert told[0] == "Ann (127.0.0.1) started the run"
-
-
-@pytest.mark.alone
-def test_stop_works_while_the_panel_hangs(rig):
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        start(page, "panel-hangs.h5")
-        pulse(rig)
-        url = page.hello["stop_url"].split("/")[2]
-        os.kill(server.process.pid, signal.SIGSTOP)
-        try:
-            pressed_s = time.perf_counter()
-            assert server.ask("POST", "/stop", {}, netloc=url)[0] == 200
-            assert gone_after(rig, pressed_s) < 0.2
-        finally:
-            os.kill(server.process.pid, signal.SIGCONT)
-        assert ended(page)["code"] == 4
-
-
-@pytest.mark.alone
-def test_stop_works_while_the_run_itself_hangs(rig):
-    """Then it is the guard that takes the voltage away, or whoever looks after it."""
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        start(page, "run-hangs.h5")
-        pulse(rig)
-        url = page.hello["stop_url"].split("/")[2]
-        job = jobs_of(rig)[0]
-        boards = Path(f"/proc/{job}/task/{job}/children").read_text().split()
-        os.kill(job, signal.SIGSTOP)
-        pressed_s = time.perf_counter()
-        status, answer = server.ask("POST", "/stop", {}, netloc=url)
-        assert status == 200
-        assert gone_after(rig, pressed_s) < 1.0
-        assert "did not obey" in answer["told"]
-        assert page.until(lambda m: m["type"] == "job" and m["state"] == "lost")["code"] is None
-        assert page.until(lambda m: m.get("by") == "guard")["state"] == "safe"
-        for pid in boards:  # the simulated boards outlive the job that has started them
-            with suppress(ProcessLookupError):
-                os.kill(int(pid), signal.SIGTERM)
 
 
 def test_a_run_goes_on_when_its_panel_is_killed_and_another_panel_finds_it(rig):
@@ -181,34 +124,98 @@ def test_ctrl_c_ends_the_panel_and_not_the_run(rig):
         assert session.outcome.value == "completed"
 
 
-def test_two_pages_see_the_same_and_only_one_acts(rig):
-    with panel(rig / "rig.toml") as server:
-        ann, bob = Page(server), Page(server)
-        ann.take_control("Ann")
-        assert bob.ask("POST", "/api/control", {"do": "take", "name": "Bob"})[0] == 403
-        status, answer = bob.ask("POST", "/api/run", {"session": "b.h5"})
-        assert (status, answer["error"]) == (
-            403, "Ann (127.0.0.1) holds control; take it, or watch.",
-        )  # fmt: skip
-        start(ann, "two.h5", "short.toml")
-        late = Page(server)
-        reading = ann.until("reading")
-        mark = {"run": 0, "reading": reading["index"], "why": "a draught"}
-        assert bob.ask("POST", "/api/mark", mark)[0] == 403
-        bob.take_control("Bob", force=True)
-        bob.do("/api/mark", **mark)
-        assert ann.ask("POST", "/api/mark", mark)[0] == 403
-        assert bob.ask("POST", "/api/mark", {**mark, "reading": 999})[0] == 409
-        for page in (ann, bob, late):
-            assert page.until("marked")["who"] == "Bob (127.0.0.1)"
-            assert ended(page)["code"] == 0
-        wanted = ("run_started", "voltage", "reading", "marked", "run_stopped", "ended")
-        shown = [[m for m in p.messages if m["type"] in wanted] for p in (ann, bob, late)]
-        assert shown[0] == shown[1] == shown[2]
-        assert ann.pictures
-        assert ann.pictures[-1]["bytes"][:2] == b"\xff\xd8"
-        header, payload = ann.strips[-1]
-        assert len(payload) == 4 * 7 * header["count"]
+@pytest.mark.alone
+@pytest.mark.parametrize("way", ["stop process", "panel"])
+def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away_in_a_fifth_of_a_second(
+    rig, server, page, way
+):
+    watcher = Page(server)  # STOP is everybody's
+    name = f"stopped-{way[:4]}.h5"
+    start(page, name)
+    pulse(rig)
+    pressed_s = time.perf_counter()
+    if way == "panel":
+        assert watcher.ask("POST", "/api/stop", {"why": "test"})[0] == 200
+    else:
+        url = page.hello["stop_url"].split("/")[2]
+        status, answer = server.ask("POST", "/stop", {"why": "test"}, netloc=url)
+        assert status == 200
+        assert answer["output"] in {"safe", "armed"}
+        assert answer["took_s"] < 0.2
+    assert ended(page)["code"] == 4
+    assert gone_after(rig, pressed_s) < 0.2
+    watcher.close()
+    with open_session(rig / name) as session:
+        assert session.outcome.value == "aborted"
+        assert "STOP was pressed" in session.reason
+        assert session.output_state.value == "safe"
+        told = [event.text for event in session.events if event.kind == "action"]
+        assert any("pressed STOP: test" in text for text in told)
+        assert told[0] == "Ann (127.0.0.1) started the run"
+
+
+@pytest.mark.alone
+def test_stop_works_while_the_panel_hangs(rig, server, page):
+    start(page, "panel-hangs.h5")
+    pulse(rig)
+    url = page.hello["stop_url"].split("/")[2]
+    os.kill(server.process.pid, signal.SIGSTOP)
+    try:
+        pressed_s = time.perf_counter()
+        assert server.ask("POST", "/stop", {}, netloc=url)[0] == 200
+        assert gone_after(rig, pressed_s) < 0.2
+    finally:
+        os.kill(server.process.pid, signal.SIGCONT)
+    assert ended(page)["code"] == 4
+
+
+@pytest.mark.alone
+def test_stop_works_while_the_run_itself_hangs(rig, server, page):
+    """Then it is the guard that takes the voltage away, or whoever looks after it."""
+    start(page, "run-hangs.h5")
+    pulse(rig)
+    url = page.hello["stop_url"].split("/")[2]
+    job = jobs_of(rig)[0]
+    boards = Path(f"/proc/{job}/task/{job}/children").read_text().split()
+    os.kill(job, signal.SIGSTOP)
+    pressed_s = time.perf_counter()
+    status, answer = server.ask("POST", "/stop", {}, netloc=url)
+    assert status == 200
+    assert gone_after(rig, pressed_s) < 1.0
+    assert "did not obey" in answer["told"]
+    assert page.until(lambda m: m["type"] == "job" and m["state"] == "lost")["code"] is None
+    assert page.until(lambda m: m.get("by") == "guard")["state"] == "safe"
+    for pid in boards:  # the simulated boards outlive the job that has started them
+        with suppress(ProcessLookupError):
+            os.kill(int(pid), signal.SIGTERM)
+
+
+def test_two_pages_see_the_same_and_only_one_acts(rig, server, page):
+    ann, bob = page, Page(server)
+    assert bob.ask("POST", "/api/control", {"do": "take", "name": "Bob"})[0] == 403
+    status, answer = bob.ask("POST", "/api/run", {"session": "b.h5"})
+    assert (status, answer["error"]) == (
+        403, "Ann (127.0.0.1) holds control; take it, or watch.",
+    )  # fmt: skip
+    start(ann, "two.h5", "short.toml")
+    late = Page(server)
+    reading = ann.until("reading")
+    mark = {"run": 0, "reading": reading["index"], "why": "a draught"}
+    assert bob.ask("POST", "/api/mark", mark)[0] == 403
+    bob.take_control("Bob", force=True)
+    bob.do("/api/mark", **mark)
+    assert ann.ask("POST", "/api/mark", mark)[0] == 403
+    assert bob.ask("POST", "/api/mark", {**mark, "reading": 999})[0] == 409
+    for each in (ann, bob, late):
+        assert each.until("marked")["who"] == "Bob (127.0.0.1)"
+        assert ended(each)["code"] == 0
+    wanted = ("run_started", "voltage", "reading", "marked", "run_stopped", "ended")
+    shown = [[m for m in p.messages if m["type"] in wanted] for p in (ann, bob, late)]
+    assert shown[0] == shown[1] == shown[2]
+    assert ann.pictures
+    assert ann.pictures[-1]["bytes"][:2] == b"\xff\xd8"
+    header, payload = ann.strips[-1]
+    assert len(payload) == 4 * 7 * header["count"]
     with open_session(rig / "two.h5") as session:
         row = session.runs[0].readings[reading["index"]]
         assert (bool(row["valid"]), str(row["why"])) == (False, "a draught")
@@ -216,48 +223,41 @@ def test_two_pages_see_the_same_and_only_one_acts(rig):
         told = [event.text for event in session.events if event.kind == "action"]
         assert "Ann (127.0.0.1) answered done" in told
         assert "Bob (127.0.0.1) took control" in told
+    for other in (bob, late):
+        other.close()
 
 
-def test_a_page_that_reads_nothing_holds_nothing_back(rig):
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        idle = [Page(server, reads=False) for _ in range(3)]
-        start(page, "idle.h5", "short.toml")
-        assert ended(page)["code"] == 0
-        taken = len(page.of("reading"))
-        assert taken == 2 + 2 + 2 * 3
-        assert len(page.pictures) > 10
-        for other in idle:
-            threading.Thread(target=other.close, daemon=True).start()
+def test_a_page_that_reads_nothing_holds_nothing_back(rig, server, page):
+    idle = [Page(server, reads=False) for _ in range(3)]
+    start(page, "idle.h5", "short.toml")
+    assert ended(page)["code"] == 0
+    taken = len(page.of("reading"))
+    assert taken == 2 + 2 + 2 * 3
+    assert len(page.pictures) > 10
+    for other in idle:
+        threading.Thread(target=other.close, daemon=True).start()
     with open_session(rig / "idle.h5") as session:
         assert session.runs[0].counts.lost_samples == 0
         told = [event.text for event in session.events if event.kind == "warned"]
         assert not [text for text in told if "the panel" in text]
 
 
-def test_the_gentle_stop_waits_for_the_reading(rig):
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        start(page, "gentle.h5")
-        pulse(rig)
-        page.do("/api/stop_after_pulse")
-        assert ended(page)["code"] == 4
-        readings = page.of("reading")
-        assert readings[-1]["voltage_V"] != 0
+def test_the_gentle_stop_waits_for_the_reading(rig, server, page):
+    start(page, "gentle.h5")
+    pulse(rig)
+    page.do("/api/stop_after_pulse")
+    assert ended(page)["code"] == 4
+    readings = page.of("reading")
+    assert readings[-1]["voltage_V"] != 0
     with open_session(rig / "gentle.h5") as session:
         assert len(session.runs[0].readings) == len(readings)
 
 
-def test_declining_a_prompt_stops_the_session(rig):
-    with panel(rig / "rig.toml") as server:
-        page = Page(server)
-        page.take_control()
-        page.do("/api/run", protocol="short.toml", session="declined.h5", clock="real")
-        prompt = page.until("prompt")
-        assert page.ask("POST", "/api/answer", {"prompt": 99, "done": True})[0] == 409
-        status, answer = page.ask("POST", "/api/run", {"session": "other.h5"})
-        assert (status, "going on already" in answer["error"]) == (409, True)
-        page.do("/api/answer", prompt=prompt["prompt"], done=False)
-        assert ended(page)["code"] == 4
+def test_declining_a_prompt_stops_the_session(rig, server, page):
+    begin(page, "declined.h5", "short.toml")
+    prompt = page.until("prompt")
+    assert page.ask("POST", "/api/answer", {"prompt": 99, "done": True})[0] == 409
+    status, answer = page.ask("POST", "/api/run", {"session": "other.h5"})
+    assert (status, "going on already" in answer["error"]) == (409, True)
+    page.do("/api/answer", prompt=prompt["prompt"], done=False)
+    assert ended(page)["code"] == 4
