@@ -9,6 +9,7 @@ COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures
 	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py \
 	tests/sim_hardware/test_world.py tests/model/test_equilibrium_reference.py
 # Where they are: looking through all the others takes seconds.
+TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
 PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt
 
@@ -42,18 +43,18 @@ compiled: setup-dev
 test: compiled
 	@$(MAKE) --no-print-directory test-compiled
 
-# Three at a time, of which one waits most of the time (tests/side_by_side.py), and then one by one
-# what is held against the real clock.
+# Four at a time, of which two wait most of the time (tests/side_by_side.py), and then two at a time
+# what is held against the real clock, beside which nothing may compute.
 test-compiled: setup-dev
-	@$(PYTEST) -n 3 --dist worksteal -m "not thorough and not alone"; code=$$?; \
-	$(PYTEST) -m "alone and not thorough" $(ALONE) && exit $$code
+	@$(PYTEST) -n 4 --dist worksteal -m "not thorough and not alone"; code=$$?; \
+	$(TWO_ALONE) -m "alone and not thorough" $(ALONE) && exit $$code
 
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
 test-all: compiled
-	@$(PYTEST) -n 3 --dist worksteal -m "not alone"; code=$$?; \
-	$(PYTEST) -m alone $(ALONE) && exit $$code
+	@$(PYTEST) -n 4 --dist worksteal -m "not alone"; code=$$?; \
+	$(TWO_ALONE) -m alone $(ALONE) && exit $$code
 
 test-fast: setup-dev
 	$(PYTEST) -n 2 --dist worksteal -m "not slow and not thorough and not alone"

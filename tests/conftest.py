@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from tests.side_by_side import in_parts, step_back, watches
+from tests.side_by_side import in_parts, in_turn, is_alone, step_back, watches
 
 # Workers are processes already: threads of linear algebra and of pictures only wait for each other,
 # and take up to twice the processor. Said before anything imports numpy or cv2.
@@ -31,7 +31,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(trylast=True)  # when those that are not wanted have gone
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Each in its turn; real hardware is touched only when a rig is named."""
-    items[:] = in_parts(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+    if all(map(is_alone, items)):
+        items[:] = in_turn(items)
+    else:
+        items[:] = in_parts(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     if config.getoption("--rig") is not None:
         return
     skip = pytest.mark.skip(reason="needs a rig: -m real_hardware --rig rig.toml")
@@ -42,7 +45,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> None:
-    """A worker that begins with what computes steps back for the one that watches."""
+    """A worker that begins with what computes steps back for those that watch."""
     if "PYTEST_XDIST_WORKER" in os.environ and not item.config.stash.get(BEGUN, False):
         item.config.stash[BEGUN] = True
         if not watches(item):

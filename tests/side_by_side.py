@@ -1,8 +1,8 @@
 """Which tests run beside which, where pytest-xdist has several workers.
 
 Those that watch other processes on the real clock wait most of the time, and are the steadier the
-sooner they get the processor; all others compute. So one worker begins with those that watch, and
-the others, which step back for it, compute meanwhile.
+sooner they get the processor; all others compute. So some workers begin with those that watch, and
+the others, which step back for them, compute meanwhile.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import os
 
 import pytest
 
-WATCHING = (
+PROCESSES = (
     "tests/drivers/test_guard_process.py",
     "tests/drivers/test_time_outs.py",
     "tests/end_to_end/test_guard_of_a_run.py",
@@ -22,36 +22,64 @@ WATCHING = (
     "tests/labrig/panel/test_replay.py",
     "tests/labrig/panel/test_sessions.py",
     "tests/labrig/session/test_recover.py",
-    "tests/panel_browser/",
     "tests/sim_hardware/test_serve.py",
 )
+BROWSER = ("tests/panel_browser/",)  # as long as all the others that watch
+WATCHING = (*PROCESSES, *BROWSER)
 # Begun first, or one worker is at them when the others are done.
 LONGEST = ("tests/end_to_end/test_demo.py", "tests/end_to_end/test_closed_loop")
+# Of those that run alone: one worker takes the first and the third, the other the rest. So they end
+# together, and what has the narrowest limits, at the page, is beside what waits most.
+ALONE = (
+    "tests/soak/",
+    "tests/end_to_end/test_guard_of_a_run.py",
+    "tests/panel_browser/",
+    "tests/drivers/",
+    "tests/end_to_end/",
+    "tests/labrig/panel/",
+    "",
+)
 STEP_BACK = 5  # as `nice`
 Items = list[pytest.Item]
 
 
 def watches(item: pytest.Item) -> bool:
     """Whether a test watches other processes on the real clock."""
-    return item.nodeid.startswith(WATCHING)
+    return item.nodeid.startswith(WATCHING) or is_alone(item)
+
+
+def is_alone(item: pytest.Item) -> bool:
+    """Whether nothing that computes may run beside a test."""
+    return item.get_closest_marker("alone") is not None
+
+
+def in_turn(items: Items) -> Items:
+    """Tests that all run alone in the order of their files, for `--dist loadfile`."""
+
+    def turn(item: pytest.Item) -> int:
+        return next(k for k, name in enumerate(ALONE) if item.nodeid.startswith(name))
+
+    return sorted(items, key=turn)
 
 
 def in_parts(items: Items, workers: int) -> Items:
     """In the order in which `--dist worksteal` hands out equal parts, one to each worker.
 
-    The first part begins with all that watch, the others with what takes long; what is quick comes
-    last, and is what a worker that has nothing more to do takes over.
+    Of four parts or more two begin with what watches, else one; the others begin with what takes
+    long. What is quick comes last, and is what a worker that has nothing more to do takes over.
     """
     if workers < 2:
         return items
-    parts: list[Items] = [[item for item in items if watches(item)]]
+    kinds = (PROCESSES, BROWSER) if workers > 3 else (WATCHING,)
+    parts = [[item for item in items if item.nodeid.startswith(names)] for names in kinds]
+    computing = workers - len(parts)
     long = [[item for item in items if item.nodeid.startswith(name)] for name in LONGEST]
     rest = [item for item in items if not item.nodeid.startswith((*WATCHING, *LONGEST))]
     slow = [item for item in rest if item.get_closest_marker("slow")]
     quick = [item for item in rest if not item.get_closest_marker("slow")]
-    for k in range(workers - 1):
-        first = [item for group in long[k :: workers - 1] for item in group]
-        parts.append(first + _share(slow, k, workers - 1))
+    for k in range(computing):
+        first = [item for group in long[k::computing] for item in group]
+        parts.append(first + _share(slow, k, computing))
     for k, part in enumerate(parts):
         lacking = max(0, len(_share(items, k, workers)) - len(part))
         part += quick[:lacking]
@@ -65,6 +93,6 @@ def _share(items: Items, k: int, of: int) -> Items:
 
 
 def step_back() -> None:
-    """Leave the processor to the worker that watches, where a system has such a thing."""
+    """Leave the processor to the workers that watch, where a system has such a thing."""
     if hasattr(os, "nice"):
         os.nice(STEP_BACK)
