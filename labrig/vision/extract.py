@@ -28,6 +28,7 @@ FloatArray = npt.NDArray[np.float64]
 
 BESIDE_CLAMP = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 LEAST_DOUBLE_SCORE = 0.4
+MOST_OF_A_REFLECTION = 0.5  # of the sheet's contrast: what shows more may be another sheet
 MOST_EXCESS_PX = 6.0  # known to three pixels
 MOST_EXCESS = 0.0135  # of the length, where there are many pixels
 MOST_BRIDGED_SIGMA_PX = 1.2  # of a curve where what lies along the sheet was left out
@@ -65,7 +66,8 @@ def neutral_curve(
         return NeutralCurve(
             ok=False, why="no path that a sheet could take leaves the clamp; check clamp_px."
         )
-    if not best.verdict.why and job.is_doubled(best):
+    beside = 0.0 if best.verdict.why else job.strength_of_another(best)
+    if beside > MOST_OF_A_REFLECTION:
         return NeutralCurve(
             ok=False,
             why="two sheets leave the clamp side by side, and nothing tells which is meant; take "
@@ -86,6 +88,12 @@ def neutral_curve(
             "check the sheet's thickness.",
         )
     curve = report(best.fit, best.setting, best.verdict, excess)
+    if beside > 0:
+        said = (
+            f"something like the sheet, {beside:.0%} as strong, lies beside it, such as its "
+            "reflection; the stronger of the two was taken"
+        )
+        curve = replace(curve, warnings=(*curve.warnings, said))
     return with_wires(curve, job.wires, picture.grey.shape)
 
 
@@ -149,10 +157,24 @@ class _Job(Refiner):
         self._hide(())
         best = self._searched()
         for _ in range(MOST_TURNS):
+            before = self.wires
             if best is None or not self._hides_wires(best):
                 break
-            best = self._searched(best)
+            again = self._searched(best)
+            if (again is None or again.verdict.why) and self._is_the_sheet(best):
+                self._hide(before)
+                break
+            best = again
         return best
+
+    def _is_the_sheet(self, best: Candidate) -> bool:
+        """Whether what looks like a wire along the best curve can only be the sheet's own end.
+
+        Its end is seen where the sheet's should be, and nothing goes on there.
+        """
+        nodes, reach = best.setting.nodes_px(best.fit.shape), best.fit.band.reach
+        along = [wire for wire in self.wires if wire.runs_with(nodes, reach)]
+        return best.confirmed and all(wire.ends_with(nodes) for wire in along)
 
     def _searched(self, known: Candidate | None = None) -> Candidate | None:
         """The best of a quick search, and of a broader one where none passes.
@@ -229,8 +251,11 @@ class _Job(Refiner):
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
 
-    def is_doubled(self, found: Candidate) -> bool:
-        """Whether a second sheet, as good as the first, leaves the clamp or close beside it."""
+    def strength_of_another(self, found: Candidate) -> float:
+        """Contrast of a second sheet that leaves the clamp, or close beside it, over the first's.
+
+        0 where there is none.
+        """
         nodes = found.setting.nodes_px(found.fit.shape)
         half = float(found.fit.band.half_width.max())
         # at the clamp two sheets are one
@@ -241,17 +266,19 @@ class _Job(Refiner):
                 ridges, optics, self.strip, sign, width=40, share=0.5, offsets=BESIDE_CLAMP
             )
             if other is None or other.score < LEAST_DOUBLE_SCORE:
-                return False
+                return 0.0
             # only now is the whole of it worth a fit; its own start stands for the clamp
             start = (float(other.path[0, 0]), float(other.path[0, 1]))
             moved = optics.model_copy(update={"clamp_px": start})
             trace = trace_from_clamp(ridges, moved, self.strip, sign, width=120)
         if trace is None:
-            return False
+            return 0.0
         job = _Job(self.picture, moved, self.strip)
         second = job.refine(trace, sign)
         apart = _distance(second, nodes).max()
-        return second.confirmed and second.verdict.covered > 0.8 and bool(apart > 4)
+        if not second.confirmed or second.verdict.covered <= 0.8 or apart <= 4:
+            return 0.0
+        return second.fit.usual_contrast / found.fit.usual_contrast
 
     def bridged(self, found: Candidate, excess: FloatArray) -> NeutralCurve:
         """The curve without the cells where something lies along the sheet.

@@ -20,6 +20,7 @@ from labrig.vision.setting import Band, Pixels, Setting, measured, pixels_beside
 from labrig.vision.shape import Shape
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 # to begin with: the sheet's width over the far edge's distance, and the face's grey over the
 # edge's; a faint guess gains something with any face, a strong one only near the truth
@@ -34,13 +35,15 @@ CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at th
 MOST_ODD = 4.0**2  # no camera looks that much askew
 LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
 LEAST_GAIN = 15.0  # and the likeliest face
+STRONG_GAIN = 60.0  # what lies beside the sheet in one place, such as a wire, explains this
 COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
 COMMON_SHARE = 0.02
 UNSURE = 2.0  # widths and greys of one pull are hard to tell apart
 PIECE_CELLS = 24
+LEAST_FREE_USED = 0.3
 EVALUATIONS = 130
 MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
-NEAR_PX = 0.25  # so far a displacement has the effect that its derivative says
+NEAR_PX = 0.25  # so far a displacement, or another blur, has the effect that its derivative says
 LEAST_BLUR_PX = 0.5
 THICKER = 0.15  # than stated a sheet may be
 IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what is above
@@ -76,7 +79,7 @@ class FaceSearch:
     """
 
     def __init__(self, fit: Fit, setting: Setting) -> None:
-        self.setting, self.noise, self.used = setting, fit.noise, fit.used
+        self.setting, self.noise, self.used = setting, fit.noise, _looked_at(fit)
         rows, columns = setting.picture.grey.shape
         optics = setting.optics
         away = optics.vanishing_px((columns, rows))
@@ -86,15 +89,17 @@ class FaceSearch:
         self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
         self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
         self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
-        self.nothing = self._misfits(self.seen, self.plain)
+        self.nothing = self._misfits(self.seen, self.plain, tuned=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
         self.doubt_px = 0.0  # how far a face that is not seen may pull the curve
+        self.guessed: tuple[list[Face], list[float]] = ([], [])  # and what each gains
 
     def first(self) -> Face | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
         shown = [*GUESSES, *self._beside_thin_elongation()]
         guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
-        gains = [float((self.nothing - self._costs(self.seen, face)).sum()) for face in guesses]
+        gains = [float(self._gains(self.seen, face).sum()) for face in guesses]
+        self.guessed = (guesses, gains)
         best = int(np.argmax(gains))
         if gains[best] < LIKELY_GAIN:
             self.doubt_px = self._doubt(guesses, gains)
@@ -112,7 +117,7 @@ class FaceSearch:
 
         `doubt_px` then says how well it is known, else how far the curve may be off without it.
         """
-        gains = self.nothing - self._costs(seen, face)
+        gains = self._gains(seen, face)
         total = float(gains.sum()) - self._oddness(face)
         common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
         widespread = seen.on_edge or common > COMMON_SHARE * total
@@ -122,9 +127,22 @@ class FaceSearch:
             unsure = UNSURE / float(np.sqrt(max(total, LEAST_GAIN)))
             self.doubt_px = float(np.sqrt(np.mean(pull**2))) * unsure
             return face
+        if not seen.on_edge and not self._may_be_local(gains):
+            common = COMMON * total
         gain = LEAST_GAIN if seen.on_edge else min(total, common / COMMON)
-        self.doubt_px = self._doubt([face], [gain])
+        faces, gained = self.guessed
+        self.doubt_px = self._doubt([face, *faces], [gain, *gained])
         return None
+
+    def _may_be_local(self, gains: FloatArray) -> bool:
+        """Whether something beside the sheet in one place would explain (pieces,) gains, too.
+
+        It is strong there, and it is not only an elongation, whose width nobody knows, that is
+        indifferent.
+        """
+        beyond = self.plain.elongation[::PIECE_CELLS]
+        indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -LEAST_GAIN
+        return float(gains.sum()) > STRONG_GAIN and not indifferent
 
     def _doubt(self, faces: Sequence[Face], gains: Sequence[float]) -> float:
         """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
@@ -135,14 +153,19 @@ class FaceSearch:
         return doubt if doubt > LEAST_DOUBT_PX else 0.0
 
     def _beside_thin_elongation(self) -> list[tuple[float, float]]:
-        """The face that would be there were an elongation no thicker than the sheet."""
+        """The faces that would be there were an elongation no thicker than the sheet, or half so.
+
+        As dark as the edge they change nothing of how it looks: only the free sheet can tell.
+        """
         band = self.plain
         excess = 2 * float(band.half_width[-1] - band.half_width[0])
         if not band.elongation.any() or excess <= 0:
             return []
         unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[band.elongation]
         depth = LEAST_DEPTH * excess / max(float(np.median(np.abs(unit))), 1e-6)
-        return [(depth, 0.9)] if depth < MOST_DEPTH else []
+        if depth > MOST_DEPTH:
+            return []
+        return [(depth, 0.9), (depth, 1.0), (0.5 * depth, 1.0)]
 
     def _allowed(self, share: float) -> float:
         return 1.0 if self.silhouette else min(share, self.most_share)
@@ -178,7 +201,7 @@ class FaceSearch:
         def unlikely(p: FloatArray) -> float:
             outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
             face = self._face(p)
-            left = float(self._costs(seen, face).sum())
+            left = float(self._misfits(seen, face.on(self.plain, seen.shape)).sum())
             return left + self._oddness(face) + 100.0 * float(outside)
 
         return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
@@ -211,7 +234,7 @@ class FaceSearch:
             return float(self._misfits(self.seen, band(p)).sum())
 
         best = band(_lowest(unlikely, start, steps, used, 60))
-        before, self.nothing = self.nothing, self._misfits(self.seen, best)
+        before, self.nothing = self.nothing, self._misfits(self.seen, best, tuned=True)
         if float((before - self.nothing).sum()) > LEAST_GAIN:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
         self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
@@ -223,21 +246,30 @@ class FaceSearch:
         depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
         return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
-    def _costs(self, seen: _Seen, face: Face) -> FloatArray:
-        """(pieces,) what a face leaves unexplained."""
-        return self._misfits(seen, face.on(self.plain, seen.shape))
+    def _gains(self, seen: _Seen, face: Face) -> FloatArray:
+        """(pieces,) what a face explains, twice the log-likelihood."""
+        return self.nothing - self._misfits(seen, face.on(self.plain, seen.shape), tuned=True)
 
-    def _misfits(self, seen: _Seen, band: Band) -> FloatArray:
-        """(pieces,) squared residuals over the noise's, each piece displaced a little."""
+    def _misfits(self, seen: _Seen, band: Band, *, tuned: bool = False) -> FloatArray:
+        """(pieces,) squared residuals over the noise's, each piece displaced a little.
+
+        `tuned`: also with the blur, and an elongation's width, that suit the band best.
+        """
         # weights that forgive little would count a missing face as an outlier
         cells = measured(seen.pixels_for(band), band, 3 * self.noise, self.used)
         cells = np.where(self.used[:, None], cells, 0.0)
         pieces = np.arange(0, len(cells), PIECE_CELLS)
-        information, pull, misfit = (
+        information, pull, left = (
             np.add.reduceat(cells[:, column], pieces) for column in (3, 4, 5)
         )
-        offset = np.clip(pull / np.maximum(information, 1e-9), -NEAR_PX, NEAR_PX)
-        left = misfit - 2 * offset * pull + offset**2 * information
+        left = left - _gained(pull, information, _step(pull, information))
+        if tuned:
+            gained = np.zeros(len(cells))
+            for part in (band.elongation, ~band.elongation):
+                steeper, sharpness = cells[part, 7], cells[part, 8]
+                step = _step(steeper.sum(), sharpness.sum())
+                gained[part] = _gained(steeper, sharpness, step)
+            left = left - np.add.reduceat(gained, pieces)
         return np.asarray(np.maximum(left, 0.0) / self.noise**2)
 
 
@@ -260,6 +292,27 @@ class _Seen:
         thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
         middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
         return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
+
+
+def _looked_at(fit: Fit) -> BoolArray:
+    """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
+    band = fit.band
+    free = ~band.elongation & fit.in_view
+    if band.spoilt is not None:
+        free &= ~band.spoilt
+    free[: round(2.5 * band.blur) + 1] = False  # the clamp's blurred edge
+    hardly_used = free.any() and fit.used[free].mean() < LEAST_FREE_USED
+    return fit.used | free if band.elongation.any() and hardly_used else fit.used
+
+
+def _step(pull: Any, information: Any) -> FloatArray:
+    """The best small step along a derivative."""
+    return np.asarray(np.clip(pull / np.maximum(information, 1e-9), -NEAR_PX, NEAR_PX))
+
+
+def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:
+    """What squared residuals lose by a small step."""
+    return np.asarray(2 * step * pull - step**2 * information)
 
 
 def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:

@@ -26,6 +26,7 @@ POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
 SETTLED_LOOK_PX = 0.03
 LEAST_PRESENT = 0.6  # of the pixels beside the curve
+COMPANY_CELLS, LEAST_COMPANY = 12, 0.55
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +291,14 @@ def usable_cells(
     usual = max(float(np.median(misfit[there])), 1e-12)
     strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(band)) * contrast) ** 2)
     lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
-    return np.asarray(there & ~_grown(strange | lost, 2))
+    return _in_company(there & ~_grown(strange | lost, 2))
+
+
+def _in_company(good: BoolArray) -> BoolArray:
+    """Those around which most are good: odd ones in a gap are what is left of what hides it."""
+    around = _smooth(good.astype(float), COMPANY_CELLS)
+    of = _smooth(np.ones(len(good)), COMPANY_CELLS)
+    return np.asarray(good & (around > LEAST_COMPANY * of))
 
 
 def _smooth(values: FloatArray, half: int) -> FloatArray:

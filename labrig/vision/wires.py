@@ -32,6 +32,7 @@ SAME_PX = 4.0
 END_PX = 16.0  # how well a line's end is found
 GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
 BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
+STRAIGHT_RAD = 0.35  # about a curve's direction at its end, which is found less well
 BACK = 12  # nodes that show a curve's direction
 MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
 
@@ -75,6 +76,19 @@ class Wire:
         gap = curve[::4, None] - self.path[None]
         beside = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
         return bool(np.hypot(ends[:, 0], ends[:, 1]).min() < END_PX and beside.max() < reach)
+
+    def ends_with(self, curve: FloatArray) -> bool:
+        """Whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
+
+        That is what the last part of the sheet looks like where it is straight.
+        """
+        ahead = curve[-1] - curve[-1 - BACK]
+        ahead /= np.hypot(*ahead)
+        away = self.path[self.seen] - curve[-1]
+        along, beside = away @ ahead, np.abs(away @ [-ahead[1], ahead[0]])
+        straight_on = beside < SAME_PX + self.half_px + STRAIGHT_RAD * np.maximum(along, 0.0)
+        reaches = np.hypot(away[:, 0], away[:, 1]).min() < END_PX
+        return bool(reaches and along[straight_on].max(initial=0.0) < END_PX)
 
     def shows_at(self, place: FloatArray) -> bool:
         """Whether it is seen at a place (2,)."""

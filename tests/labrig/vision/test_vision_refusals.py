@@ -120,6 +120,21 @@ def test_two_sheets_at_one_clamp(scenes, known):
     refused(both, *known(one), "two sheets")
 
 
+def test_a_weak_reflection_beside_the_sheet_is_no_second_one(scenes, known):
+    scene = scenes.make_scene(scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8))
+    ground = np.median(scene.image)
+    away = np.roll(scene.image.astype(float) - ground, 10, axis=0)
+    for share, taken in ((0.4, True), (0.9, False)):
+        image = np.clip(scene.image + share * away, 0, 255).astype(np.uint8)
+        curve = neutral_curve(image, *known(scene))
+        assert curve.ok == taken
+        if taken:
+            assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.1
+            assert any("reflection" in w for w in curve.warnings)
+        else:
+            assert "two sheets" in curve.why
+
+
 def test_geometry_that_cannot_be():
     for arguments in ((0.0,), (0.05, -0.01), (0.05, 0.0, 0.0), (0.05, 0.0, 0.06)):
         with pytest.raises(BadInputError, match="mm"):

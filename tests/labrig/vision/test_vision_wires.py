@@ -8,7 +8,7 @@ import pytest
 from labrig.vision import neutral_curve
 from labrig.vision.picture import read_picture
 from labrig.vision.trace import ridge_maps
-from labrig.vision.wires import find_branches, find_wires
+from labrig.vision.wires import Wire, find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):
@@ -203,3 +203,21 @@ def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_goes_on_behind_the
     curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
     assert curve.ok, curve.why
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [4_100_024, 4_100_027])
+def test_the_sheets_own_straight_end_is_no_wire(scenes, known, seed):
+    """It is seen to where the sheet ends, and nothing goes on there: what is left is not enough."""
+    scene = scenes.make_scene(scenes.mixed(seed))
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.25
+
+
+@pytest.mark.parametrize(("end", "same"), [(300.0, True), (340.0, False), (150.0, False)])
+def test_a_wire_ends_with_a_curve_only_where_both_end(end, same):
+    u = np.arange(0.0, end)
+    wire = Wire(np.stack([u, 0 * u + 50], axis=1), np.ones(len(u), dtype=bool), 2.0)
+    v = np.arange(100.0, 300.0)
+    assert wire.ends_with(np.stack([v, 0 * v + 51], axis=1)) == same

@@ -1,0 +1,26 @@
+"""Which pieces of a curve are believed to show the sheet."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from labrig.vision.fit import usable_cells
+from labrig.vision.setting import Band
+
+
+def test_odd_pieces_in_a_gap_are_not_the_sheet():
+    """What is left of a wire beside its mask led a curve from one crossing to the other."""
+    count = 300
+    seen = np.ones(count, dtype=bool)
+    seen[100:220] = False
+    odd = seen.copy()
+    odd[[118, 119, 123, 126, 130, 131, 132, 150, 151, 190]] = True
+    band = Band(np.full(count, 1.0), 0.8, np.zeros(count, dtype=bool), np.zeros(count))
+    cells = np.zeros((count, 10))
+    cells[:, 0], cells[:, 5], cells[:, 6] = 80.0, 10.0, 2 * band.reach
+    present = np.where(odd, 1.0, 0.3)
+    cells[:, 6] *= present
+    used = usable_cells(cells, present, SimpleNamespace(sign=1.0), band, noise=4.0)
+    assert not used[100:220].any()
+    assert used[5:98].all()
+    assert used[222:-5].all()
