@@ -26,6 +26,7 @@ POINT_NOISE_PX = 0.15
 SETTLED_PX = 0.008
 SETTLED_LOOK_PX = 0.03
 LEAST_PRESENT = 0.6  # of the pixels beside the curve
+WHOLLY_PRESENT = 0.97
 COMPANY_CELLS, LEAST_COMPANY = 12, 0.55
 
 
@@ -291,14 +292,15 @@ def usable_cells(
     usual = max(float(np.median(misfit[there])), 1e-12)
     strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(band)) * contrast) ** 2)
     lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
-    return _in_company(there & ~_grown(strange | lost, 2))
+    return _in_company(there & ~_grown(strange | lost, 2), present)
 
 
-def _in_company(good: BoolArray) -> BoolArray:
-    """Those around which most are good: odd ones in a gap are what is left of what hides it."""
+def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
+    """Without odd ones in a gap beside what hides the sheet: they are what is left of that."""
+    beside = _grown(present < WHOLLY_PRESENT, 2)
     around = _smooth(good.astype(float), COMPANY_CELLS)
     of = _smooth(np.ones(len(good)), COMPANY_CELLS)
-    return np.asarray(good & (around > LEAST_COMPANY * of))
+    return np.asarray(good & (~beside | (around > LEAST_COMPANY * of)))
 
 
 def _smooth(values: FloatArray, half: int) -> FloatArray:
