@@ -18,7 +18,7 @@ LARGEST = 50.0  # N R^2/B of any force that a sheet could meet
 def _at(batch: Problems, angles: FloatArray) -> Problems:
     """The batch's first problem at other positions."""
     K = len(angles)
-    kappa = np.ascontiguousarray(np.broadcast_to(batch.kappa[:1], (K, *batch.kappa.shape[1:])))
+    kappa = np.repeat(batch.kappa[:1], K, axis=0)  # a read-only view would be compiled for anew
     return replace(batch, kappa=kappa, softness=batch.softness[:1], angle_rad=angles)
 
 
