@@ -27,10 +27,12 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	@$(PIP) -e .
 	@touch $@
 
-$(VENV)/.installed-dev: $(VENV)/.installed
-	@echo "installing what the tests and linters need ..."
+# At once with what labrig needs: one call of pip is quicker than two.
+$(VENV)/.installed-dev: pyproject.toml constraints.txt
+	@echo "installing labrig and what it, the tests and the linters need into $(VENV) ..."
+	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	@$(PIP) -e ".[dev]"
-	@touch $@
+	@touch $(VENV)/.installed $@
 
 demo: setup
 	@rm -rf demo

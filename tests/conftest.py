@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,14 @@ def pytest_runtest_protocol(item: pytest.Item) -> None:
         item.config.stash[BEGUN] = True
         if not watches(item):
             step_back()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_process() -> Iterator[None]:
+    """Workers are processes already: each of them looks for curves in its own, unless asked."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("labrig.report.findings.workers", lambda: 1)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -68,7 +68,7 @@ def unknown_in_its_slot(r: Record) -> bool:
         (MEANS, means_right),
         pytest.param(PAIR, exactly_and_clear, marks=pytest.mark.thorough),
         pytest.param(OUTSIDE, unknown_in_its_place, marks=pytest.mark.thorough),
-        (EXCLUDED, unknown_in_its_slot),
+        pytest.param(EXCLUDED, unknown_in_its_slot, marks=pytest.mark.thorough),
     ],
     ids=lambda x: x.key if isinstance(x, Task) else "",
 )

@@ -64,6 +64,10 @@ CASES = {
 }
 
 
+# Of what `prepare` has tests of its own for, and ends in a search all the same.
+MORE = ("identical repeats", "no series", "one voltage", "single readings")
+
+
 @pytest.fixture(scope="module")
 def measured():
     return measure("long")
@@ -77,7 +81,13 @@ def told(capsys) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(CASES))
+@pytest.mark.parametrize(
+    "name",
+    [
+        *sorted(CASES.keys() - MORE),
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in MORE),
+    ],
+)
 def test_data_that_say_too_little_end_in_a_verdict_or_in_a_sentence(
     name, measured, tmp_path, capsys
 ):

@@ -180,7 +180,7 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
     [
         made.found,
         made.unknown,
-        made.cannot_tell,
+        pytest.param(made.cannot_tell, marks=pytest.mark.thorough),
         pytest.param(made.nothing_missing, marks=pytest.mark.thorough),
         pytest.param(made.indistinguishable, marks=pytest.mark.thorough),
     ],

@@ -158,6 +158,7 @@ def test_a_model_that_has_the_effect_already_is_missing_nothing_more():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_what_a_model_lacks_beside_what_it_has_is_named_with_its_own_values():
     """Findings are not mistaken for what the model had before."""
     given = diagnosed(PAIR).model
@@ -216,6 +217,7 @@ def kept(m, condition):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_clamp_far_askew_is_something_unknown_where_the_catalogue_lacks_it():
     """It acts alike in every set-up, and must not pass for their scatter."""
     askew = Case((Hiding("clamp_angle", size=0.07),), seed=12)
