@@ -156,6 +156,7 @@ def uneven():
     return scattered()
 
 
+@pytest.mark.slow
 def test_each_set_up_has_the_stiffness_it_was_made_with(uneven):
     from model.by_run import by_run
 
@@ -220,6 +221,7 @@ def test_measured_curvature_does_not_need_what_sheet_toml_states(tmp_path, capsy
     assert np.allclose(np.interp(rest.s_m, s_m, k0), rest.values, atol=0.5)
 
 
+@pytest.mark.slow
 def test_hold_out_predicts_what_was_left_out_and_keeps_it_in_the_model_file(
     day_1, tmp_path, capsys
 ):

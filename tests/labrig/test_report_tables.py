@@ -39,6 +39,7 @@ def value(text):
     return float(text.split(" ")[0])
 
 
+@pytest.mark.slow
 def test_table_3_tells_this_session_from_the_paper(measured, fit):
     table = table_3(measured, ["long", "short"], fit)
     assert cell(table, "free length l, mm", "short, this session") == "4.5"

@@ -14,6 +14,7 @@ from tests.sim_hardware.test_world_timed import forces_mN, one, world
 LONG_REST = Train(zero_readings=40, kept=1)
 
 
+@pytest.mark.slow
 def test_a_strain_that_stays_loses_its_share_of_the_force_and_keeps_its_shape() -> None:
     settings = world(creep__share=0.2, creep__time_s=1.5)
     run = one(settings, Visit("long", 0.0), LONG_REST)

@@ -133,6 +133,7 @@ def test_each_condition_and_each_set_up_may_be_an_outlier():
     assert condition_name(base.problem, 41) == "short, 30 mm, -2 V"
 
 
+@pytest.mark.slow
 def test_a_condition_left_out_has_no_say():
     base = base_fit()
     k = 4
