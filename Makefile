@@ -8,8 +8,8 @@ COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures
 	tests/sim_hardware/test_world_chain.py tests/sim_hardware/test_world_effects.py \
 	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py \
 	tests/sim_hardware/test_world.py tests/model/test_equilibrium_reference.py
-# Where they are: looking through all the others takes seconds.
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
+# Where they are: looking through all the others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
 PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt
 
