@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.config.templates import write_templates
-from tests.labrig.panel.page import Server, panel
+from tests.labrig.panel.page import TOO_BUSY, TRIES, Server, panel
 
 PROTOCOL = """
 moisten = {moisten}
@@ -78,16 +78,20 @@ def enter(visit: Any, world: RigWorld, page: str = "run", **more: Any) -> Any:
 
 def start(page: Any, world: RigWorld, protocol: str, session: str) -> None:
     """Take control and start a run by HTTP, as the form does: the form has tests of its own."""
-    job = page.evaluate(
-        """async ([protocol, session]) => {
-          const net = await import("/static/js/net.js");
-          await labrig.control.take(!labrig.control.free);
-          const body = { protocol, sheet: "sheet.toml", session, clock: "real" };
-          return (await net.post("/api/run", body)).id;
-        }""",
-        [protocol, session],
-    )
-    page.wait_for_function("(id) => labrig.job.job?.id === id", arg=job)
+    for _ in range(TRIES):
+        job = page.evaluate(
+            """async ([protocol, session]) => {
+              const net = await import("/static/js/net.js");
+              await labrig.control.take(!labrig.control.free);
+              const body = { protocol, sheet: "sheet.toml", session, clock: "real" };
+              return (await net.post("/api/run", body)).id;
+            }""",
+            [protocol, session],
+        )
+        begun = f"(id) => labrig.job.job?.id === id && (labrig.job.started || {ENDED})"
+        page.wait_for_function(begun, arg=job, timeout=60_000)
+        if TOO_BUSY not in (page.evaluate("labrig.job.job.text") or ""):
+            return
 
 
 def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:

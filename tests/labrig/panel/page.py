@@ -22,6 +22,8 @@ from websockets.sync.client import connect
 from labrig.panel.packing import unpack
 
 Message = dict[str, Any]
+# On a busy computer the preflight refuses a camera that cannot keep up: then once more.
+TRIES, TOO_BUSY = 4, "camera rate"
 
 
 class Server:
@@ -121,9 +123,14 @@ class Page:
                     if fits(message):
                         return message
                 left_s = end_s - time.monotonic()
-                assert left_s > 0, f"it did not come: {[m['type'] for m in self.messages[-20:]]}"
+                assert left_s > 0, f"it did not come: {self._lately()}"
                 assert self.closed is None, str(self.closed)
                 self._changed.wait(left_s)
+
+    def _lately(self) -> str:
+        """What came last, and how a job has ended."""
+        kinds = [m["type"] for m in self.messages[-20:]]
+        return f"{kinds} {[m['text'] for m in self.messages if m['type'] == 'job']}"
 
     def ended(self, job: Message) -> Message:
         """The end of the job that began with this answer: the story of one before may be there."""
