@@ -22,11 +22,11 @@ mode = "paper"
 
 @pytest.fixture(scope="module")
 def rig_folder(tmp_path_factory):
-    """rig.toml and its files; `short.toml` takes 5 s, `middle.toml` 10 s, `long.toml` 20 s."""
+    """rig.toml and its files; `short.toml` takes 5 s, `middle.toml` 16 s, `long.toml` 20 s."""
     folder = tmp_path_factory.mktemp("panel") / "rig"
     write_templates(folder, simulated=True)
     (folder / "short.toml").write_text(SHORT.format(readings=3))
-    (folder / "middle.toml").write_text(SHORT.format(readings=8))
+    (folder / "middle.toml").write_text(SHORT.format(readings=14))
     (folder / "long.toml").write_text(SHORT.format(readings=18))
     return folder
 
