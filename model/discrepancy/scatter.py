@@ -23,12 +23,14 @@ ASSUMED = {
     "registration": (5e-6, 0.7),
     "force_zero": (1e-5, 0.7),
     "eibm_condition": (0.001, 0.6),
+    "eibm_free": (0.003, 0.9),  # of one free shape: each may be taken by itself
     "sway_slow": (1e-5, 1.2),  # N, the load cell's slow wander during a run
     "sway_quick": (1e-5, 1.2),
     "pulse_level": (5e-6, 1.5),
     "pulse_edge": (1.0, 0.3),  # in units of what is known of the edges' times
 }
 WANDER_S = {"sway_slow": 40.0, "sway_quick": 3.0}  # correlation times
+EACH = ("eibm_condition", "eibm_free")  # of which each condition has its own
 Columns = dict[str, list[FloatArray]]  # by scatter: columns (N,)
 
 
@@ -47,11 +49,12 @@ def scatter_columns(study: Study, c: int, state: State) -> Columns:
     rise = max(scene.sheet.rise_time_s, 1e-3)
     late = rise_left(part.bin_clock, rise, part.edge_s) - rise_left(part.bin_clock, rise, 0.0)
     result["pulse_edge"] = [study.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
-    result["eibm_condition"] = []
+    result |= {name: [] for name in EACH}
     for k in np.flatnonzero(scene.voltage_V):
         by = np.zeros_like(none.beam)
         by[k, : scene.count] = (state.beam.eibm * state.beam.soft)[k]
-        result["eibm_condition"].append(study.rows_of(c, state, replace(none, beam=by)))
+        name = "eibm_free" if k in scene.free else "eibm_condition"
+        result[name].append(study.rows_of(c, state, replace(none, beam=by)))
     return result
 
 
@@ -94,7 +97,7 @@ def groups_of(
         elif name == "registration":  # to the side and along, of one size
             one = [scatter[name][i::2] for i in (0, 1)]
             groups.append(np.concatenate([by_run(study, [np.sum(o, axis=0)]) for o in one], axis=2))
-        elif name == "eibm_condition":
+        elif name in EACH:
             groups.append(by_run(study, scatter[name]))
         else:
             groups.append(by_run(study, [np.sum(scatter[name], axis=0)]))
