@@ -21,6 +21,7 @@ CLOSE_LEAST = 10.0  # ... or absolute
 REFINED = 4
 STUCK = 0.2  # share of form that says that the size may have been found at the wrong place
 STRAINED = 4.0  # times the usual scatter that says so, too
+SAME = 0.5  # of the deviance within which two fits ended at the same place
 STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
 PLAIN = 2  # that are refined because they explain most with the usual scatter
 VAGUE_M = 1.0  # of numbers that are not to count
@@ -43,9 +44,7 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     doubtful = [name for name in promising if _doubtful(done[name])]
     begins = [fitted.theta, by_forces(fitted)] if doubtful else []
     for name in doubtful:
-        for theta in begins:
-            if _doubtful(done[name]):
-                done[name] = _refined_again(fitted, done[name], theta)
+        done[name] = _refined_again(fitted, done[name], begins)
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
@@ -58,8 +57,8 @@ def refined(fitted: Fitted, contender: Contender, shapes: Sequence[Score]) -> Co
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
     for one in shapes:
-        first = _found(fitted, one, one.amplitude)
-        result = _better(fitted, result, one, _settled(fitted, first, known))
+        found = (*fitted.found, _found(fitted, one, one.amplitude))
+        result = _better(fitted, result, one, _settled(fitted, fitted.theta, found, known))
     return result
 
 
@@ -79,19 +78,28 @@ def by_forces(fitted: Fitted) -> FloatArray:
         return fitted.theta
 
 
-def _refined_again(fitted: Fitted, contender: Contender, theta: FloatArray) -> Contender:
-    """From another beginning: a straight line from where the effect is absent may lead nowhere.
+def _refined_again(fitted: Fitted, contender: Contender, begins: Sequence[FloatArray]) -> Contender:
+    """From other beginnings: a straight line from where the effect is absent may lead nowhere.
 
-    It begins at a usual size or where it leads with the usual scatter, and lets nothing hide in
-    scatter or form.
+    It begins at a usual size or where it leads with the usual scatter, lets nothing hide in
+    scatter or form, and only then lets the form differ; not twice from the same place.
     """
     one = contender.score
     usual = best_scores(fitted, [one.candidate], usual_scatter(fitted)).get(contender.name)
     size = 1.0 if usual is None else usual.amplitude
-    size = float(np.copysign(max(1.0, abs(size)), size))
-    begin = _found(fitted, one, size)
-    again = _settled(replace(fitted, theta=theta), begin, None, strictly=True)
-    return _better(fitted, contender, one, again)
+    first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
+    found = (*fitted.found, first)
+    places: list[float] = []
+    for theta in begins:
+        strict = _settled(fitted, theta, found, None, STRICT)
+        if strict is None or any(abs(strict.deviance - p) < SAME for p in places):
+            continue
+        places.append(strict.deviance)
+        freed = _settled(fitted, strict.theta, strict.found, strict.solution.log_sigma)
+        contender = _better(fitted, contender, one, freed)
+        if not _doubtful(contender):
+            break
+    return contender
 
 
 def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
@@ -136,18 +144,18 @@ def _strained(fitted: Fitted) -> bool:
 
 
 def _settled(
-    fitted: Fitted, one: Found, log_sigma: FloatArray | None, strictly: bool = False
+    fitted: Fitted,
+    theta: FloatArray,
+    found: tuple[Found, ...],
+    log_sigma: FloatArray | None,
+    form: float = 1.0,
 ) -> Fitted | None:
-    """A model with one more effect, from this scatter on; None where it does not settle.
+    """A model with these effects, from there on; None where it does not settle.
 
-    `strictly`: the values are found in the catalogue's form before it may differ.
+    `form` is how much of the tolerance of the effects' forms there is.
     """
-    problem, theta, found = fitted.problem, fitted.theta, (*fitted.found, one)
     try:
-        if strictly:
-            strict = settle(problem, theta, found, log_sigma, STRICT)
-            theta, found, log_sigma = strict.theta, strict.found, strict.solution.log_sigma
-        return settle(problem, theta, found, log_sigma)
+        return settle(fitted.problem, theta, found, log_sigma, form)
     except (ModelError, np.linalg.LinAlgError):
         return None
 

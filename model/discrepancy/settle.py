@@ -15,7 +15,7 @@ from model.noise import Solution, deviance, estimate, inverse_symmetric, weigh
 
 ROUNDS = 12
 WORSE = 0.5  # of the deviance; less may be rounding
-SHORTEST = 0.1  # share of a step that is taken whether or not it helps
+SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to go
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
@@ -68,11 +68,13 @@ def settle(
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
         here = _Way.of(problem, theta, found, last.log_sigma if last else log_sigma, form)
-        if last is not None and last.share > SHORTEST and here.worse_than(last):
+        if last is not None and here.worse_than(last):
             # where the model bends much a whole step leads too far
-            last = replace(last, share=0.5 * last.share)
+            last = replace(last, share=0.5 * last.share if last.share > SHORTEST else 0.0)
             theta, found, _ = last.end()
-            continue
+            if last.share > 0.0:
+                continue
+            break
         last = here
         theta, found, quiet = here.end()
         if here.small and quiet and turn >= 2:
