@@ -12,7 +12,7 @@ from model.discrepancy.settle import Fitted
 from model.measurements import FloatArray
 from model.noise import estimate
 
-DEFAULT = 4.5  # ln of the Bayes factor; see docs/discrepancy.md for how often it errs
+DEFAULT = 6.0  # ln of the Bayes factor; see docs/discrepancy.md for how often it errs
 FALSE_NAMES = 0.01
 
 
