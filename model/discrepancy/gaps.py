@@ -1,9 +1,9 @@
-"""How far models are from the data: forces and curves, against what noise alone would leave."""
+"""How far models are from the data, against what noise alone would leave."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,23 +15,41 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class Cells:
-    """Rows by what people ask for: numbers are indices into all rows."""
+    """Rows by what people ask for: numbers are indices into all rows, each group one number."""
 
-    force: Index  # mean forces
-    modes: tuple[Index, ...]  # of each curve
+    force: tuple[Index, ...]  # mean forces
+    curve: tuple[Index, ...]  # modes of each curve
+    drift: tuple[Index, ...]  # trends of each condition's readings
+    pulse: tuple[Index, ...]  # parts of a pulse
+    weight: FloatArray  # (N,) of squares: trends are told for a reading
 
 
 def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
-    """Where forces and curves stand; conditions `without`, by number over all, do not count."""
+    """Where all that stands; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
-    force: list[int] = []
-    modes: list[Index] = []
+    found = Cells((), (), (), (), np.ones(study.layout.size))
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
         counts = np.array([first + k not in without for k in range(scene.K)])
-        force += part.trend_rows[part.is_mean & counts[part.trend_of]].tolist()
-        modes += [part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)]
+        readings = np.bincount(part.reading_of, minlength=scene.K)
+        found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
+        trends = [
+            part.trend_rows[(part.trend_of == k) & ~part.is_mean] for k in np.flatnonzero(counts)
+        ]
+        found = replace(
+            found,
+            force=found.force + _each(part.trend_rows[part.is_mean & counts[part.trend_of]]),
+            curve=found.curve
+            + tuple(part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)),
+            drift=found.drift + tuple(rows for rows in trends if len(rows)),
+            pulse=found.pulse + _each(part.bin_rows[counts[part.bin_of]]),
+        )
         first += scene.K
-    return Cells(np.array(force, dtype=np.int64), tuple(modes))
+    return found
+
+
+def _each(rows: Index) -> tuple[Index, ...]:
+    """Every row a group of its own."""
+    return tuple(np.asarray(rows, dtype=np.int64).reshape(-1, 1))
 
 
 def variance(fitted: Fitted) -> FloatArray:
@@ -43,30 +61,37 @@ def variance(fitted: Fitted) -> FloatArray:
 
 
 def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
-    """Root mean squares over forces and over curves; chi2 about them, each row by itself."""
-    force = residual[where.force]
-    both = np.concatenate([where.force, *where.modes])
-    chi2 = float(np.mean(residual[both] ** 2 / variance_[both])) if len(both) else np.nan
-    square = [float(np.sum(residual[m] ** 2)) for m in where.modes]
-    return Gap(
-        float(np.sqrt(np.mean(force**2))) * 1e3 if len(force) else np.nan,
-        float(np.sqrt(np.mean(square))) * 1e3 if square else np.nan,
-        chi2,
-    )
+    """Root mean squares; chi2 of mean forces and curves, each row by itself."""
+    both = [*where.force, *where.curve]
+    chi2 = np.nan
+    if both:
+        rows = np.concatenate(both)
+        chi2 = float(np.mean(residual[rows] ** 2 / variance_[rows]))
+    return _gap(residual**2, where, chi2)
 
 
 def floor(variance_: FloatArray, where: Cells) -> Gap:
     """What the noise alone would leave."""
-    force = np.sqrt(np.mean(variance_[where.force])) * 1e3 if len(where.force) else np.nan
-    square = [float(np.sum(variance_[m])) for m in where.modes]
-    curve = np.sqrt(np.mean(square)) * 1e3 if square else np.nan
-    return Gap(float(force), float(curve), 1.0)
+    return _gap(variance_, where, 1.0)
+
+
+def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
+    weighed = square * where.weight
+
+    def rms(groups: tuple[Index, ...]) -> float:
+        if not groups:
+            return np.nan
+        return 1e3 * float(np.sqrt(np.mean([np.sum(weighed[g]) for g in groups])))
+
+    kinds = (where.force, where.curve, where.drift, where.pulse)
+    force, curve, drift, pulse = (rms(groups) for groups in kinds)
+    return Gap(force, curve, chi2, drift, pulse)
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:
-    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise more."""
+    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most."""
     best, share = 0.0, np.nan
-    for name in ("force_rmse_mN", "curve_rmse_mm"):
+    for name in ("force_rmse_mN", "curve_rmse_mm", "drift_rmse_mN", "pulse_rmse_mN"):
         before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
         if np.isfinite(before) and before > noise:
             standing = before / noise

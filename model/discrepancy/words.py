@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from model.discrepancy.prepare import FEWEST_SETUPS
 from model.discrepancy.result import BeforeAfter, Named, Unknown, Verdict
 
+IN_TIME = 1.2  # times by which a gap in time must shrink to be told beside the others
 OWN_FORM = 0.5  # share of form from which on an effect is told not to be the catalogue's
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
@@ -76,9 +77,19 @@ def _gap(left_out: BeforeAfter) -> str:
         )
         if math.isfinite(old) and math.isfinite(new)
     ]
+    told += [
+        f"{what} from {old:.3f} to {new:.3f} mN"
+        for what, old, new in (
+            ("along a run", before.drift_rmse_mN, after.drift_rmse_mN),
+            ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN),
+        )
+        if old > IN_TIME * new
+    ]
     if not told:
         return "there is no position to be left out, so that the gap cannot be told"
-    return f"the gap on left-out positions goes {' and '.join(told)}"
+    first, last = told[:-1], told[-1]
+    both = f"{', '.join(first)} and {last}" if first else last
+    return f"the gap on left-out positions goes {both}"
 
 
 def notes(

@@ -28,6 +28,7 @@ BADLY_SET = Case((Hiding("nonuniform_eibm"),), seed=6, outlier=True)
 TILTED = Case((Hiding("clamp_angle", size=0.008),), seed=7)
 DRYING = Case((Hiding("stiffness_drift", "exp", 0.4),), seed=8)
 SOFT_END = Case((Hiding("nonuniform_stiffness", "line", -0.7),), seed=31)
+LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
         "sentence", "notes"}  # fmt: skip
@@ -79,6 +80,16 @@ def test_so_strong_an_effect_is_named_that_a_straight_line_leads_beyond_its_boun
     assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_stiffness"])
     assert found.effects[0].parameters["relative_change"].value == pytest.approx(-0.7, abs=0.01)
     assert found.closed > 0.98
+
+
+@pytest.mark.slow
+def test_a_lag_leaves_no_gap_in_the_means_but_one_within_the_pulses_that_is_closed():
+    found = diagnosed(LAG)
+    assert names(found) == ["charging_lag"]
+    before, after = found.held_out.before, found.held_out.after
+    assert after.pulse_rmse_mN < 0.3 * before.pulse_rmse_mN
+    assert found.closed > 0.9
+    assert "within a pulse from" in found.sentence
 
 
 @pytest.mark.slow
@@ -205,7 +216,8 @@ def test_json_has_these_keys_and_nothing_that_is_no_number(of: Case):
     assert set(told["gap"]) == {"fitted", "held_out"}
     for part in told["gap"].values():
         assert set(part) == {"before", "after"}
-        assert set(part["after"]) == {"force_rmse_mN", "curve_rmse_mm", "chi2_per_dof"}
+        in_time = {"drift_rmse_mN", "pulse_rmse_mN"}
+        assert set(part["after"]) == {"force_rmse_mN", "curve_rmse_mm", "chi2_per_dof"} | in_time
     assert told["next_measurement"] is None or {"why", "protocol"} == set(told["next_measurement"])
 
 
