@@ -34,7 +34,6 @@ class Candidate:
     tip: Tip
     verdict: Verdict
     wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
-    doubt_px: float = 0.0  # how far a face that is not told from it may pull the curve
 
     @property
     def confirmed(self) -> bool:
@@ -122,11 +121,8 @@ class Refiner:
         for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
             if face is None:
                 # where the face led the curve, a band alone explains as much
-                return replace(
-                    plain,
-                    wider_px=float(np.hypot(search.wider_px, 2 * search.doubt_px)),
-                    doubt_px=search.doubt_px,
-                )
+                wider_px = float(np.hypot(search.wider_px, 2 * search.doubt_px))
+                return replace(plain, wider_px=wider_px)
             band = face.on(found.fit.band, found.fit.shape)
             found = self.judged(
                 fit_intensities(found.fit.shape, found.setting, band), found.setting
