@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from labrig.vision.beside import is_an_edge, runs_beside_opposite
 from labrig.vision.beyond import seen_beyond_px
+from labrig.vision.curve import smallness
 from labrig.vision.ends import Tip, missing_end_px, missing_start_px
 from labrig.vision.fit import Fit, seen_start, spread
 from labrig.vision.setting import Setting
@@ -133,7 +134,7 @@ def _faults(
         if start_chi2 > MOST_START_CHI2
         else "",
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
-        if steepest > 1.5 * MOST_CURVATURE_PER_M
+        if steepest > 1.5 * MOST_CURVATURE_PER_M * smallness(length_mm / 1000)
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
         if beside and not followed and is_an_edge(fit, setting)

@@ -17,6 +17,17 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
+USUAL_M = 0.04  # length of a strip, and more
+
+
+def smallness(length_m: float) -> float:
+    """How many times smaller than a usual strip it is, and so bends the more; 1: none.
+
+    From near it looks alike.
+    """
+    return max(1.0, USUAL_M / length_m)
+
+
 @dataclass(frozen=True)
 class StripGeometry:
     """What is known of the sheet before the picture is looked at."""

@@ -13,6 +13,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision.curve import StripGeometry, smallness
+from labrig.vision.optics import Optics
 from labrig.vision.setting import WINDOW_CELLS, Band, Setting, look
 from labrig.vision.shape import Shape
 from labrig.vision.smooth import WANDERING, averaged, covariance
@@ -28,6 +30,11 @@ SETTLED_LOOK_PX = 0.03
 LEAST_PRESENT = 0.6  # of the pixels beside the curve
 WHOLLY_PRESENT = 0.97
 COMPANY_CELLS, LEAST_COMPANY = 12, 0.55
+
+
+def spectral_of(optics: Optics, strip: StripGeometry) -> float:
+    """How much a strip's curvature changes along it, as assumed: q in 1/px^3."""
+    return SPECTRAL_PER_M3 * (smallness(strip.length_m) / optics.px_per_m) ** 3
 
 
 @dataclass(frozen=True, eq=False)

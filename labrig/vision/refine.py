@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.check import Verdict, judge
-from labrig.vision.curve import StripGeometry
+from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.ends import Tip, find_tip
 from labrig.vision.face import FaceSearch
-from labrig.vision.fit import SPECTRAL_PER_M3, Fit, fit_intensities, fit_points, ridge_points
+from labrig.vision.fit import Fit, fit_intensities, fit_points, ridge_points, spectral_of
 from labrig.vision.opaque import strangers
 from labrig.vision.optics import Look, Optics
 from labrig.vision.picture import Picture
@@ -20,7 +20,7 @@ from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis
 from labrig.vision.trace import Trace, shape_through
 
 WELL_COVERED = 0.95
-LONGEST_STEP_M = 0.45e-3  # between the points of a curve
+LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve
 FACE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
@@ -58,7 +58,7 @@ class Refiner:
             free_px,
             strip.length_m * optics.px_per_m,
             coefficients_for(free_px),
-            LONGEST_STEP_M * optics.px_per_m,
+            LONGEST_STEP_M / smallness(strip.length_m) * optics.px_per_m,
         )
         self.mask = roll_mask(optics, picture.grey.shape)
 
@@ -70,7 +70,7 @@ class Refiner:
             optics=optics,
             sign=sign,
             prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
-            spectral=SPECTRAL_PER_M3 / optics.px_per_m**3,
+            spectral=spectral_of(optics, self.strip),
             mask=self.mask,
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from labrig.vision.curve import StripGeometry
-from labrig.vision.fit import SPECTRAL_PER_M3, fit_points, ridge_points
+from labrig.vision.fit import fit_points, ridge_points, spectral_of
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture
 from labrig.vision.setting import Setting, roll_mask
@@ -34,7 +34,7 @@ def visible_thickness_m(picture: Picture, optics: Optics, strip: StripGeometry) 
         optics=optics,
         sign=sign,
         prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
-        spectral=SPECTRAL_PER_M3 / optics.px_per_m**3,
+        spectral=spectral_of(optics, strip),
         mask=roll_mask(optics, picture.grey.shape),
     )
     shape = shape_through(trace, optics, basis, setting.spectral)

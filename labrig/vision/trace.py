@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.curve import StripGeometry
+from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture
 from labrig.vision.shape import Shape, ShapeBasis, fit_angles, make_shape
@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 MaskArray = npt.NDArray[np.uint8]
 
-MOST_CURVATURE_PER_M = 400.0
+MOST_CURVATURE_PER_M = 400.0  # of a usual strip
 MOST_TURN_RAD = 4.8  # 240 degrees and a little
 ANGLE_NOISE_RAD = 0.02  # of a step of the beam
 
@@ -141,7 +141,7 @@ def trace_from_clamp(
     total = strip.length_m * optics.px_per_m * local_scale / scale
     steps = int(np.clip(round(total / 6), 12, 400))
     length = total / steps
-    most = MOST_CURVATURE_PER_M
+    most = MOST_CURVATURE_PER_M * smallness(strip.length_m)
     most_bend = math.ceil(most / (optics.px_per_m * local_scale) * scale * length / TURN)
     free_share = strip.free_length_m / strip.length_m
     u0, v0 = (np.array(optics.clamp_px) + 0.5) / scale - 0.5

@@ -45,6 +45,30 @@ def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known)
     assert curve.polarity == ("bright" if scene.recipe.bright else "dark")
 
 
+def test_a_picture_knows_no_scale(scenes, known):
+    """A strip of 3 mm from near looks as one of 40 mm does from afar, and bends 13 times as much.
+
+    So it is found as well, with as many points.
+    """
+    smaller = 1.0 / 13.0
+    recipe = scenes.Recipe(seed=21, free_mm=40.0, turn_rad=-3.9, physical=False)
+    scene = scenes.make_scene(recipe)
+    optics, strip = known(scene)
+    near = optics.model_copy(update={"px_per_mm": optics.px_per_mm / smaller})
+    small = replace(
+        strip, free_length_m=strip.free_length_m * smaller, thickness_m=strip.thickness_m * smaller
+    )
+    usual, curve = (
+        neutral_curve(scene.image, optics, strip),
+        neutral_curve(scene.image, near, small),
+    )
+    assert np.abs(usual.curvature_per_m).max() / smaller > 600.0
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
+    assert scenes.rmse_px(curve.points_px, usual.points_px) < 0.01
+    assert len(curve.s_m) == pytest.approx(len(usual.s_m), abs=1)
+
+
 @pytest.fixture(scope="module", params=[0.3, 0.6, 1.0])
 def faced(request, scenes):
     """A sheet whose far face shows beside its edge: grey, nearly as strong, a silhouette."""
