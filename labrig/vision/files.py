@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from labrig.vision.curve import NeutralCurve, StripGeometry
 
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 VIDEOS = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
+LEAST_WIDE_PX = 800  # of an overlay; and the size of what is written on it
+LETTER_PX, LINE_PX = 10, 20
 COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm")
 
 
@@ -132,20 +135,23 @@ def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
 
 
 def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
-    """The picture, twice its size, with the curve on it: red where seen, yellow where not."""
+    """The picture, enlarged, with the curve on it: red where seen, yellow where not."""
     import cv2
 
-    picture = cv2.resize(_colour(image), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
+    zoom = max(2, round(LEAST_WIDE_PX / image.shape[1]))
+    picture = cv2.resize(_colour(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_NEAREST)
+    said = curve.why
     if curve.ok:
-        nodes = np.round(((curve.points_px + 0.5) * 2 - 0.5) * 16).astype(np.int32)
+        nodes = np.round(((curve.points_px + 0.5) * zoom - 0.5) * 16).astype(np.int32)
         for first, second, seen in zip(nodes[:-1], nodes[1:], curve.seen, strict=False):
             colour = (40, 40, 255) if seen else (0, 220, 255)
             cv2.line(picture, tuple(map(int, first)), tuple(map(int, second)), colour, 1, 16, 4)
         said = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
-    else:
-        said = curve.why
-    cv2.putText(picture, said[:110], (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 3, 16)
-    cv2.putText(picture, said[:110], (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
+    lines = textwrap.wrap(said, picture.shape[1] // LETTER_PX)
+    picture[: LINE_PX * len(lines) + LINE_PX // 2] //= 3  # so that it can be read on any ground
+    for k, line in enumerate(lines, 1):
+        at = (LETTER_PX, LINE_PX * k)
+        cv2.putText(picture, line, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
     good, data = cv2.imencode(".png", picture)
     if good:
         path.write_bytes(data.tobytes())
