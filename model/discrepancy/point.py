@@ -9,13 +9,14 @@ import numpy as np
 
 from model.discrepancy.beyond import LEVELS, MOST_LOST, beyond_first_order
 from model.discrepancy.features import Look
+from model.discrepancy.pictures import bent, free_course, modes_in_pictures, pictured
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
 from model.effects.interface import Beam, Effect, Points, Values, Weighed
 from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
 from model.field import Field
-from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
+from model.measurements import Curve, FloatArray
 
 STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
 SELF_CONSISTENT = 5  # rounds of solving and applying effects that depend on the solution
@@ -129,7 +130,7 @@ class Study:
                 driven = part.clock.voltage_V != 0.0
                 eibm += np.bincount(part.reading_of, np.where(driven, course[0], 0.0), K) / count
                 stiffness += np.bincount(part.reading_of, course[1], K) / count
-                eibm += self._free_course(c, effect, values)
+                eibm += free_course(self, c, effect, values)
         return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
 
     def _response(
@@ -165,11 +166,11 @@ class Study:
         y[part.trend_rows] = measured
         has = scene.has_curve
         y[part.mode_rows[has]] = state.solved.modes_m[has]
-        pictured = self._pictured(c, inner)
-        if pictured is not None:  # what the step below takes off once more is put on here
-            bent = self._bent(c, state, pictured[1])
-            first = self.rows_of(c, state, replace(nothing, frame_eibm=pictured[0], beam=bent))
-            rows, exact = part.mode_rows[has], self._in_pictures(c, state.beam, pictured)
+        seen = pictured(self, c, inner)
+        if seen is not None:  # what the step below takes off once more is put on here
+            late = replace(nothing, frame_eibm=seen[0], beam=bent(self, c, state, seen[1]))
+            first = self.rows_of(c, state, late)
+            rows, exact = part.mode_rows[has], modes_in_pictures(self, c, state.beam, seen)
             y[rows] = first[rows] + exact[has]
         y[part.bin_rows] = part.bin_N
         y[part.sway_rows] = self._sway(c, state)
@@ -179,8 +180,8 @@ class Study:
             y -= self.rows_of(c, state, step)
         # the means are in the beam problem already
         driven = part.clock.voltage_V != 0.0
-        free = sum((self._free_course(c, e, v) for e, v in inner), start=np.zeros(scene.K))
-        beam = self._bent(c, state, free)
+        free = sum((free_course(self, c, e, v) for e, v in inner), start=np.zeros(scene.K))
+        beam = bent(self, c, state, free)
         mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of], beam=beam)
         y += self.rows_of(c, state, mean)
         y -= beyond_first_order(self, c, state, inner)
@@ -226,12 +227,12 @@ class Study:
             step = replace(
                 step, eibm=np.where(driven, course[0], 0.0), stiffness=np.asarray(course[1]),
                 bin_eibm=within[0] - at_sample[0], bin_stiffness=within[1] - at_sample[1],
-                beam=step.beam + self._bent(c, state, self._free_course(c, effect, values)),
+                beam=step.beam + bent(self, c, state, free_course(self, c, effect, values)),
             )  # fmt: skip
-        pictured = self._pictured(c, [(effect, values)])
-        if pictured is not None:
-            beam = step.beam + self._bent(c, state, pictured[1])
-            step = replace(step, frame_eibm=step.frame_eibm + pictured[0], beam=beam)
+        seen = pictured(self, c, [(effect, values)])
+        if seen is not None:
+            beam = step.beam + bent(self, c, state, seen[1])
+            step = replace(step, frame_eibm=step.frame_eibm + seen[0], beam=beam)
         for shape, much in effect.lagging(state.beam, state.solved.held, values):
             force, size = self._lagging(c, state, shape, much)
             step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
@@ -244,46 +245,6 @@ class Study:
             normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
             step = replace(step, points_m=normal)
         return step
-
-    def _pictured(
-        self, c: int, inner: list[tuple[Effect, Values]]
-    ) -> tuple[FloatArray, FloatArray] | None:
-        """Relative change of the EIBM in pictures: of readings (n,), of free shapes (K,)."""
-        clock, free = self.part(c).clock, self.scenes[c].free_clock
-        found = [(e.pictured(clock, v), e.pictured(free, v)) for e, v in inner]
-        seen = [(one, other) for one, other in found if one is not None and other is not None]
-        if not seen:
-            return None
-        readings, shapes = (np.sum(both, axis=0) for both in zip(*seen, strict=True))
-        return readings, self._of_free(c, shapes)
-
-    def _free_course(self, c: int, effect: Effect, values: Values) -> FloatArray:
-        """Relative change of Me/B that a course in time makes to the free shapes: (K,)."""
-        course = effect.course(self.scenes[c].free_clock, values)
-        nothing = np.zeros(self.scenes[c].K)
-        return nothing if course is None else self._of_free(c, course[0] - course[1])
-
-    def _of_free(self, c: int, values: FloatArray) -> FloatArray:
-        """Values of the free shapes among all conditions; 0 elsewhere and at 0 V: (K,)."""
-        scene, result = self.scenes[c], np.zeros(self.scenes[c].K)
-        result[scene.free] = np.where(scene.voltage_V[scene.free] != 0.0, values, 0.0)
-        return result
-
-    def _bent(self, c: int, state: State, change: FloatArray) -> FloatArray:
-        """Step of the beam by a relative change of the EIBM of each condition (K,): (K, Q)."""
-        step = self.no_step(c).beam
-        pushed = state.beam.eibm * state.beam.soft
-        step[:, : self.scenes[c].count] = change[:, None] * pushed
-        return step
-
-    def _in_pictures(
-        self, c: int, beam: Beam, pictured: tuple[FloatArray, FloatArray]
-    ) -> FloatArray:
-        """Modes of the distances of the curves in them, exactly: (K, M)."""
-        of, K = self.part(c).reading_of, self.scenes[c].K
-        count = np.maximum(np.bincount(of, minlength=K), 1)
-        change = np.bincount(of, pictured[0], K) / count + pictured[1]
-        return self.scenes[c].modes_of(replace(beam, eibm=beam.eibm * (1.0 + change[:, None])))
 
     def _rise_s(self, c: int) -> float:
         return max(self.scenes[c].sheet.rise_time_s, 1e-6)
@@ -361,17 +322,3 @@ def _modes(scene: Scene, k: int, curve: Curve, solved: Solved) -> FloatArray:
     off = off + (curve.y_m[:n] - solved.y_m[k, :n]) * solved.ny[k, :n]
     result: FloatArray = scene.project[k, :, :n] @ off
     return result
-
-
-def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
-    """A model that was fitted to another sheet cannot explain this one."""
-    for what, a, b in (
-        ("free length", sheet.free_length_m, other.free_length_m),
-        ("elongation", sheet.elongation_m, other.elongation_m),
-        ("arc radius", sheet.arc_radius_m, other.arc_radius_m),
-    ):
-        if abs(a - b) > 1e-6:
-            raise ModelError(
-                f"the model was fitted to a '{sheet.configuration}' with a {what} of"
-                f" {b * 1e3:g} mm, these data are of one with {a * 1e3:g} mm"
-            )

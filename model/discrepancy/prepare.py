@@ -9,12 +9,12 @@ import numpy as np
 from model.discrepancy.base import bases_of, rest_of, start
 from model.discrepancy.features import Look, look
 from model.discrepancy.linear import Bases
-from model.discrepancy.point import Study, check_geometry
+from model.discrepancy.point import Study
 from model.discrepancy.row_noise import noise_of
 from model.discrepancy.settle import Problem
 from model.discrepancy.tolerance import Found
 from model.effects.catalogue import effect as effect_of
-from model.measurements import FloatArray, Measurements, ModelError
+from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.sheet_model import SheetModel
 
 FEWEST_SETUPS = 4
@@ -77,7 +77,7 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     if options.model is not None:
         for one in looks:
             sheet = options.model.sheet(one.sheet.configuration).sheet
-            check_geometry(one.sheet, sheet)
+            _check_geometry(one.sheet, sheet)
     problem = Problem.of(study, bases, noise_of(study))
     return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
 
@@ -184,3 +184,17 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
 def setups(prepared: Prepared) -> int:
     """How many times the load cell was set: what the scatter between set-ups is estimated from."""
     return len([r for r in prepared.problem.study.layout.runs if np.isfinite(r[1])])
+
+
+def _check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
+    """A model that was fitted to another sheet cannot explain this one."""
+    for what, a, b in (
+        ("free length", sheet.free_length_m, other.free_length_m),
+        ("elongation", sheet.elongation_m, other.elongation_m),
+        ("arc radius", sheet.arc_radius_m, other.arc_radius_m),
+    ):
+        if abs(a - b) > 1e-6:
+            raise ModelError(
+                f"the model was fitted to a '{sheet.configuration}' with a {what} of"
+                f" {b * 1e3:g} mm, these data are of one with {a * 1e3:g} mm"
+            )
