@@ -6,19 +6,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.effects._values import MILLI
 from model.effects.interface import Beam, Effect, Held, Knob, Values
 
 
 @dataclass(frozen=True)
 class EibmAsymmetry(Effect):
-    """What is even in the voltage: as much more at one polarity as less at the other."""
+    """What is even in the voltage: as much more at one polarity as less at the other.
+
+    The same all along the sheet, or falling from the clamp.
+    """
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         del held
         even = (1.0 - p["ratio"]) / (1.0 + p["ratio"])
-        more = 1.0 + even * np.sign(beam.voltage_V)
-        return replace(beam, eibm=beam.eibm * more[:, None])
+        along = np.ones_like(beam.s_m)
+        if p["fall_mm"] > 0.0:
+            along = np.exp(-beam.s_m / (p["fall_mm"] * MILLI))
+            along *= np.sum(beam.piece_m) / np.sum(along * beam.piece_m)
+        more = 1.0 + even * np.sign(beam.voltage_V)[:, None] * along
+        return replace(beam, eibm=beam.eibm * more)
 
 
 EFFECT = EibmAsymmetry(
@@ -27,7 +35,10 @@ EFFECT = EibmAsymmetry(
         "The EIBM at a negative voltage is not the mirror image of that at the positive one: its"
         " two electrodes, or its two faces, are not alike."
     ),
-    form="Me(+V) = (1 + e) |Me|, Me(-V) = -(1 - e) |Me|, e = (1 - ratio)/(1 + ratio)",
+    form=(
+        "Me(+V) = (1 + e) |Me|, Me(-V) = -(1 - e) |Me|, e = (1 - ratio)/(1 + ratio); the same along"
+        " the sheet, or falling from the clamp with this mean"
+    ),
     slot="even_moment",
     signature=(
         "The mean of what +V and -V do differs from what 0 V does. Only a model in which one |EIBM|"
@@ -39,6 +50,10 @@ EFFECT = EibmAsymmetry(
         Knob(
             "ratio", "|EIBM| at negative over that at positive voltage", "", 0.8,
             low=0.1, high=10.0, neutral=1.0, log=True,
+        ),
+        Knob(
+            "fall_mm", "length in which it falls to 1/e from the clamp; 0: it does not", "mm",
+            0.0, 0.0, 1e3, tried=(0.0, 25.0),
         ),
     ),
     tolerance=("s",),

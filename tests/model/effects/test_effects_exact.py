@@ -194,10 +194,15 @@ def test_without_an_elongation_none_can_give_way():
 
 def test_the_asymmetry_adds_at_one_polarity_what_it_takes_from_the_other():
     beam, held = example_beam()
-    other = effect("eibm_asymmetry").beam(beam, held, {"ratio": 0.8}).eibm
+    p = values("eibm_asymmetry", ratio=0.8)
+    other = effect("eibm_asymmetry").beam(beam, held, p).eibm
     np.testing.assert_allclose(other[2], -0.8 * other[1])
     np.testing.assert_allclose(other[1] - other[2], beam.eibm[1] - beam.eibm[2])
     assert not np.any(other[beam.voltage_V == 0.0])
+    falling = effect("eibm_asymmetry").beam(beam, held, {**p, "fall_mm": 25.0}).eibm
+    assert falling @ WEIGHTS == pytest.approx(other @ WEIGHTS)
+    more, length_m = falling[1] / beam.eibm[1] - 1.0, beam.s_m[-1] - beam.s_m[0]
+    assert more[-1] / more[0] == pytest.approx(np.exp(-length_m / 0.025))
 
 
 def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
