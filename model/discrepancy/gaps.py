@@ -12,6 +12,8 @@ from model.discrepancy.result import BeforeAfter, Gap, Row
 from model.discrepancy.settle import Fitted
 from model.measurements import FloatArray
 
+CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be
+
 
 @dataclass(frozen=True)
 class Cells:
@@ -91,9 +93,12 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:
     """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most."""
     best, share = 0.0, np.nan
-    for name in ("force_rmse_mN", "curve_rmse_mm", "drift_rmse_mN", "pulse_rmse_mN"):
+    for name, clear in (
+        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0),
+        ("drift_rmse_mN", CLEAR), ("pulse_rmse_mN", CLEAR),
+    ):  # fmt: skip
         before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
-        if np.isfinite(before) and before > noise:
+        if np.isfinite(before) and before > clear * noise:
             standing = before / noise
             if standing > best:
                 best = standing
