@@ -40,7 +40,8 @@ def sentence(
     if verdict == "indistinguishable":
         also = " or ".join(sorted({c for n in named for c in n.confusable_with}))
         return f"{names} is missing, or {also}, which these data cannot tell apart; {gap}."
-    return f"{names} {'are' if len(named) > 1 else 'is'} missing: with it {gap}."
+    is_it = "are missing: with them" if len(named) > 1 else "is missing: with it"
+    return f"{names} {is_it} {gap}."
 
 
 def too_few(setups: int) -> str:

@@ -26,3 +26,12 @@ def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
     assert said.startswith("gravity is missing: with it ")
     assert said.endswith(wanted)
     assert "nan" not in said
+
+
+def test_several_are_missing():
+    both = BeforeAfter(Gap(0.2, 1.5, 9.0, 0.02, 0.114), Gap(0.03, 0.04, 1.0, 0.02, 0.008))
+    said = sentence("effect_named", [NAMED, NAMED], None, both, "")
+    assert said == (
+        "gravity and gravity are missing: with them the gap on left-out positions goes from 0.200"
+        " to 0.030 mN, from 1.500 to 0.040 mm and within a pulse from 0.114 to 0.008 mN."
+    )
