@@ -103,6 +103,7 @@ def test_force_both_ways_is_what_the_weaker_direction_gives(truth):
     assert force_both_ways(truth, "short", 0.0, 0.03).force_N.value < answer.force_N.value
 
 
+@pytest.mark.slow
 def test_the_sheet_of_least_area_gives_the_force_and_no_smaller_one_does(truth):
     size = least_area(truth, "long", 0.01, 0.016, 5e-4, elongated=True)
     finite = size.areas_m2[np.isfinite(size.areas_m2)]
@@ -127,6 +128,7 @@ def test_an_elongation_saves_area_and_makes_the_force_linear(truth):
     assert np.all(np.diff(errors.relative_error) > 0.0)  # the longer the sheet, the less linear
 
 
+@pytest.mark.slow
 def test_a_force_that_cannot_be_had_is_an_error(truth):
     weak = SheetModel({"long": varied(truth.sheet("long"), 1.0, {2.0: 0.05, -2.0: 0.05})})
     with pytest.raises(ModelError, match="no sheet of this material"):

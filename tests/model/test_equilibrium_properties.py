@@ -33,6 +33,7 @@ def equilibrium(kappa, position, soft=None, accuracy="reference"):
     return found
 
 
+@pytest.mark.slow
 @quick
 @given(curvatures, lengths, positions)
 def test_deflection_angle_and_mean_moment_satisfy_equation_2(values, length, position):
@@ -132,6 +133,7 @@ def test_straight_sheet_agrees_with_the_closed_form(tip):
     assert found.s_hat_m[0] == pytest.approx(R * I0 / np.sqrt(4.0 * np.sin(tip) + I1**2), rel=1e-10)
 
 
+@pytest.mark.slow
 @quick
 @given(curvatures, lengths, positions, real(0.6, 1.8))
 def test_compiled_and_numpy_engines_agree(values, length, position, stiffness):

@@ -52,6 +52,7 @@ def test_noisy_data_give_parameters_within_their_stated_uncertainty(truth, measu
     assert 0.003 < found.scatter["stiffness"] < 0.03
 
 
+@pytest.mark.slow
 def test_the_paper_s_formulas_give_the_same_within_their_scatter(truth, measure):
     data = measure(seed=2)
     for name, B in (("long", LONG_B), ("short", SHORT_B)):

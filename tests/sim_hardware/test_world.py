@@ -275,6 +275,7 @@ def test_the_same_calls_give_the_same_bits_and_another_seed_others() -> None:
     assert not np.array_equal(first[1], other[1])
 
 
+@pytest.mark.slow
 def test_a_new_set_up_scatters_as_stated() -> None:
     clock = HandClock()
     world = World(settings_with(**{**QUIET, "scatter": {}}), clock)

@@ -113,6 +113,7 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
 
 
+@pytest.mark.slow
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
     with mpl.rc_context({"pdf.compression": 0}):

@@ -45,6 +45,7 @@ def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known)
     assert curve.polarity == ("bright" if scene.recipe.bright else "dark")
 
 
+@pytest.mark.slow
 def test_a_picture_knows_no_scale(scenes, known):
     """A strip of 3 mm from near looks as one of 40 mm does from afar, and bends 13 times as much.
 

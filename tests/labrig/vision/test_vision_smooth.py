@@ -91,6 +91,7 @@ def test_priors_do_not_depend_on_the_unit_of_length(basis):
     assert priors * other**2 == pytest.approx(smooth_priors(wander, sway, basis.free_px), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_curvature_and_its_band_on_plain_sheets(scenes, known):
     misses, inside = [], []
     for seed in (3_000_001, 3_000_005, 3_000_007, 3_000_021):  # that bend most at the root

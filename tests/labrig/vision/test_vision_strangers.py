@@ -53,6 +53,7 @@ def test_a_line_that_leads_past_the_clamp_is_no_sheet(scenes, known, seed, said)
     assert said in curve.why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("beside_px", "ok"), [(0.0, True), (2.0, True), (7.0, False)])
 @pytest.mark.parametrize("hidden_px", [0.0, 20.0, 30.0])
 def test_a_sheet_that_curves_most_where_its_root_is_hidden_still_leads_to_the_clamp(

@@ -85,6 +85,7 @@ def test_a_sheet_that_a_wire_hides_too_far_is_refused(scenes, known, seed):
     assert "it is known to ±" in curve.why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "covered"),
     [(950_110, 0.85), (950_193, 0.85), (1_300_000, 0.8), (1_300_114, 0.8)],
@@ -170,6 +171,7 @@ def test_a_lead_from_the_jaw_to_the_border_is_no_face_of_the_sheet_it_runs_with(
     assert any("a wire lies along" in said for said in curve.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spacing", [40, 47])
 def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     scenes, known, spacing

@@ -171,6 +171,7 @@ def seen():
     return base, pool, signatures(base, pool, {})
 
 
+@pytest.mark.slow
 def test_an_effect_is_no_distance_from_itself_and_parallel_to_itself(seen):
     _, pool, found = seen
     assert found.names == tuple(catalogue())
@@ -181,6 +182,7 @@ def test_an_effect_is_no_distance_from_itself_and_parallel_to_itself(seen):
     assert len(pool) == 28
 
 
+@pytest.mark.slow
 def test_what_the_base_model_has_already_cannot_be_seen(seen):
     base, _, found = seen
     asymmetry = candidates(base, [effect("eibm_asymmetry")])
