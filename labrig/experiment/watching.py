@@ -14,7 +14,7 @@ from drivers.safe import SafetyReport
 from labrig.errors import NotReadyError
 from labrig.experiment.rig import Rig
 from labrig.experiment.safety import output_place
-from labrig.session.guarded import guard_report_path
+from labrig.session.guarded import forget_guard_report, guard_report_path
 
 _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts when it is passed
 
@@ -74,7 +74,8 @@ def watched(rig: Rig, session: Path) -> Iterator[Watch]:
 
     Should this program not live to tell, the guard leaves its report beside the session.
     """
-    with _guard_of(rig, guard_report_path(session)) as watch:
+    forget_guard_report(session)  # of an earlier one of this name
+    with _guard_of(rig, session) as watch:
         if rig.interlock is None:
             yield watch
             return
@@ -90,14 +91,14 @@ def watched(rig: Rig, session: Path) -> Iterator[Watch]:
 
 
 @contextmanager
-def _guard_of(rig: Rig, report: Path) -> Iterator[Watch]:
+def _guard_of(rig: Rig, session: Path) -> Iterator[Watch]:
     """The guard's process while a real rig is run."""
     if rig.config.is_simulated:
         yield Unwatched()
         return
     limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
-    settings = GuardSettings(output_place(rig.config), limit_s, report_path=str(report.absolute()))
-    _remove(report)  # of an earlier session of this name
+    report = str(guard_report_path(session).absolute())
+    settings = GuardSettings(output_place(rig.config), limit_s, report_path=report)
     try:
         guard = Guard.start(settings)
     except DeviceError as fault:
@@ -106,9 +107,4 @@ def _guard_of(rig: Rig, report: Path) -> Iterator[Watch]:
         yield guard
     finally:
         guard.disarm()  # acts first when 0 V was not confirmed
-        _remove(report)  # we live, so the session itself says how it ended
-
-
-def _remove(report: Path) -> None:
-    with suppress(OSError):  # nothing hangs on it, least of all making safe
-        report.unlink(missing_ok=True)
+        forget_guard_report(session)  # we live, so the session itself says how it ended

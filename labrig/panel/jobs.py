@@ -18,7 +18,7 @@ from labrig.panel.packing import BrokenLinkError, Header
 from labrig.panel.place import ENDED, GOING, LOST, Place, hidden_folder, read_place
 from labrig.panel.processes import detached, module_environment
 from labrig.panel.strip import strip_from
-from labrig.session.guarded import GuardReport, read_guard_report
+from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
 
 LOOK_S = 0.3
 START_S = 30.0  # a busy computer imports slowly
@@ -67,6 +67,7 @@ class Jobs:
                 raise NotNowError("a job is going on already; wait for its end, or stop it.")
             self._starting = True
         try:
+            _forget_old_guard(order)
             self._process = process = _spawn(order, hidden_folder(self._data))
             self._wait_for(order, process)
         finally:
@@ -202,6 +203,12 @@ class Jobs:
             if ended and (self._place is None or self._place.id != order.id):
                 raise LabrigError(f"the job did not start; see {self._data}/.labrig/job.log.")
         raise LabrigError(f"the job did not start in {START_S:g} s; is the computer overloaded?")
+
+
+def _forget_old_guard(order: Order) -> None:
+    """What the guard of an earlier session of this name said is not said of the new one."""
+    if order.session is not None and not Path(order.session).exists():
+        forget_guard_report(Path(order.session))
 
 
 def _told(report: GuardReport) -> str:

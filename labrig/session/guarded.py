@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,12 @@ class GuardReport:
 def guard_report_path(session: Path) -> Path:
     """Where the guard leaves its report. A program that ends its session itself removes it."""
     return session.with_name(session.name + ".guard.json")
+
+
+def forget_guard_report(session: Path) -> None:
+    """Remove the report of a run that is over; nothing hangs on it, least of all making safe."""
+    with suppress(OSError):
+        guard_report_path(session).unlink(missing_ok=True)
 
 
 def read_guard_report(session: Path) -> GuardReport | None:

@@ -18,7 +18,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
 from labrig.session.create import create_file
 from labrig.session.disk import written_beside
-from labrig.session.guarded import GuardReport, guard_report_path, read_guard_report
+from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
 from labrig.session.journal import JournalReader, journal_path, read_journal
 from labrig.session.locking import is_locked
 from labrig.session.merge import add_missing, trim
@@ -76,7 +76,7 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
         _insist_on_whole(new, target)
     if in_place:
         beside.unlink(missing_ok=True)
-        guard_report_path(path).unlink(missing_ok=True)
+        forget_guard_report(path)
     return _report(path, target, from_journal=journal is not None, notes=notes)
 
 

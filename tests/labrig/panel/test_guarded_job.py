@@ -8,8 +8,10 @@ import threading
 
 import pytest
 
+from labrig.errors import LabrigError
 from labrig.panel.darkroom import Darkroom
 from labrig.panel.feed import Feed
+from labrig.panel.job.order import Order
 from labrig.panel.jobs import Jobs
 from labrig.panel.place import GOING, Place, write_place
 from labrig.session.guarded import guard_report_path
@@ -78,6 +80,45 @@ def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when
     assert "0 V written and read back" in told["text"]
     assert "labrig recover" in told["text"]
     assert feed.messages()[-2] == told
+
+
+def test_a_new_run_does_not_inherit_the_report_of_an_old_one_of_its_name(jobs, tmp_path):
+    """It would be shown as safe while it begins, and its own guard would not be heard."""
+    stale = guard_report_path(tmp_path / "new.h5")
+    stale.write_text(json.dumps(REPORT))
+    feed, panel = jobs()
+    feed.until(type="output", state="unknown")
+
+    def spawned(order, hidden):
+        assert not stale.exists()
+        raise LabrigError("far enough")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("labrig.panel.jobs._spawn", spawned)
+        with pytest.raises(LabrigError, match="far enough"):
+            panel.start(run_into(tmp_path / "new.h5"))
+
+
+def test_an_order_that_will_be_refused_takes_no_report_from_the_session_that_is_there(
+    jobs, tmp_path
+):
+    (tmp_path / "s.h5").write_bytes(b"cut short")
+    guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
+    feed, panel = jobs()
+    feed.until(type="output", by="guard")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("labrig.panel.jobs._spawn", refusing)
+        with pytest.raises(LabrigError, match="refused"):
+            panel.start(run_into(tmp_path / "s.h5"))
+    assert guard_report_path(tmp_path / "s.h5").exists()
+
+
+def run_into(session):
+    return Order("8", "run", "Ann", "now", str(session.parent), session=str(session))
+
+
+def refusing(order, hidden):
+    raise LabrigError("refused")
 
 
 def test_an_output_that_the_guard_could_not_make_safe_stays_unknown(jobs, tmp_path):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from labrig.errors import BadInputError
+from labrig.experiment.watching import watched
 from labrig.session import SessionWriter, open_session, recover, verify
 from labrig.session.guarded import guard_report_path, read_guard_report
 from labrig.session.journal import journal_path
@@ -67,3 +69,11 @@ def test_a_report_that_is_not_whole_is_none(cut, text):
     assert read_guard_report(cut) is None
     with pytest.raises(BadInputError, match="recorded right now, or its recording was cut short"):
         open_session(cut)
+
+
+def test_what_was_said_of_an_earlier_session_of_that_name_is_not_said_of_a_new_one(tmp_path):
+    session = tmp_path / "s.h5"
+    guard_report_path(session).write_text(json.dumps(SAFE))
+    simulated = SimpleNamespace(config=SimpleNamespace(is_simulated=True), interlock=None)
+    with watched(simulated, session):
+        assert read_guard_report(session) is None
