@@ -132,21 +132,19 @@ def _describe(image: npt.NDArray[Any]) -> str:
 
 
 def _video_capture(source: int | str) -> Any:
+    # We say ourselves what is wrong, also of a stream that ends later. FFmpeg writes by itself, and
+    # is told before it is first used.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2
 
-    logging = cv2.utils.logging
-    level = logging.getLogLevel()
-    logging.setLogLevel(logging.LOG_LEVEL_SILENT)  # we say ourselves what is wrong
-    try:
-        if _is_url(source):
-            limits = [
-                cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(OPEN_TIMEOUT_S * 1e3),
-                cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(READ_TIMEOUT_S * 1e3),
-            ]  # fmt: skip
-            return cv2.VideoCapture(source, cv2.CAP_FFMPEG, limits)
-        return cv2.VideoCapture(source)
-    finally:
-        logging.setLogLevel(level)
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    if _is_url(source):
+        limits = [
+            cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(OPEN_TIMEOUT_S * 1e3),
+            cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(READ_TIMEOUT_S * 1e3),
+        ]  # fmt: skip
+        return cv2.VideoCapture(source, cv2.CAP_FFMPEG, limits)
+    return cv2.VideoCapture(source)
 
 
 def _is_url(source: int | str) -> bool:

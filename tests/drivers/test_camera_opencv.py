@@ -162,7 +162,7 @@ def test_a_url_that_accepts_and_stays_silent_is_refused_in_bounded_time(monkeypa
         assert time.perf_counter() - began < 1.5
 
 
-def test_a_server_that_goes_away_is_noticed(server):
+def test_a_server_that_goes_away_is_noticed(server, capfd):
     camera = OpenCvCamera(server.url, RealClock(), stall_s=1.0)
     camera.open()
     try:
@@ -174,6 +174,7 @@ def test_a_server_that_goes_away_is_noticed(server):
             wait_for(lambda: camera.frames() and False, seconds=5.0)
     finally:
         camera.close()
+    assert capfd.readouterr().err == ""  # what OpenCV and FFmpeg write by themselves helps nobody
 
 
 @pytest.mark.slow
