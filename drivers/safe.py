@@ -5,7 +5,7 @@ Every way out of a run comes through `make_safe`, so nothing in here raises.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -17,6 +17,7 @@ READ_BACK_S = 0.02
 PATIENCE_S = 1.0  # a device that fails is tried again for so long
 DEVICE_S = 5.0  # a device that does not answer keeps the next one waiting for so long at most
 _AGAIN_S = 0.05
+_FAILED = " failed: "  # between what was tried and why not, in most errors' texts
 _READ_BACKS = 10  # the voltage may need a moment to fall: 0.2 s in all
 
 
@@ -46,7 +47,7 @@ class SafetyReport:
         seen = "not read back"
         if self.read_back_V is not None:
             seen = f"read back as {self.read_back_V:.3f} V"
-        why = "; ".join(self.failures)
+        why = told_once(self.failures)
         if self.is_safe:
             return f"the output is safe: 0 V written and {seen}" + (f" (but {why})" if why else "")
         return (
@@ -95,6 +96,17 @@ def judge(
         told.append(f"the drive voltage reads {seen_V:.3f} V, not below {safe_below_V:g} V")
     state = Safety.SAFE if written and low else Safety.UNKNOWN
     return SafetyReport(state, seen_V, tuple(told))
+
+
+def told_once(failures: Iterable[str]) -> str:
+    """Failures in words; what one cause has kept from being done stands together before it."""
+    kept: dict[str, list[str]] = {}
+    for failure in failures:
+        what, parted, cause = failure.partition(_FAILED)
+        kept.setdefault(cause if parted else failure, []).extend([what] * bool(parted))
+    return "; ".join(
+        f"{', '.join(whats)}{_FAILED}{cause}" if whats else cause for cause, whats in kept.items()
+    )
 
 
 def attempt(failures: list[str], action: Callable[[], object]) -> bool:

@@ -157,9 +157,9 @@ class Scheduler:
             if self._status.state in (RunState.FINISHED, RunState.UNKNOWN):
                 raise ScheduleError("the session is over; mark the reading in its file")
             if run not in self._started:
-                raise ScheduleError(f"run {run} has not begun, so nothing of it can be marked")
+                raise ScheduleError(f"run {run + 1} has not begun, so nothing of it can be marked")
             if reading is not None and (run, reading) not in self._taken:
-                raise ScheduleError(f"reading {reading} of run {run} has not been taken yet")
+                raise ScheduleError(f"reading {reading} of run {run + 1} has not been taken yet")
             self._emit(ReadingMarked(self._clock.now(), run, reading, why, who))
 
     def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:
@@ -215,7 +215,7 @@ class Scheduler:
             off_m = reported_m - run.position_m
             if abs(off_m) > self._rules.position_tolerance_m:
                 text = (
-                    f"the stage reports {reported_m * 1e3:.2f} mm where run {run.index} wants "
+                    f"the stage reports {reported_m * 1e3:.2f} mm where run {run.index + 1} wants "
                     f"{run.position_m * 1e3:g} mm"
                 )
                 self._emit(Warned(self._clock.now(), text))
@@ -254,7 +254,8 @@ class Scheduler:
         found = self._output.settle(self._make_safe)
         self._loop.guarded("telling the state of the output", lambda: self._output.tell(found))
         state = self._output.state
-        reason = text if state is OutputState.SAFE else f"{text}; {found}"
+        # What hands must do comes first, however much there is to say.
+        reason = text if state is OutputState.SAFE else f"{found}; what ended the session: {text}"
         with self._emit_lock:
             try:
                 self._emit(

@@ -33,7 +33,10 @@ from protocols.hub import EventHub
 from protocols.stop import StopLevel, StopRequest
 
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
-
+_NOT_ZERO = (
+    "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off by hand; "
+    "labrig goes on trying"
+)
 
 FOLLOWS = "follows.txt"  # among a session's texts: the identifier of the one it adds to
 
@@ -133,19 +136,21 @@ class RunDisplay:
         self._move_s = move_s
         self._done_s = sum(run.duration_s + move_s for run in schedule.runs if run.index in done)
         self._output = OutputState.UNKNOWN
-        self._run: PlannedRun | None = None
+        self._run: PlannedRun | None = None  # the present or last one
+        self._running = False
         self._invalid: list[str] = []  # why, of this run's readings
 
     def __call__(self, event: Event) -> None:
         """See `protocols.hub`: called for each event."""
         if isinstance(event, RunStarted):
-            self._run, self._invalid = event.run, []
+            self._run, self._running, self._invalid = event.run, True, []
             self._tell(0.0, "")
         elif isinstance(event, ReadingTaken) and self._run is not None:
             self._invalid += [event.why] * (not event.valid)
             fraction_s = self._run.time_of(event.planned)
             self._tell(fraction_s, f"F = {1e3 * event.force_N:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
+            self._running = False
             self._done_s += self._run.duration_s + self._move_s
             if self._invalid:
                 warn(
@@ -159,6 +164,9 @@ class RunDisplay:
                 )
         elif isinstance(event, OutputChanged):
             self._output = event.state
+            if self._running and event.state is OutputState.UNKNOWN:
+                # Making safe may take its time: until then only hands can act.
+                warn(_NOT_ZERO)
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
         elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:

@@ -102,7 +102,7 @@ def _finish(result: object) -> None:
     from labrig.experiment.run import Result
 
     assert isinstance(result, Result)  # noqa: S101 - for the type checker
-    said = f"{result.path}: {result.outcome.value}: {result.status.text}."
+    said = f"{result.path}: {result.outcome.value}: {result.status.text.rstrip('.')}."
     if result.code:
         warn(f"labrig: {said}")
         raise typer.Exit(int(result.code))

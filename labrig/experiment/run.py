@@ -86,7 +86,7 @@ def _leaving_safely(rig: Rig) -> Iterator[WayOut]:
             found = way.report or way.make_safe()
             if found.is_safe:
                 raise
-            raise OutputUnknownError(f"{error} {found.text}") from error
+            raise OutputUnknownError(f"{found.text}; what ended the run: {error}") from error
 
 
 def _record(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.interfaces import DeviceError, LimitError, SampleClock, SignalBlock, VoltageWrite
-from drivers.safe import DEVICE_S, PATIENCE_S, Safety, make_safe
+from drivers.safe import DEVICE_S, PATIENCE_S, Safety, SafetyReport, make_safe
 from sim_hardware.clock import VirtualClock
 
 
@@ -195,3 +195,17 @@ def test_a_device_that_fails_for_a_moment_is_tried_again():
     report = make_safe(Late(sheet), Signals(sheet), clock, "drive", 0.05)
     assert report.is_safe
     assert report.failures == ("the network is gone",)  # told once, however often it was tried
+
+
+def test_one_cause_of_many_failures_is_told_once_after_all_that_it_kept_from_being_done():
+    failures = (
+        "writing 0 V to PCI6703/ao0 failed: no connection to x:1",
+        "it is closed",
+        "stopping the inputs failed: no connection to x:1",
+        "reading failed: it broke; the rest failed: too",
+    )
+    assert SafetyReport(Safety.UNKNOWN, None, failures).text == (
+        "THE OUTPUT IS NOT KNOWN TO BE SAFE (not read back): switch the amplifier off by hand; "
+        "writing 0 V to PCI6703/ao0, stopping the inputs failed: no connection to x:1; "
+        "it is closed; reading failed: it broke; the rest failed: too"
+    )

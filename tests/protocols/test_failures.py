@@ -83,7 +83,12 @@ def test_an_output_that_fails_for_good_is_unknown_and_stays_guarded():
         rig, scheduler, _ = fail("output", lambda index, k=k: index >= k)
         assert rig.events[-1].output is OutputState.UNKNOWN
         assert scheduler.status.state is RunState.UNKNOWN
-        assert "switch the amplifier off by hand" in rig.events[-1].reason
+        reason = rig.events[-1].reason
+        assert reason.startswith(
+            "THE OUTPUT IS NOT KNOWN TO BE SAFE"
+        )  # what hands must do is first
+        assert "switch the amplifier off by hand" in reason
+        assert "what ended the session: " in reason
         if rig.output.last_V != 0.0:
             assert rig.guarded[-1] is True  # so the guard, hearing no beat, acts
 

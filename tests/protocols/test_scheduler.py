@@ -306,7 +306,7 @@ def test_a_stage_that_stands_elsewhere_is_a_warning(rig):
     rig.stage.off_m = 0.0008
     ends_well(rig)
     assert rig.of_kind(RunStarted)[0].stage_position_m == pytest.approx(0.0008)
-    assert "the stage reports 0.80 mm where run 0 wants 0 mm" in rig.of_kind(Warned)[0].text
+    assert "the stage reports 0.80 mm where run 1 wants 0 mm" in rig.of_kind(Warned)[0].text
 
 
 def test_runs_that_are_done_are_left_out_when_a_session_is_resumed(rig):
@@ -337,8 +337,8 @@ def test_readings_can_be_marked_once_they_are_taken(rig):
         (0, None, "AP"),
     ]
     assert said == [
-        "reading 2 of run 0 has not been taken yet",
-        "run 1 has not begun, so nothing of it can be marked",
+        "reading 2 of run 1 has not been taken yet",
+        "run 2 has not begun, so nothing of it can be marked",
     ]
     with pytest.raises(ScheduleError, match="the session is over"):
         scheduler.mark(0, 1, "", "")

@@ -1,0 +1,45 @@
+"""What `labrig run` says while a run goes on."""
+
+from __future__ import annotations
+
+import pytest
+
+from labrig.cli.follow import RunDisplay
+from protocols.events import Event, RunStopped, VoltageSet
+from tests.protocols.fake_rig import FakeRig, short_schedule
+
+AT_ONCE = "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off"
+
+
+def said_while(rig: FakeRig, capsys: pytest.CaptureFixture[str]) -> str:
+    """Run; what has been said when the run is over, and making safe has not begun."""
+    schedule = short_schedule(0.0)
+    display = RunDisplay(schedule, lambda _fraction, _text: None)
+    said: list[str] = []
+
+    def show(event: Event) -> None:
+        rig.events.append(event)
+        display(event)
+        if isinstance(event, RunStopped):
+            said.append(capsys.readouterr().err)
+
+    rig.scheduler(emit=show).run(schedule)
+    return said[0]
+
+
+def test_a_voltage_that_cannot_be_taken_back_is_told_before_making_safe_begins(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rig = FakeRig()
+    rig.faults["output"].fail_at = lambda index: index >= 4
+    assert said_while(rig, capsys).count(AT_ONCE) == 1
+    assert rig.of_kind(VoltageSet)[-1].write.sheet_V != 0.0
+
+
+def test_nothing_of_the_kind_is_told_of_a_run_that_ends_at_0_V(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rig = FakeRig()
+    rig.faults["signals"].fail_at = lambda index: index == 9
+    assert AT_ONCE not in said_while(rig, capsys)
+    assert "0 V" not in capsys.readouterr().err
