@@ -145,5 +145,5 @@ def _reading_faults(run: PlannedRun, reading: PlannedReading) -> Iterator[str]:
 def _runs(runs: list[PlannedRun]) -> str:
     first = runs[0]
     at = "" if first.position_m is None else f" at {first.position_m * 1e3:g} mm"
-    name = f"run {first.index} ({first.configuration}{at})"
+    name = f"run {first.index + 1} ({first.configuration}{at})"
     return name if len(runs) == 1 else f"{name} and {len(runs) - 1} more"

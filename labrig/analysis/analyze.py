@@ -70,7 +70,7 @@ def _check_configurations(session: Session, sheets: dict[str, SheetGeometry]) ->
         if run.planned.configuration not in sheets:
             raise BadInputError(
                 f"{session.path}: its sheet.toml has no table [{run.planned.configuration}], which "
-                f"run {run.planned.index} needs."
+                f"run {run.planned.index + 1} needs."
             )
 
 

@@ -69,7 +69,12 @@ def overview(session: Session) -> Overview:
         ("labrig", session.versions.get("labrig", "-")),
     )
     log = tuple(
-        (f"{event.time_s:.3f}", event.kind, str(event.run) if event.run >= 0 else "", event.text)
+        (
+            f"{event.time_s:.3f}",
+            event.kind,
+            str(event.run + 1) if event.run >= 0 else "",
+            event.text,
+        )
         for event in session.events
     )
     return Overview(facts, runs, log)

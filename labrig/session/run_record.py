@@ -63,7 +63,7 @@ class RunRecord:
     def sample_clock(self) -> SampleClock:
         """Sample indices against clock time. Raises BadInputError when the run was never begun."""
         if not self.started:
-            raise BadInputError(f"{self._path}: run {self.planned.index} was never begun.")
+            raise BadInputError(f"{self._path}: run {self.planned.index + 1} was never begun.")
         row = self._acquisition
         return SampleClock(
             start_s=float(row["clock_start_s"]),
@@ -151,8 +151,8 @@ class RunRecord:
         """An image by its row, 0 to `frame_count` - 1."""
         if not 0 <= row < self.frame_count:
             raise BadInputError(
-                f"{self._path}: run {self.planned.index} has {self.frame_count} images and none "
-                f"in row {row}."
+                f"{self._path}: run {self.planned.index + 1} has {self.frame_count} images and "
+                f"none in row {row}."
             )
         return read_array(self._images(), self._path, row)
 

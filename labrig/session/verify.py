@@ -80,7 +80,7 @@ def _digest(file: Any, name: str, path: Path) -> str:
 
 
 def _run(run: RunRecord, session: Session) -> Iterator[Check]:
-    name = f"run {run.planned.index}"
+    name = f"run {run.planned.index + 1}"
     whole = session.outcome is Outcome.COMPLETED or run.completed
     planned, have = len(run.planned.readings), len(run.readings)
     cut = "" if whole else f" (the session {session.outcome.value})"

@@ -55,7 +55,7 @@ def test_one_flipped_bit_in_a_frame_is_found(session):
 def test_a_reading_that_is_missing_is_found(session):
     with h5py.File(session, "r+") as file:
         file["session/run_001/readings"].resize(5, axis=0)
-    assert failed(session)["run 1: readings"] == "5 of 8"
+    assert failed(session)["run 2: readings"] == "5 of 8"
 
 
 def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recorded, tmp_path):
