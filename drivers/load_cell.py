@@ -73,10 +73,6 @@ class LoadCellCalibration:
         zero = self.offset_sigma_V / self.sensitivity_V_per_N
         return float(np.hypot(slope, zero))
 
-    def age_days(self, today: dt.date) -> int:
-        """Days since the calibration."""
-        return (today - self.date).days
-
 
 class LoadState(StrEnum):
     """What a block of samples says of the load cell."""

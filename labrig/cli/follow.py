@@ -11,6 +11,7 @@ from pathlib import Path
 from labrig.cli.screen import Advance, progress, warn
 from labrig.experiment.people import ConsoleOperator, NobodyAsked
 from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
 from labrig.experiment.run import Result, run_session
@@ -74,6 +75,9 @@ def resume_and_follow(path: Path, files: Files | None, output: Path | None, *, y
 
 
 def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) -> Result:
+    for check in calibrations(plan):
+        if check.warning or not check.ok:
+            warn(f"warning: {check.name}: {check.found}, wanted {check.wanted}")
     operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
     hub = EventHub(threaded=not plan.rig.is_simulated)

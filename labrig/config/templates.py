@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime as dt
+import re
 from pathlib import Path
 
 from labrig.errors import BadInputError
@@ -12,10 +14,15 @@ _COMMON = {
     "load_cell.toml": "load_cell.toml",
     "optics.json": "optics.json",
 }
+# The date of calibrations that nobody has made: the shipped files hold values to start from.
+NOT_CALIBRATED = dt.date(1970, 1, 1)
 
 
 def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
-    """Write the files into `folder`, which may hold others; none is ever overwritten."""
+    """Write the files into `folder`, which may hold others; none is ever overwritten.
+
+    The calibrations are those of the simulated rig, and true of it; of another they are not.
+    """
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
     names = _COMMON | {"rig.toml": "rig_simulated.toml" if simulated else "rig.toml"}
@@ -27,10 +34,16 @@ def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, template in names.items():
-            (folder / name).write_text(template_text(template), encoding="utf-8")
+            text = template_text(template)
+            (folder / name).write_text(_as_of_today(text) if simulated else text, encoding="utf-8")
     except OSError as error:
         raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
     return [folder / name for name in sorted(names)]
+
+
+def _as_of_today(text: str) -> str:
+    today = dt.datetime.now(dt.UTC).date()
+    return re.sub(rf"{NOT_CALIBRATED}( +#.*)?", str(today), text)
 
 
 def template_text(name: str) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from drivers.interfaces import Camera, DeviceError, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
-from labrig.config.templates import template_path
+from labrig.config.templates import NOT_CALIBRATED, template_path
 from labrig.errors import NotReadyError
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig import DRIVE, Rig, opened
@@ -48,7 +48,7 @@ def _beside(rig: Path, name: str) -> Path:
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, look at everything, close it. `folder` is where the session would go."""
-    checks = [*_calibrations(plan), _disk(plan, folder)]
+    checks = [*calibrations(plan), _disk(plan, folder)]
     try:
         with opened(rig):
             checks += look(rig, plan)
@@ -65,25 +65,28 @@ def look(rig: Rig, plan: Plan) -> list[Check]:
     return checks
 
 
-def _calibrations(plan: Plan) -> Iterator[Check]:
-    today = dt.datetime.now(dt.UTC).date()
-    cell = plan.rig.load_cell
-    yield _age("load cell calibration", plan.calibration.age_days(today), cell.warn_after_days)
-    if plan.rig.camera is not None and plan.optics is not None and plan.optics.date:
-        age = (today - dt.date.fromisoformat(plan.optics.date[:10])).days
-        yield _age("camera calibration", age, plan.rig.camera.warn_after_days)
+def calibrations(plan: Plan) -> Iterator[Check]:
+    """How old they are. Needs no device."""
+    cell, camera, optics = plan.rig.load_cell, plan.rig.camera, plan.optics
+    yield _age("load cell calibration", plan.calibration.date, cell.warn_after_days)
+    if camera is not None and optics is not None and optics.date:
+        try:
+            date = dt.date.fromisoformat(optics.date[:10])
+        except ValueError:
+            found, wanted = f"dated {optics.date!r}", "a date such as 2026-11-02"
+            yield Check("camera calibration", ok=False, found=found, wanted=wanted)
+        else:
+            yield _age("camera calibration", date, camera.warn_after_days)
 
 
-def _age(name: str, days: int, limit: int) -> Check:
+def _age(name: str, date: dt.date, limit: int) -> Check:
+    days = (dt.datetime.now(dt.UTC).date() - date).days
+    wanted = f"at most {limit} days"
     if days < 0:
         return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
-    return Check(
-        name,
-        ok=True,
-        found=f"{days} days old",
-        wanted=f"at most {limit} days",
-        warning=days > limit,
-    )
+    if date == NOT_CALIBRATED:
+        return Check(name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True)
+    return Check(name, ok=True, found=f"{days} days old", wanted=wanted, warning=days > limit)
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:

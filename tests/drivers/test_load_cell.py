@@ -125,7 +125,3 @@ def test_a_calibration_that_cannot_be_is_refused(key, value):
     }
     with pytest.raises(CalibrationError, match=key):
         LoadCellCalibration(**{**good, key: value})
-
-
-def test_the_age_of_a_calibration_is_counted_in_days():
-    assert DIRECT.age_days(dt.date(2026, 4, 1)) == 31
