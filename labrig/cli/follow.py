@@ -38,6 +38,7 @@ _NOT_ZERO = (
     "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off by hand; "
     "labrig goes on trying"
 )
+_AFTER_PULSE = "stopping after this pulse; Ctrl-C once more: at once"
 
 FOLLOWS = "follows.txt"  # among a session's texts: the identifier of the one it adds to
 
@@ -84,7 +85,7 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     done = resumption.done if resumption else frozenset()
     with (
         _stopping(stop, operator),
-        _display(plan.schedule, done, pace=not plan.rig.is_simulated) as show,
+        _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_watcher("the progress display", show)
         rig = wire(plan, operator, hub.emit)
@@ -101,7 +102,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         hub = EventHub(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
         hub.add_critical("the recording", director.follow)
-        with _stopping(stop, None), _display(plan.schedule, frozenset(), pace=False) as show:
+        with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
             hub.add_watcher("the progress display", show)
             return run_session(rig, plan, path, stop, hub, look_first=False)
 
@@ -119,9 +120,11 @@ def _stopping(stop: StopRequest, operator: ConsoleOperator | NobodyAsked | None)
 
 
 @contextmanager
-def _display(schedule: Schedule, done: Collection[int], *, pace: bool) -> Iterator[RunDisplay]:
+def _display(
+    schedule: Schedule, stop: StopRequest, done: Collection[int], *, pace: bool
+) -> Iterator[RunDisplay]:
     with progress("session") as advance:
-        yield RunDisplay(schedule, advance, move_s=_MOVE_S if pace else 0.0, done=done)
+        yield RunDisplay(schedule, advance, stop, move_s=_MOVE_S if pace else 0.0, done=done)
 
 
 class RunDisplay:
@@ -131,10 +134,13 @@ class RunDisplay:
         self,
         schedule: Schedule,
         advance: Advance,
+        stop: StopRequest,
         move_s: float = 0.0,
         done: Collection[int] = (),
     ) -> None:
         self._advance = advance
+        self._stop = stop
+        self._told_of_stop = False
         self._runs = schedule.runs
         self._whole_s = sum(run.duration_s + move_s for run in schedule.runs)
         self._move_s = move_s
@@ -146,6 +152,9 @@ class RunDisplay:
 
     def __call__(self, event: Event) -> None:
         """See `protocols.hub`: called for each event."""
+        if self._running and not self._told_of_stop and self._stop.level is StopLevel.AFTER_PULSE:
+            self._told_of_stop = True
+            warn(_AFTER_PULSE)
         if isinstance(event, RunStarted):
             self._run, self._running, self._invalid = event.run, True, []
             self._tell(0.0, "")

@@ -17,6 +17,9 @@ from rich.table import Table
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
 _NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
 
+# The terminal on which a bar is drawn now: only by this does a line not end up behind the bar.
+_with_a_bar: list[Console] = []
+
 
 def console() -> Console:
     """Standard output; in a pipe without colour and without wrapping."""
@@ -29,8 +32,9 @@ def say(text: str = "") -> None:
 
 
 def warn(text: str) -> None:
-    """One line to standard error."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(text, markup=False)
+    """One line to standard error; above the progress bar, where one is drawn."""
+    terminal = _with_a_bar[-1] if _with_a_bar else Console(stderr=True)
+    terminal.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
@@ -109,13 +113,18 @@ def progress(title: str) -> Iterator[Advance]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    terminal = Console(stderr=True)
+    with Progress(*columns, console=terminal, transient=True) as bar:
         task = bar.add_task(title, total=1.0)
 
         def advance(fraction: float, text: str) -> None:
             bar.update(task, completed=fraction, description=f"{title}: {text}" if text else title)
 
-        yield advance
+        _with_a_bar.append(terminal)
+        try:
+            yield advance
+        finally:
+            _with_a_bar.remove(terminal)
 
 
 class _PlainProgress:

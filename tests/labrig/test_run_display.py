@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import io
+import sys
+
 import pytest
 
 from labrig.cli.follow import RunDisplay
+from labrig.cli.screen import progress, warn
 from protocols.events import Event, RunStopped, VoltageSet
+from protocols.stop import StopLevel
 from tests.protocols.fake_rig import FakeRig, short_schedule
 
 AT_ONCE = "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off"
@@ -14,7 +19,7 @@ AT_ONCE = "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the 
 def said_while(rig: FakeRig, capsys: pytest.CaptureFixture[str]) -> str:
     """Run; what has been said when the run is over, and making safe has not begun."""
     schedule = short_schedule(0.0)
-    display = RunDisplay(schedule, lambda _fraction, _text: None)
+    display = RunDisplay(schedule, lambda _fraction, _text: None, rig.stop)
     said: list[str] = []
 
     def show(event: Event) -> None:
@@ -43,3 +48,27 @@ def test_nothing_of_the_kind_is_told_of_a_run_that_ends_at_0_V(
     rig.faults["signals"].fail_at = lambda index: index == 9
     assert AT_ONCE not in said_while(rig, capsys)
     assert "0 V" not in capsys.readouterr().err
+
+
+def test_who_stops_after_the_pulse_is_told_that_it_is_understood_and_how_to_stop_at_once(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rig = FakeRig()
+    ctrl_c = lambda: rig.stop.request(StopLevel.AFTER_PULSE, "stopped by Ctrl-C")  # noqa: E731
+    rig.clock.at.append((rig.clock.now() + 2.0, ctrl_c))
+    assert said_while(rig, capsys).count("stopping after this pulse; Ctrl-C once more") == 1
+
+
+def test_a_line_that_is_said_beside_a_bar_stands_above_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True  # type: ignore[method-assign]
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress("session") as advance:
+        advance(0.5, "")
+        warn("Mount the sheet.")
+    before = terminal.getvalue().partition("Mount the sheet.")[0]
+    assert "session" in before
+    assert before.endswith("\x1b[2K")  # the bar's line is empty again
+    warn("It is over.")
+    assert terminal.getvalue().endswith("It is over.\n")
