@@ -7,7 +7,7 @@ import math
 import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, Protocol
 
 from rich.console import Console
@@ -34,7 +34,8 @@ def say(text: str = "") -> None:
 def warn(text: str) -> None:
     """One line to standard error; above the progress bar, where one is drawn."""
     terminal = _with_a_bar[-1] if _with_a_bar else Console(stderr=True)
-    terminal.print(text, markup=False, highlight=False, soft_wrap=True)
+    with suppress(OSError):  # of a terminal that has been closed: what is under way goes on
+        terminal.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
@@ -114,17 +115,21 @@ def progress(title: str) -> Iterator[Advance]:
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     terminal = Console(stderr=True)
-    with Progress(*columns, console=terminal, transient=True) as bar:
-        task = bar.add_task(title, total=1.0)
+    bar = Progress(*columns, console=terminal, transient=True)
+    task = bar.add_task(title, total=1.0)
 
-        def advance(fraction: float, text: str) -> None:
-            bar.update(task, completed=fraction, description=f"{title}: {text}" if text else title)
+    def advance(fraction: float, text: str) -> None:
+        bar.update(task, completed=fraction, description=f"{title}: {text}" if text else title)
 
-        _with_a_bar.append(terminal)
-        try:
-            yield advance
-        finally:
-            _with_a_bar.remove(terminal)
+    _with_a_bar.append(terminal)
+    try:
+        with suppress(OSError):  # as above
+            bar.start()
+        yield advance
+    finally:
+        with suppress(OSError):
+            bar.stop()
+        _with_a_bar.remove(terminal)
 
 
 class _PlainProgress:

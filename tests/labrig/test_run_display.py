@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import sys
 
 import pytest
 
 from labrig.cli.follow import RunDisplay
+from labrig.cli.main import run
 from labrig.cli.screen import progress, warn
 from protocols.events import Event, RunStopped, VoltageSet
 from protocols.stop import StopLevel
@@ -57,6 +59,27 @@ def test_who_stops_after_the_pulse_is_told_that_it_is_understood_and_how_to_stop
     ctrl_c = lambda: rig.stop.request(StopLevel.AFTER_PULSE, "stopped by Ctrl-C")  # noqa: E731
     rig.clock.at.append((rig.clock.now() + 2.0, ctrl_c))
     assert said_while(rig, capsys).count("stopping after this pulse; Ctrl-C once more") == 1
+
+
+class Closed(io.StringIO):
+    """A terminal whose window somebody has closed."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, _text: str) -> int:
+        raise OSError(errno.EIO, "Input/output error")
+
+
+def test_a_closed_terminal_does_not_change_how_a_command_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "stderr", Closed())
+    monkeypatch.setenv("TERM", "xterm")
+    with progress("session") as advance:
+        advance(0.5, "")
+        warn("a question")
+    assert run(["effects", "show", "nothing-of-the-kind"]) == 2
 
 
 def test_a_line_that_is_said_beside_a_bar_stands_above_it(monkeypatch: pytest.MonkeyPatch) -> None:
