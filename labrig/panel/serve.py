@@ -24,6 +24,7 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
     import uvicorn
 
     from labrig.panel.app import create_app
+    from labrig.panel.connection import PageConnection
 
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])
@@ -34,7 +35,7 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
                 log_level="warning",
                 access_log=False,
                 server_header=False,
-                ws="websockets-sansio",
+                ws=PageConnection,
                 ws_max_size=2 * MOST_WORD_BYTES,
                 limit_concurrency=_MOST_CONNECTIONS,
                 timeout_graceful_shutdown=_GOODBYE_S,
