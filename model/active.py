@@ -126,7 +126,7 @@ def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
         tilt_rad=np.array([one.clamp_rad for one in setups]),
         offset_m=np.array([one.offset_m for one in setups]),
         piece_m=sheet.free_length_m * np.asarray(rule(NODES).b), clock=clock, reading_of=of,
-        upright=np.ones(len(setups)),
+        share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
     )  # fmt: skip
 
 

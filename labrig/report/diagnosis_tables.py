@@ -206,6 +206,7 @@ def _gap_rows(title: str, before: Gap, after: Gap) -> Iterator[tuple[str, ...]]:
     for text, key, decimals in (
         ("force, mN", "force_rmse_mN", 3), ("neutral curve, mm", "curve_rmse_mm", 3),
         ("force along a run, mN", "drift_rmse_mN", 3),
+        ("neutral curve along a run, mm", "drift_rmse_mm", 4),
         ("force within a pulse, mN", "pulse_rmse_mN", 3),
     ):  # fmt: skip
         values = [getattr(gap, key) for gap in (before, after)]

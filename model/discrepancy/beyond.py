@@ -43,8 +43,7 @@ def beyond_first_order(
     y[part.trend_rows] = part.trend @ np.nan_to_num(exact - first)
     bent = np.where(driven, course.ratio - 1.0 - course.eibm + course.stiffness, 0.0)
     y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
-    count = np.maximum(np.bincount(of, minlength=scene.K), 1)
-    mean = np.bincount(of, bent, scene.K) / count
+    mean = part.mean(bent)
     y[part.mode_rows[scene.has_curve]] = (state.modes_by_eibm * mean[:, None])[scene.has_curve]
     y[part.bin_rows] = _in_pulses(study, c, state, inner, powers)
     return y

@@ -1,7 +1,8 @@
 """What `diagnose` looks at: every condition's readings in time order, its curve, and the pulses.
 
 Ten readings become a few numbers: their mean, and how they go with time (orthonormal polynomials up
-to the third degree; what is left of them only says how noisy a reading is). A curve becomes the
+to the third degree; what is left of them only says how noisy a reading is). The readings of the
+first pulses, which are in no mean, stand for themselves, less that mean. A curve becomes the
 coefficients of its distance from the prediction ("modes"). A recorded series becomes the force in
 parts of a pulse, relative to the sampling point, averaged over the pulses of a run.
 """
@@ -38,6 +39,7 @@ EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (un
 # configuration, position (inf: free), mounting, run, tilt of the rig
 RunKey = tuple[str, float, int, int, float]
 Index = npt.NDArray[np.int64]
+Which = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,10 @@ class Seen:
     up: float
     force_N: FloatArray  # (n,) readings in time order; none where there is no load cell
     clock: Clock  # of these readings, arrays (n,)
+    counts: Which  # (n,) whether a reading is in the mean: not those of the discarded first pulses
     curve: Curve | None  # of the mean image, or the mean of the readings' curves
-    own_curves: tuple[Curve, ...]  # of each reading; empty: not recorded one by one
+    # of each reading, or of those that count; empty: not recorded one by one
+    own_curves: tuple[Curve, ...]
     identical: bool = False  # the readings were, which no load cell's are
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
 
@@ -61,6 +65,16 @@ class Seen:
     def free(self) -> bool:
         """Whether nothing touches the sheet."""
         return bool(np.isnan(self.position_m))
+
+    @property
+    def kept_N(self) -> FloatArray:
+        """The readings that count."""
+        return self.force_N[self.counts]
+
+    @property
+    def kept_clock(self) -> Clock:
+        """When these were taken."""
+        return self.clock.of(self.counts)
 
 
 @dataclass(frozen=True)
@@ -146,7 +160,7 @@ def _seen(
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
     name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
-    readings = sorted(condition.used(), key=lambda r: r.index)
+    readings = sorted(condition.used(), key=_index)
     if (not free and not readings) or (free and condition.curve is None):
         return None
     if not np.isfinite(condition.voltage_V):
@@ -154,18 +168,45 @@ def _seen(
     identical = not free and len(readings) > 1 and len({r.force_N for r in readings}) == 1
     if identical:  # one reading each, from the middle of them
         readings = readings[len(readings) // 2 :][:1]
+    curve, own = _curves(condition, readings, name)
+    early = [] if free or identical else _early(condition)
+    own = (*_alike([r.curve for r in early], own, name), *own)
+    readings = [*early, *readings]
     forces = np.array([] if free else [r.force_N for r in readings])
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
     timing = _Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s)
-    curve, own = _curves(condition, readings, name)
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
-        timing.of_no_reading(_share(begun_s, span)) if free else timing.of(readings, span), curve,
-        () if free else own, identical, condition.tilt_rad,
+        timing.of_no_reading(_share(begun_s, span)) if free else timing.of(readings, span),
+        np.arange(len(forces)) >= len(early), curve, () if free else own, identical,
+        condition.tilt_rad,
     )  # fmt: skip
+
+
+def _alike(curves: list[Curve | None], others: tuple[Curve, ...], name: str) -> tuple[Curve, ...]:
+    """Curves of as many points as the others have; none where one has not."""
+    found = tuple(checked_curve(c, name) for c in curves if c is not None)
+    lengths = {len(c.s_m) for c in (*found, *others)}
+    return found if others and len(found) == len(curves) and len(lengths) == 1 else ()
+
+
+def _index(reading: Reading) -> int:
+    """Readings go by their numbers."""
+    return reading.index
+
+
+def _early(condition: Condition) -> list[Reading]:
+    """The valid readings of the discarded first pulses, in time order.
+
+    Without a reading that counts, there is nothing to which they might be compared; what is
+    discarded later, such as while a sheet relaxes from a hold, is none of them.
+    """
+    first = min((r.index for r in condition.used()), default=-1)
+    found = [r for r in condition.readings if r.kind == "discarded" and r.valid and r.index < first]
+    return sorted(found, key=_index) if condition.voltage_V != 0.0 else []
 
 
 def _curves(
@@ -312,6 +353,12 @@ def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
             own.mean(axis=0), np.var(own, axis=0, ddof=1) / len(own),
             EDGE_STEPS * float(np.median(np.diff(series.time_s))),
         )  # fmt: skip
+
+
+def shares(seen: Seen) -> FloatArray:
+    """Of each reading in the mean of its condition: (n,)."""
+    count = int(np.count_nonzero(seen.counts))
+    return np.asarray(seen.counts / max(1, count), dtype=float)
 
 
 def trends(clock: Clock) -> FloatArray:

@@ -21,7 +21,8 @@ class Cells:
 
     force: tuple[Index, ...]  # mean forces
     curve: tuple[Index, ...]  # modes of each curve
-    drift: tuple[Index, ...]  # trends of each condition's readings
+    drift: tuple[Index, ...]  # trends and first pulses of each condition's readings
+    sway: tuple[Index, ...]  # the same of how far out their curves are
     pulse: tuple[Index, ...]  # parts of a pulse
     weight: FloatArray  # (N,) of squares: trends are told for a reading
 
@@ -29,20 +30,22 @@ class Cells:
 def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
     """Where all that stands; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
-    found = Cells((), (), (), (), np.ones(study.layout.size))
+    found = Cells((), (), (), (), (), np.ones(study.layout.size))
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
         counts = np.array([first + k not in without for k in range(scene.K)])
         readings = np.bincount(part.reading_of, minlength=scene.K)
         found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
-        trends = [
-            part.trend_rows[(part.trend_of == k) & ~part.is_mean] for k in np.flatnonzero(counts)
-        ]
+        found.weight[part.sway_rows] = 1.0 / readings[part.sway_of]
+        own = np.flatnonzero(counts)
+        trends = [part.trend_rows[(part.trend_of == k) & ~part.is_mean] for k in own]
+        sways = [part.sway_rows[part.sway_of == k] for k in own]
         found = replace(
             found,
             force=found.force + _each(part.trend_rows[part.is_mean & counts[part.trend_of]]),
             curve=found.curve
             + tuple(part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)),
             drift=found.drift + tuple(rows for rows in trends if len(rows)),
+            sway=found.sway + tuple(rows for rows in sways if len(rows)),
             pulse=found.pulse + _each(part.bin_rows[counts[part.bin_of]]),
         )
         first += scene.K
@@ -85,9 +88,9 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
             return np.nan
         return 1e3 * float(np.sqrt(np.mean([np.sum(weighed[g]) for g in groups])))
 
-    kinds = (where.force, where.curve, where.drift, where.pulse)
-    force, curve, drift, pulse = (rms(groups) for groups in kinds)
-    return Gap(force, curve, chi2, drift, pulse)
+    kinds = (where.force, where.curve, where.drift, where.sway, where.pulse)
+    force, curve, drift, sway, pulse = (rms(groups) for groups in kinds)
+    return Gap(force, curve, chi2, drift, sway, pulse)
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:
@@ -95,7 +98,7 @@ def closed_share(left_out: BeforeAfter, least: Gap) -> float:
     best, share = 0.0, np.nan
     for name, clear in (
         ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0),
-        ("drift_rmse_mN", CLEAR), ("pulse_rmse_mN", CLEAR),
+        ("drift_rmse_mN", CLEAR), ("drift_rmse_mm", CLEAR), ("pulse_rmse_mN", CLEAR),
     ):  # fmt: skip
         before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
         if np.isfinite(before) and before > clear * noise:
@@ -123,7 +126,7 @@ def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) ->
     ):
         for k, one in enumerate(seen.seen):
             mean = part.trend_rows[(part.trend_of == k) & part.is_mean]
-            force = float(np.mean(one.force_N)) if len(mean) else np.nan
+            force = float(np.mean(one.kept_N)) if len(mean) else np.nan
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
             told = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
             measured = base.problem.study.scenes[c].measured(k)

@@ -90,7 +90,7 @@ def _long(one: Look) -> tuple[Seen, ...]:
 
 def _longer(seen: Seen) -> Seen:
     """The same pulses going on and on; before them nothing changes."""
-    clock, count = seen.clock, LONGER * len(seen.force_N)
+    clock, count = seen.kept_clock, LONGER * len(seen.kept_N)
 
     def on(values: FloatArray, step: float) -> FloatArray:
         step = float(np.median(np.diff(values))) if len(values) > 1 else step
@@ -107,9 +107,10 @@ def _longer(seen: Seen) -> Seen:
         pulse=on(clock.pulse, pulses), run_s=on(clock.run_s, seconds),
         wetted_s=on(clock.wetted_s, seconds), driven_s=on(clock.driven_s, seconds),
     )  # fmt: skip
-    own = seen.own_curves
+    own = seen.own_curves[-len(seen.kept_N) :]
     curves = tuple(own[k % len(own)] for k in range(count)) if own else ()
-    return replace(seen, force_N=np.zeros(count), clock=longer, own_curves=curves)
+    counts = np.ones(count, dtype=bool)
+    return replace(seen, force_N=np.zeros(count), clock=longer, counts=counts, own_curves=curves)
 
 
 def _turned(one: Look) -> tuple[Seen, ...]:
@@ -145,7 +146,7 @@ def _free(one: Look) -> tuple[Seen, ...]:
                     like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
                     run=(one.sheet.configuration, np.inf, mounting, 0, 0.0), tilt_rad=0.0,
                     position_m=np.nan,
-                    force_N=np.zeros(0), clock=clock, own_curves=(),
+                    force_N=np.zeros(0), clock=clock, counts=np.zeros(0, dtype=bool), own_curves=(),
                 )
             )  # fmt: skip
     return tuple(result)

@@ -57,7 +57,5 @@ def modes_in_pictures(
 
     `seen` is what `pictured` says of them.
     """
-    of, K = study.part(c).reading_of, study.scenes[c].K
-    count = np.maximum(np.bincount(of, minlength=K), 1)
-    change = np.bincount(of, seen[0], K) / count + seen[1]
+    change = study.part(c).mean(seen[0]) + seen[1]
     return study.scenes[c].modes_of(replace(beam, eibm=beam.eibm * (1.0 + change[:, None])))

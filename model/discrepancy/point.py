@@ -123,13 +123,12 @@ class Study:
         """Relative change of EIBM and stiffness in the mean of each condition's readings: (K,)."""
         part, K = self.part(c), self.scenes[c].K
         eibm, stiffness = np.zeros(K), np.zeros(K)
-        count = np.maximum(np.bincount(part.reading_of, minlength=K), 1)
         for effect, values in inner:
             course = effect.course(part.clock, values)
             if course is not None:
                 driven = part.clock.voltage_V != 0.0
-                eibm += np.bincount(part.reading_of, np.where(driven, course[0], 0.0), K) / count
-                stiffness += np.bincount(part.reading_of, course[1], K) / count
+                eibm += part.mean(np.where(driven, course[0], 0.0))
+                stiffness += part.mean(course[1])
                 eibm += free_course(self, c, effect, values)
         return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
 
@@ -195,7 +194,10 @@ class Study:
             curves = self.looks[c].seen[k].own_curves
             modes = np.array([_modes(scene, k, curve, state.solved) for curve in curves])
             u = state.modes_by_eibm[k]
-            sizes[part.reading_of == k] = modes @ u / max(state.reach_m[k], LEAST_M)
+            own = part.reading_of == k
+            if len(curves) < np.count_nonzero(own):
+                own &= part.share > 0.0
+            sizes[own] = modes @ u / max(state.reach_m[k], LEAST_M)
         result: FloatArray = part.sway @ sizes
         return result
 
@@ -302,11 +304,8 @@ class Study:
         y[part.trend_rows] = part.trend @ readings
         bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
         y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
-        mean = np.zeros(scene.K)
-        np.add.at(mean, of, bent)
-        mean /= np.maximum(np.bincount(of, minlength=scene.K), 1)
         modes = np.einsum("kmq,kq->km", answers.modes, step.beam)
-        modes += state.modes_by_eibm * mean[:, None]
+        modes += state.modes_by_eibm * part.mean(bent)[:, None]
         modes += np.einsum("kms,ks->km", scene.project, step.points_m)
         has = scene.has_curve
         y[part.mode_rows[has]] = modes[has]

@@ -135,7 +135,7 @@ def _lacks(looks: list[Look]) -> list[str]:
                 f"repeated readings of '{name}' are identical: they are taken as one reading each,"
                 " and its noise from the misfit"
             )
-        if not any(len(s.force_N) > 1 for s in seen) and not one.pulses:
+        if not any(len(s.kept_N) > 1 for s in seen) and not one.pulses:
             notes.append(
                 f"'{name}' has means alone: what happens in time needs the readings in order and"
                 " the series"

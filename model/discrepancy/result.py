@@ -80,12 +80,13 @@ class Where:
 
 @dataclass(frozen=True)
 class Gap:
-    """How far a model is from the measurements: mean forces, curves, and forces in time."""
+    """How far a model is from the measurements: mean forces, curves, and both in time."""
 
     force_rmse_mN: float
     curve_rmse_mm: float
     chi2_per_dof: float  # of mean forces and curves
     drift_rmse_mN: float = float("nan")  # how a condition's readings go along the run
+    drift_rmse_mm: float = float("nan")  # how far out their curves are, likewise
     pulse_rmse_mN: float = float("nan")  # parts of a pulse against its sampling point
 
     def to_json(self) -> dict[str, float | None]:

@@ -77,9 +77,9 @@ def width_of(noise: Noise) -> FloatArray:
 
 def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
     if len(part.trend_rows):
-        counts = np.maximum(np.bincount(part.reading_of, minlength=scene.K), 1)
-        weight = np.where(part.is_mean, 1.0 / counts[part.trend_of], 1.0)
-        size, unsure = _reading_noise(part.trend, part.measured_N, part.reading_of)
+        # of independent readings: those of a mean are fewer times as noisy
+        weight = np.sum(part.trend**2, axis=1)
+        size, unsure = _reading_noise(part)
         yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
     stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
@@ -89,23 +89,24 @@ def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
         if len(rows):
             yield _Kind(f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), 1.5, LEAST_MODE_M)
     if len(part.sway_rows):
-        yield _Kind(f"{name} sway", part.sway_rows, 1.0, SWAY_M, 2.0)
+        weight = np.sum(part.sway**2, axis=1)
+        yield _Kind(f"{name} sway", part.sway_rows, weight, SWAY_M, 2.0)
     if len(part.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
         pooled = _pooled(part.bin_variance, part.bin_set)
         yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
 
 
-def _reading_noise(trend: FloatArray, measured: FloatArray, of: Index) -> tuple[float, float]:
+def _reading_noise(part: Part) -> tuple[float, float]:
     """Standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
-    for k in np.unique(of):
-        own = of == k
-        rows = trend[np.any(trend[:, own] != 0.0, axis=1)][:, own]
+    for k in np.unique(part.reading_of):
+        own = (part.reading_of == k) & (part.share > 0.0)
+        rows = part.trend[(part.trend_of == k) & ~part.is_early][:, own]
         n = int(own.sum())
         if n <= len(rows):
             continue
-        values = measured[own]
+        values = part.measured_N[own]
         smooth = n * values.mean() ** 2 + float(np.sum((rows[1:] @ values) ** 2))
         total += float(values @ values) - smooth
         degrees += n - len(rows)

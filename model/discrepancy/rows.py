@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from model.discrepancy.features import Index, Look, Pulses, RunKey, Seen, trends
+from model.discrepancy.features import Index, Look, Pulses, RunKey, Seen, Which, shares, trends
 from model.discrepancy.pulses import SAMPLE_S, WINDOW_S
 from model.discrepancy.scene import Scene
 from model.effects.interface import Clock
@@ -25,12 +24,14 @@ class Part:
     clock: Clock  # (n,) of the readings
     measured_N: FloatArray  # (n,)
     in_time: Index  # (n,) the readings in the order in which they were taken
-    trend: FloatArray  # (rows, n) from readings to mean and trends
+    share: FloatArray  # (n,) of each reading in the mean of its condition
+    trend: FloatArray  # (rows, n) from readings to mean, trends and first pulses
     trend_rows: Index  # (rows,)
     trend_of: Index  # (rows,) condition
-    is_mean: npt.NDArray[np.bool_]  # (rows,)
+    is_mean: Which  # (rows,)
+    is_early: Which  # (rows,) a first pulse less the mean
     mode_rows: Index  # (K, M); -1: no curve
-    sway: FloatArray  # (rows, n) from readings to trends of how far out the curve is
+    sway: FloatArray  # (rows, n) likewise, to trends and first pulses of how far out the curve is
     sway_rows: Index
     sway_of: Index
     bin_clock: Clock  # (m,) each part in each of the pulses
@@ -42,6 +43,12 @@ class Part:
     bin_N: FloatArray  # (b,) measured
     bin_variance: FloatArray  # (b,)
     edge_s: float  # how well the pulses' edges are known in time
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Mean over the readings that count: (n,) to (K,)."""
+        return np.asarray(
+            np.bincount(self.reading_of, self.share * values, len(self.mode_rows)), dtype=float
+        )
 
     def bin_mean(self, values: FloatArray) -> FloatArray:
         """Mean over the pulses: (m,) to (b,)."""
@@ -83,27 +90,34 @@ class Layout:
     def _part(self, look: Look, scene: Scene) -> Part:
         seen = look.seen
         n = sum(len(o.force_N) for o in seen)
-        trend, sway, is_mean = _Rows(n), _Rows(n), list[bool]()
+        trend, sway = _Rows(n), _Rows(n)
+        is_mean, is_early = list[bool](), list[bool]()
         modes = np.full((len(seen), scene.modes), -1)
         start = 0
         for k, o in enumerate(seen):
             own = slice(start, start + len(o.force_N))
             start = own.stop
-            T = trends(o.clock) if len(o.force_N) else np.zeros((0, 0))
-            trend.add(T, own, self._new(o.run, len(T)), k)
-            is_mean += [j == 0 for j in range(len(T))]
+            T = trends(o.kept_clock) if len(o.force_N) else np.zeros((0, 0))
+            early = _firsts(o)
+            trend.add(_spread(T, o.counts), own, self._new(o.run, len(T)), k)
+            trend.add(early, own, self._new(o.run, len(early)), k)
+            is_mean += [j == 0 for j in range(len(T) + len(early))]
+            is_early += [j >= len(T) for j in range(len(T) + len(early))]
             if o.curve is not None:
                 modes[k] = self._new(o.run, scene.modes)
             if o.own_curves and o.voltage_V != 0.0:
-                slopes = T[1 : 1 + MOST_SWAYS]
+                slopes = _spread(T[1 : 1 + MOST_SWAYS], o.counts)
+                if len(o.own_curves) == len(o.counts):
+                    slopes = np.concatenate([slopes, early])
                 sway.add(slopes, own, self._new(o.run, len(slopes)), k)
         bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
         reading_of, clock = scene.reading_of, scene.clock
         bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
         return Part(
             reading_of, clock, np.concatenate([o.force_N for o in seen]),
-            _in_time(clock, reading_of, look), trend.stacked(), _ints(trend.rows),
-            _ints(trend.of), np.array(is_mean, dtype=bool), modes, sway.stacked(),
+            _in_time(clock, reading_of, look), scene.share, trend.stacked(), _ints(trend.rows),
+            _ints(trend.of), np.array(is_mean, dtype=bool), np.array(is_early, dtype=bool), modes,
+            sway.stacked(),
             _ints(sway.rows), _ints(sway.of), bin_clock, bin_sample, bin_at,
             _ints([p.condition for p in look.pulses for _ in p.force_N]),
             np.concatenate([_ints([]), *bins]),
@@ -137,9 +151,23 @@ class _Rows:
         return np.array(self.weights) if self.weights else np.zeros((0, self.n))
 
 
+def _spread(weights: FloatArray, counts: Which) -> FloatArray:
+    """Weights of the readings that count, (rows, m), as weights of all: (rows, n)."""
+    result = np.zeros((len(weights), len(counts)))
+    result[:, counts] = weights
+    return result
+
+
+def _firsts(seen: Seen) -> FloatArray:
+    """Weights that turn n readings into each of the first pulses', less the mean: (rows, n)."""
+    every = np.eye(len(seen.counts)) - shares(seen)
+    result: FloatArray = every[~seen.counts]
+    return result
+
+
 def _moments(seen: tuple[Seen, ...], pulses: tuple[Pulses, ...]) -> tuple[Clock, Clock, Index]:
     """Moments of all parts in all pulses, those of the pulses' sampling points, and which part."""
-    parts = [(seen[p.condition].clock, at, width)
+    parts = [(seen[p.condition].kept_clock, at, width)
              for p in pulses for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
     inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
     sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from model.beam import Directions, Equilibria, Problems, Status, finer, solve
-from model.discrepancy.features import Index, Look
+from model.discrepancy.features import Index, Look, shares
 from model.effects.interface import Beam, Clock, Held
 from model.field import Field, merged_breaks, padded
 from model.free import free_shape
@@ -66,6 +66,7 @@ class Scene:
         self.reading_of = np.array(
             [k for k, o in enumerate(seen) for _ in o.force_N], dtype=np.int64
         )
+        self.share = np.concatenate([np.zeros(0), *(shares(o) for o in seen)])
         self.K = len(seen)
         self.voltage_V = np.array([o.voltage_V for o in seen])
         self.stated_m = np.array([o.position_m for o in seen])
@@ -146,7 +147,7 @@ class Scene:
             self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
             change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
             none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
-            self.upright,
+            self.share, self.upright,
         )  # fmt: skip
 
     # -- solving

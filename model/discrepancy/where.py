@@ -52,8 +52,9 @@ def places(base: Fitted, noise: FloatArray) -> tuple[Where, ...]:
     z = residual / np.sqrt(noise)
     found: list[Where] = []
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
-        for row, k, mean in zip(part.trend_rows, part.trend_of, part.is_mean, strict=True):
-            detail = "" if mean else "how the readings go with time"
+        for i, (row, k) in enumerate(zip(part.trend_rows, part.trend_of, strict=True)):
+            late = "in a first pulse" if part.is_early[i] else "how the readings go with time"
+            detail = "" if part.is_mean[i] else late
             found.append(_where("force", scene, k, float(z[row]), None, detail))
         for k in np.flatnonzero(scene.has_curve).tolist():
             rows = part.mode_rows[k]

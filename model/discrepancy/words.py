@@ -79,10 +79,11 @@ def _gap(left_out: BeforeAfter) -> str:
         if math.isfinite(old) and math.isfinite(new)
     ]
     told += [
-        f"{what} from {old:.3f} to {new:.3f} mN"
-        for what, old, new in (
-            ("along a run", before.drift_rmse_mN, after.drift_rmse_mN),
-            ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN),
+        f"{what} from {old:.{digits}f} to {new:.{digits}f} {unit}"
+        for what, old, new, unit, digits in (
+            ("along a run", before.drift_rmse_mN, after.drift_rmse_mN, "mN", 3),
+            ("along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),
+            ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN, "mN", 3),
         )
         if old > IN_TIME * new
     ]

@@ -161,7 +161,7 @@ def _untouched() -> Results:
 
 def _arrays(beam: Beam) -> Results:
     """What an effect may change of a beam."""
-    kept = ("sheet", "s_m", "piece_m", "clock", "reading_of")
+    kept = ("sheet", "s_m", "piece_m", "clock", "reading_of", "share")
     return {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam) if f.name not in kept}
 
 

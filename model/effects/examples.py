@@ -11,7 +11,7 @@ import numpy.typing as npt
 from model.effects.interface import Beam, Clock, Held, Points, Weighed
 from model.measurements import FloatArray, SheetGeometry
 
-NODES, READINGS = 14, 32
+NODES, READINGS, DISCARDED = 14, 32, 2
 B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
 
 
@@ -67,12 +67,19 @@ def example_clock() -> Clock:
     )
 
 
-def example_readings(voltage_V: FloatArray) -> tuple[Clock, npt.NDArray[np.int64]]:
-    """The readings of conditions, and of which condition each is."""
+def example_readings(
+    voltage_V: FloatArray,
+) -> tuple[Clock, npt.NDArray[np.int64], FloatArray]:
+    """The readings of conditions, of which condition each is, and its share in the mean.
+
+    The first two pulses are in no mean.
+    """
     clock = example_clock()
     use = [clock.voltage_V == volts for volts in voltage_V]
     of = np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])
-    return Clock.joined([clock.of(u) for u in use]), of
+    every = Clock.joined([clock.of(u) for u in use])
+    counts = (every.pulse < 0.0) | (every.pulse >= DISCARDED)
+    return every, of, counts / np.bincount(of, counts)[of]
 
 
 def example_pulse() -> Clock:

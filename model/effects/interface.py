@@ -106,6 +106,7 @@ class Beam:
     # when the readings of each condition were taken (n,), and of which condition each is (n,)
     clock: Clock
     reading_of: npt.NDArray[np.int64]
+    share: FloatArray  # (n,) of each reading in the mean of its condition; 0: it is in none
     # (K,) share of the weight's push towards -y: -1 where the rig is turned over
     upright: FloatArray | float = 1.0
 

@@ -94,10 +94,7 @@ def strains(beam: Beam, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]
 
 def _mean(values: FloatArray, beam: Beam) -> FloatArray:
     """Of the readings of each condition: (K,)."""
-    K = len(beam.voltage_V)
-    count = np.bincount(beam.reading_of, minlength=K)
-    total = np.bincount(beam.reading_of, values, K)
-    return np.asarray(total / np.maximum(count, 1))
+    return np.asarray(np.bincount(beam.reading_of, beam.share * values, len(beam.voltage_V)))
 
 
 EFFECT = ViscoelasticCreep(

@@ -28,6 +28,7 @@ BADLY_SET = Case((Hiding("nonuniform_eibm"),), seed=6, outlier=True)
 TILTED = Case((Hiding("clamp_angle", size=0.008),), seed=7)
 DRYING = Case((Hiding("stiffness_drift", "exp", 0.4),), seed=8)
 SOFT_END = Case((Hiding("nonuniform_stiffness", "line", -0.7),), seed=31)
+FIRST = Case((Hiding("first_pulse_transient", "hyperbolic", 0.01),), seed=3)
 LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
@@ -80,6 +81,26 @@ def test_so_strong_an_effect_is_named_that_a_straight_line_leads_beyond_its_boun
     assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_stiffness"])
     assert found.effects[0].parameters["relative_change"].value == pytest.approx(-0.7, abs=0.01)
     assert found.closed > 0.98
+
+
+@pytest.mark.slow
+def test_the_discarded_pulses_tell_first_pulses_from_drifts():
+    """Without them a first pulse that falls short is something that goes on along the run."""
+    found = diagnosed(FIRST)
+    assert (found.verdict, names(found)) == ("effect_named", ["first_pulse_transient"])
+    assert found.effects[0].confidence > 0.95
+    m = session(FIRST)
+    kept = [
+        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
+        for c in m.conditions
+    ]
+    less = diagnose(replace(m, conditions=tuple(kept)))
+    told_apart = less.effects[0].name == "first_pulse_transient"
+    assert not told_apart or less.effects[0].confidence < 0.9
+    before, after = found.held_out.before, found.held_out.after
+    assert after.drift_rmse_mm < 0.5 * before.drift_rmse_mm
+    assert found.closed > 0.9
+    assert "along a run from" in found.sentence
 
 
 @pytest.mark.slow
@@ -216,7 +237,7 @@ def test_json_has_these_keys_and_nothing_that_is_no_number(of: Case):
     assert set(told["gap"]) == {"fitted", "held_out"}
     for part in told["gap"].values():
         assert set(part) == {"before", "after"}
-        in_time = {"drift_rmse_mN", "pulse_rmse_mN"}
+        in_time = {"drift_rmse_mN", "drift_rmse_mm", "pulse_rmse_mN"}
         assert set(part["after"]) == {"force_rmse_mN", "curve_rmse_mm", "chi2_per_dof"} | in_time
     assert told["next_measurement"] is None or {"why", "protocol"} == set(told["next_measurement"])
 

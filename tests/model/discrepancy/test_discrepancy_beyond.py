@@ -73,10 +73,10 @@ def test_pictures_that_are_very_late_show_what_a_beam_with_so_little_eibm_does()
     state = study.state(0, plain, (Active(effect("frame_delay"), {"long": late}),))
     rise_s = part.clock.rise_s
     then, now = (1.0 - (1.0 - part.clock.opposite) * np.exp(-t / rise_s) for t in (0.04, 0.5))
-    of = part.reading_of
-    count = np.maximum(np.bincount(of, minlength=scene.K), 1)
+    of, counts = part.reading_of, (part.clock.pulse < 0.0) | (part.clock.pulse >= 2.0)
+    count = np.maximum(np.bincount(of, counts, minlength=scene.K), 1)
     seen = np.where(part.clock.voltage_V != 0.0, then / now, 1.0)
-    change = np.bincount(of, seen - 1.0, scene.K) / count
+    change = np.bincount(of, np.where(counts, seen - 1.0, 0.0), scene.K) / count
     assert np.min(change) < -0.4  # no straight line leads there
     held = scene.touching[scene.has_curve[scene.touching]]
     wanted = scene.modes_of(replace(plain, eibm=plain.eibm * (1.0 + change[:, None])))

@@ -23,13 +23,15 @@ def study():
 
 def test_a_mean_and_three_trends_stand_for_the_readings_of_a_condition():
     seen = look(session(), "long").seen[1]
-    T = trends(seen.clock)
-    n = len(seen.force_N)
+    T = trends(seen.kept_clock)
+    n = len(seen.kept_N)
+    assert (n, len(seen.force_N)) == (10, 11)  # the first is discarded
     assert T.shape == (4, n)
-    assert T[0] @ seen.force_N == pytest.approx(np.mean(seen.force_N))
+    assert T[0] @ seen.kept_N == pytest.approx(np.mean(seen.kept_N))
     np.testing.assert_allclose(T[1:] @ T[1:].T, np.eye(3), atol=1e-12)  # as noisy as one reading
     np.testing.assert_allclose(T[1:] @ np.ones(n), 0.0, atol=1e-12)
-    rising = T @ (seen.clock.run_s - np.mean(seen.clock.run_s))
+    run_s = seen.kept_clock.run_s
+    rising = T @ (run_s - np.mean(run_s))
     assert rising[1] > 0.0
     np.testing.assert_allclose(rising[[0, 2, 3]], 0.0, atol=1e-9)
 
@@ -51,13 +53,66 @@ def test_readings_without_times_are_spaced_by_the_pulses():
 
 
 def test_pulses_are_counted_from_the_first_that_is_driven():
-    clocks = {s.voltage_V: s.clock for s in look(session(), "long").seen[:3]}
+    every = {s.voltage_V: s for s in look(session(), "long").seen[:3]}
+    clocks = {volts: seen.kept_clock for volts, seen in every.items()}
     assert np.all(clocks[0.0].pulse == -1.0)
     both = np.sort(np.concatenate([clocks[2.0].pulse, clocks[-2.0].pulse]))
     np.testing.assert_array_equal(both, np.arange(2.0, 22.0))  # two are discarded
+    firsts = [every[v].clock.of(~every[v].counts) for v in (2.0, -2.0)]
+    assert [one.pulse.tolist() for one in firsts] == [[0.0], [1.0]]
+    assert firsts[0].opposite.tolist() == [0.0]  # before the first there was 0 V
     up, down = clocks[2.0].opposite, clocks[-2.0].opposite
     np.testing.assert_allclose(up, -0.8, atol=0.08)  # before +2 V there was -2 V
     np.testing.assert_allclose(up * down, 1.0)
+
+
+def without_first_pulses(m):
+    """The same in which nobody wrote down what was discarded."""
+    conditions = [
+        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
+        for c in m.conditions
+    ]
+    return replace(m, conditions=tuple(conditions))
+
+
+@pytest.mark.slow
+def test_first_pulses_stand_for_themselves_and_are_in_no_mean():
+    """Force and shape of each, less the mean of those that count."""
+    m = session()
+    both = [prepare(one, Options()).problem.study for one in (m, without_first_pulses(m))]
+    for part, plain, look_ in zip(*(s.layout.parts for s in both), both[0].looks, strict=True):
+        assert (part.is_early.sum(), plain.is_early.sum()) == (14, 0)
+        numbers = part.trend @ part.measured_N
+        np.testing.assert_allclose(numbers[~part.is_early], plain.trend @ plain.measured_N)
+        wanted = [s.force_N[0] - s.kept_N.mean() for s in look_.seen if s.voltage_V != 0.0]
+        np.testing.assert_allclose(numbers[part.is_early], wanted)
+        assert len(part.sway_rows) == len(plain.sway_rows) + 14
+
+
+def test_a_first_pulse_without_a_curve_leaves_those_of_the_others():
+    m = session()
+    c = m.conditions[1]
+    bare = tuple(replace(r, curve=None) if r.kind == "discarded" else r for r in c.readings)
+    seen = look(replace(m, conditions=(m.conditions[0], replace(c, readings=bare))), "long").seen[1]
+    assert (len(seen.own_curves), len(seen.force_N)) == (10, 11)
+
+
+@pytest.mark.parametrize("what", ["not valid", "later", "at 0 V"])
+def test_what_is_no_first_pulse_is_not_taken_for_one(what: str):
+    """Such as what is read while a sheet relaxes from a hold."""
+    m = session()
+    c = m.conditions[1]
+    first, *others = c.readings
+    assert first.kind == "discarded"
+    if what == "not valid":
+        c = replace(c, readings=(replace(first, valid=False), *others))
+    elif what == "later":
+        c = replace(c, readings=(*others, replace(first, index=99)))
+    else:
+        c = replace(c, voltage_V=0.0, readings=(first, *(replace(r, kind="zero") for r in others)))
+    seen = look(replace(m, conditions=(m.conditions[0], c)), "long").seen[1]
+    assert np.all(seen.counts)
+    assert len(seen.force_N) == 10
 
 
 def test_identical_readings_are_one_reading():

@@ -53,8 +53,8 @@ def test_a_model_is_not_more_likely_than_itself():
     np.testing.assert_allclose(predictive_gains(base, base), 0.0, atol=1e-9)
 
 
-def gap(force: float, curve: float = 0.01, drift: float = 0.01) -> Gap:
-    return Gap(force, curve, 1.0, drift, 0.01)
+def gap(force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.01) -> Gap:
+    return Gap(force, curve, 1.0, drift, sway, 0.01)
 
 
 @pytest.mark.parametrize(
@@ -66,6 +66,7 @@ def gap(force: float, curve: float = 0.01, drift: float = 0.01) -> Gap:
         (gap(0.5), gap(0.25), 1.0 - (0.25**2 - 0.03**2) / (0.5**2 - 0.03**2)),
         (gap(0.1, 0.4), gap(0.1, 0.01), 1.0),  # of the curves, which stand out more
         (gap(0.04, 0.02, 0.09), gap(0.04, 0.02, 0.01), 1.0),  # of what goes on along a run
+        (gap(0.04, 0.02, 0.01, 0.09), gap(0.04, 0.02, 0.01, 0.01), 1.0),  # of shapes, likewise
         (gap(0.04, 0.01, 0.014), gap(0.03, 0.01, 0.014), 1.0),  # which may be noise
         (gap(0.02, 0.009), gap(0.02, 0.009), np.nan),  # there was no gap
     ],

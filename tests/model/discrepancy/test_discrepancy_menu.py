@@ -57,9 +57,10 @@ def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
     for seen in added:
         like = usual[seen.position_m, seen.voltage_V]
         times = 3 if seen.voltage_V else 1
-        assert len(seen.force_N) == len(seen.clock.run_s) == times * len(like.force_N)
-        assert len(seen.own_curves) == times * len(like.own_curves)
-        np.testing.assert_allclose(seen.clock.run_s[: len(like.force_N)], like.clock.run_s)
+        count = len(like.kept_N)
+        assert len(seen.kept_N) == len(seen.kept_clock.run_s) == times * count
+        assert len(seen.own_curves[-len(seen.kept_N) :]) == times * count
+        np.testing.assert_allclose(seen.kept_clock.run_s[:count], like.kept_clock.run_s)
         if seen.voltage_V:
             np.testing.assert_allclose(np.diff(seen.clock.pulse), 2.0)
             np.testing.assert_allclose(np.diff(seen.clock.driven_s), 1.2)

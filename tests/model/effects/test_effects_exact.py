@@ -460,7 +460,9 @@ def test_what_lags_behind_is_on_the_average_in_the_beam_already():
     lagging = effect("viscoelastic_creep").lagging(beam, held, creep(spread=5.0))
     assert len(lagging) == 3
     for _, much in lagging:
-        assert np.bincount(beam.reading_of, much) == pytest.approx(np.zeros(7), abs=1e-12)
+        assert np.bincount(beam.reading_of, beam.share * much) == pytest.approx(
+            np.zeros(7), abs=1e-12
+        )
     assert effect("viscoelastic_creep").lagging(beam, held, creep(time_s=0.0)) == []
 
 
