@@ -16,6 +16,8 @@ from protocols.schedule import PlannedRun
 from protocols.states import RunState
 from protocols.stop import StopLevel, StopRequest
 
+# Making safe goes on, and may take its time; until then only hands can act.
+NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
 OVERDUE_S = 0.5  # a look at the signals so long overdue is taken although an edge is near
 
 
@@ -165,7 +167,8 @@ class RunLoop:
         if self._maker is not None:
             self._maker.edge(event)
         self._loop.emit(event)
-        self._loop.output.tell(f"{write.sheet_V:g} V written")
+        # Told when the state changes, and not with each pulse: which voltage it was is soon wrong.
+        self._loop.output.tell("0 V written" if write.sheet_V == 0.0 else "a voltage was written")
         self._loop.beat()
 
     def _tail(self, maker: ReadingMaker) -> None:
@@ -243,7 +246,8 @@ class RunLoop:
             loop.tell_if_possible(
                 VoltageSet(write.after_s, self._run.index, last, write.before_s, write)
             )
-        loop.guarded("telling that the output is at 0 V", lambda: loop.output.tell(why))
+        told = why if write is not None else NOT_ZERO.format(why=why)
+        loop.guarded("telling what the output is at", lambda: loop.output.tell(told))
 
     def _end(self, *, completed: bool) -> None:
         """Stop the acquisition, each device for itself, and tell of it.

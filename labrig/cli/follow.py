@@ -34,10 +34,6 @@ from protocols.hub import EventHub
 from protocols.stop import StopLevel, StopRequest
 
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
-_NOT_ZERO = (
-    "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off by hand; "
-    "labrig goes on trying"
-)
 _AFTER_PULSE = "stopping after this pulse; Ctrl-C once more: at once"
 
 FOLLOWS = "follows.txt"  # among a session's texts: the identifier of the one it adds to
@@ -178,8 +174,7 @@ class RunDisplay:
         elif isinstance(event, OutputChanged):
             self._output = event.state
             if self._running and event.state is OutputState.UNKNOWN:
-                # Making safe may take its time: until then only hands can act.
-                warn(_NOT_ZERO)
+                warn(f"{event.why}; labrig goes on trying")
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
         elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:

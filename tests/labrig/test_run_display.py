@@ -15,7 +15,7 @@ from protocols.events import Event, RunStopped, VoltageSet
 from protocols.stop import StopLevel
 from tests.protocols.fake_rig import FakeRig, short_schedule
 
-AT_ONCE = "0 V COULD NOT BE WRITTEN, the sheet may be under voltage: switch the amplifier off"
+AT_ONCE = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (the run was broken off)"
 
 
 def said_while(rig: FakeRig, capsys: pytest.CaptureFixture[str]) -> str:

@@ -66,6 +66,19 @@ def test_a_run_that_the_guard_has_ended_says_so_and_that_the_output_is_at_0_V(fa
     until(page, ".notice", said)
 
 
+def test_why_a_run_has_ended_is_told_once(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.wait_for_selector(".mean")
+    why = "the camera has stopped delivering"
+    fake.tell(
+        {"type": "ended", "time_s": 1, "outcome": "failed", "reason": why, "output": "safe",
+         "wall": "2026-11-20T10:00:00Z", "log": "x"}
+    )  # fmt: skip
+    fake.tell({**made_up.story()[0], "state": "ended", "code": 5, "text": f"failed: {why}"})
+    until(page, ".notice", "(code 5)")
+    assert text_of(page, ".notice").count(why) == 1
+
+
 def test_means_and_scatter_leave_out_discarded_and_invalid_readings(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")

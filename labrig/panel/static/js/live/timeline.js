@@ -217,7 +217,8 @@ export class Timeline {
 
   words(run, run_s) {
     const { plan, latest_s } = this.job;
-    const count = `${plan.runs.length} runs, ${about(plan.estimate_s)}`;
+    const runs = plan.runs.length === 1 ? "run" : "runs";
+    const count = `${plan.runs.length} ${runs}, ${about(plan.estimate_s)}`;
     if (!this.job.started) return `${count}; not begun`;
     const where = `run ${run.run + 1}: ${placeOf(run)}`;
     const within = run_s == null ? "" : `, ${number(run_s, 1)} s of ${number(run.duration_s, 1)} s`;

@@ -41,7 +41,7 @@ function endOf({ job, ended, output }) {
   if (job?.state === "lost")
     return "The run\u2019s process does not answer. Press STOP, then look at the amplifier.";
   if (job?.state !== "ended") return "";
-  const told = ended?.reason && ended.reason !== job.text ? `${ended.reason} ` : "";
+  const told = ended?.reason && !job.text?.includes(ended.reason) ? `${ended.reason} ` : "";
   const code = job.code ? ` (code ${job.code})` : "";
   return `Ended: ${told}${job.text ?? ""}${code}`;
 }
