@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.screen import say
+from labrig.cli.screen import say, warn
 
 
 def add_to(app: typer.Typer) -> None:
@@ -26,7 +26,8 @@ def import_tables(
     """Make a session of CSV tables, such as those of older measurements."""
     from labrig.session import import_session
 
-    import_session(sheet, forces, output, curves=curves, signals=signals)
+    for text in import_session(sheet, forces, output, curves=curves, signals=signals).warnings:
+        warn(f"warning: {text}")
     say(f"wrote {output}")
 
 

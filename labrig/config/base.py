@@ -75,7 +75,8 @@ def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
         raise BadInputError(f"{path}: there is no such file.") from None
     except UnicodeDecodeError as error:
         raise BadInputError(
-            f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read)."
+            f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read); save it "
+            "as UTF-8."
         ) from None
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None

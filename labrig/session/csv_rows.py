@@ -83,7 +83,10 @@ def _check_header(
     if not header or header == [""]:
         raise BadInputError(f"{path}: is empty; its first line must name the columns.")
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-        raise BadInputError(f"{path}: its columns must be separated by commas.")
+        raise BadInputError(
+            f"{path}: its columns must be separated by commas (and numbers have a point "
+            "for their decimals)."
+        )
     for name in header:
         if name not in known:
             raise BadInputError(

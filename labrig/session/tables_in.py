@@ -15,6 +15,7 @@ from labrig.session import columns
 from labrig.session.csv_rows import Row, integer, one_of, read_rows, truth
 from labrig.session.curve_points import CurvePoints
 from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
+from labrig.session.doubts import doubts
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
 
 NUMBER = "a number"
@@ -61,13 +62,14 @@ def read_tables(
             unsaid |= _add_point(gathered, row, sheet)
     if not any(each.readings for each in gathered.values()):
         raise BadInputError(f"{forces}: holds no readings.")
-    return Measurements(
+    found = Measurements(
         sheets=dict(sheet),
         conditions=tuple(_condition(key, each) for key, each in gathered.items()),
         series=_series(signals, sheet) if signals is not None else (),
         source=forces.name,
         warnings=(*_without_force(gathered), *([_UNSAID.format(curves)] if unsaid else [])),
     )
+    return replace(found, warnings=(*found.warnings, *doubts(found)))
 
 
 # -------------------------------------------------------------------------------------- conditions
