@@ -12,6 +12,7 @@ from labrig.vision.beyond import seen_beyond_px
 from labrig.vision.curve import smallness
 from labrig.vision.ends import Tip, missing_end_px, missing_start_px
 from labrig.vision.fit import Fit, seen_start, spread
+from labrig.vision.joined import Join, worst_join
 from labrig.vision.setting import Setting
 from labrig.vision.trace import MOST_CURVATURE_PER_M
 
@@ -24,6 +25,7 @@ MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
 WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
 LEAST_SNR = 2.0
 MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
+MOST_JOIN_CHI2 = 4.5**2  # of place, direction and curvature where the sheet comes into sight again
 KINK_RAD = 0.04  # that a sheet may have where it leaves the jaws
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
@@ -37,6 +39,7 @@ class Verdict:
     covered: float
     residual_px: float
     worth: float  # to choose between candidates: how much of the picture the curve explains
+    join: Join  # the least likely one of what is seen before and beyond hidden stretches
 
 
 def judge(
@@ -51,13 +54,16 @@ def judge(
     residual = smooth_residual_px(fit)
     strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
-    faults = [fault for fault in _faults(fit, setting, tip, residual, followed, beside) if fault]
+    join = worst_join(fit, setting)
+    found = [*_faults(fit, setting, tip, residual, followed, beside), _broken(join)]
+    faults = [fault for fault in found if fault]
     return Verdict(
         why=faults[0] if faults else "",
-        warnings=tuple(_warnings(setting, tip, covered)),
+        warnings=tuple(_warnings(setting, tip, covered, join)),
         covered=covered,
         residual_px=residual,
         worth=worth * (0.3 if faults else 1.0),
+        join=join,
     )
 
 
@@ -151,6 +157,16 @@ def _faults(
     ]
 
 
+def _broken(join: Join) -> str:
+    if join.chi2 <= MOST_JOIN_CHI2:
+        return ""
+    return (
+        f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels and "
+        f"{abs(join.turned_rad):.2f} rad beside where the sheet before it leads; something else "
+        "was followed there; make more of the sheet visible."
+    )
+
+
 def _start_beside(fit: Fit, setting: Setting) -> tuple[float, float, float]:
     """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
     beside, covariance = seen_start(fit, setting)
@@ -179,10 +195,15 @@ def _shows(fit: Fit, setting: Setting, start: int) -> bool:
     return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)
 
 
-def _warnings(setting: Setting, tip: Tip, covered: float) -> list[str]:
+def _warnings(setting: Setting, tip: Tip, covered: float, join: Join) -> list[str]:
     out = []
     if covered < 0.85:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
+    if join.doubtful:
+        out.append(
+            f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels beside "
+            "where the sheet before it leads; the band holds both"
+        )
     if setting.sign > 0 and setting.picture.clipped > 0.005:
         out.append("parts of the picture are saturated")
     if tip.beyond_px is not None and abs(tip.beyond_px) > 4:

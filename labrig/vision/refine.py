@@ -37,9 +37,9 @@ class Candidate:
 
     @property
     def confirmed(self) -> bool:
-        """Whether it passes, and its end is seen where it should be."""
-        tip = self.tip
-        return not self.verdict.why and tip.beyond_px is not None and not tip.at_least
+        """Whether it passes, goes on behind what hides it, and its end is seen where it should."""
+        tip, sure = self.tip, not self.verdict.join.doubtful
+        return not self.verdict.why and sure and tip.beyond_px is not None and not tip.at_least
 
     @property
     def rank(self) -> tuple[bool, bool, float]:

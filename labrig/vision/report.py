@@ -52,6 +52,8 @@ def report(
             "half of that"
         )
         warnings = (*warnings, said)
+    join = verdict.join
+    aside = join.aside_px if join.doubtful and join.aside_px is not None else np.zeros_like(excess)
     face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
     if face * fit.band.face_share > LEAST_EXCESS_PX:
         said = (
@@ -68,7 +70,7 @@ def report(
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
         sigma_m=np.sqrt(
-            (noise_px**2 + (excess / 2) ** 2) / ppm**2 + systematic_m(fit, setting) ** 2
+            (noise_px**2 + (excess / 2) ** 2 + aside**2) / ppm**2 + systematic_m(fit, setting) ** 2
         ),
         excess_px=excess,
         curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
