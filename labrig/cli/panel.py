@@ -81,6 +81,7 @@ def _settings(
     rig, session = (None, what) if is_session else (what, None)
     if session is not None and not session.resolve().is_relative_to(folder):
         raise BadInputError(f"{session}: does not lie in the data folder {folder}.")
+    _require_readable(session, model)
     return PanelSettings(
         data=folder,
         rig=None if rig is None else rig.resolve(),
@@ -89,6 +90,18 @@ def _settings(
         host=host,
         port=port,
     )
+
+
+def _require_readable(session: Path | None, model: Path | None) -> None:
+    """Raises BadInputError, in the words of whoever would meet the file later."""
+    if session is not None:
+        from labrig.session import open_session
+
+        open_session(session, live=True).close()
+    if model is not None:
+        from labrig.model_file import load_model
+
+        load_model(model)
 
 
 def _with_tls(

@@ -28,25 +28,22 @@ STATIC = Path(__file__).parent / "static"
 ROUTERS = (routes_run.router, routes_files.router, routes_calibration.router, routes_library.router)
 
 
-def create_app(settings: PanelSettings) -> FastAPI:
+def create_app(panel: Panel) -> FastAPI:
     """The server's application. Nothing is served to who does not pass the gate."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        app.state.panel = panel = Panel(settings)
-        try:
-            yield
-        finally:
-            panel.close()
+        app.state.panel = panel
+        yield
 
     app = FastAPI(
         title="labrig", docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan
     )
     for router in ROUTERS:
         app.include_router(router)
-    _pages(app, settings)
+    _pages(app, panel.settings)
     _answers_in_sentences(app)
-    app.add_middleware(Gate, settings=settings)
+    app.add_middleware(Gate, settings=panel.settings)
     return app
 
 

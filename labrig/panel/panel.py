@@ -29,6 +29,7 @@ class Panel:
 
     def __init__(self, settings: PanelSettings) -> None:
         self.settings = settings
+        self.simulated = _is_simulated(settings.rig)  # first: here it may fail, and has no threads
         self.feed = Feed()
         self.actions = Actions(settings.data)
         self.control = Control(self.feed.tell_newest)
@@ -39,7 +40,6 @@ class Panel:
         self.replays = 0  # that are open
         self.model: str | None = None
         self.model_path: Path | None = None
-        self.simulated = _is_simulated(settings.rig)
         if settings.model is not None:
             self.choose_model(settings.model)
 

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
@@ -25,13 +25,15 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
 
     from labrig.panel.app import create_app
     from labrig.panel.connection import PageConnection
+    from labrig.panel.panel import Panel
 
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])
-        with _stop_process(settings) as stop_port:
-            settings = replace(settings, stop_port=stop_port)
+        # Before anything else is started, and said to be ready: it finds what files say wrongly.
+        with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
+            panel.settings = replace(settings, stop_port=stop_port)
             config = uvicorn.Config(
-                create_app(settings),
+                create_app(panel),
                 log_level="warning",
                 access_log=False,
                 server_header=False,
@@ -42,7 +44,7 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
                 ssl_certfile=settings.certificate,
                 ssl_keyfile=settings.key,
             )
-            on_ready(settings)
+            on_ready(panel.settings)
             with suppress(KeyboardInterrupt):  # uvicorn hands it on when all is closed
                 uvicorn.Server(config).run(sockets=[listening])
 

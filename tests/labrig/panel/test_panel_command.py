@@ -6,6 +6,7 @@ import shutil
 import ssl
 import subprocess
 import urllib.request
+from pathlib import Path
 
 import pytest
 
@@ -24,13 +25,21 @@ from tests.labrig.panel.page import Server
         (["--certificate", "rig.toml", "--key", "rig.toml"], "cannot be used"),
         (["--data", "nowhere"], "no such folder"),
         (["--host", "192.0.2.1", "--insecure"], "cannot listen"),
+        (["sheet.toml"], "load_cell is missing"),
+        (["replayed.toml"], "this rig is a recorded session"),
+        (["none.h5"], "is no HDF5 file"),
+        (["rig.toml", "--model", "sheet.toml"], "not a model file"),
     ],
 )
 def test_a_wrong_start_is_told_in_a_sentence(rig_folder, monkeypatch, capsys, options, told):
     monkeypatch.chdir(rig_folder)
-    assert run(["panel", *options]) == 2
-    said = " ".join(capsys.readouterr().err.split())
+    Path("replayed.toml").write_text('replay = "session.h5"\n')
+    Path("none.h5").write_text("no session")
+    assert run(["panel", "--port", "0", *options]) == 2
+    shown = capsys.readouterr()
+    said = " ".join(shown.err.split())
     assert told in said
+    assert shown.out == ""  # no address that nobody serves
     assert "Traceback" not in said
 
 
