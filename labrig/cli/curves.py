@@ -66,6 +66,11 @@ def curves(
     if not sources:
         raise BadInputError("no picture was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
+        if any((optics, sheet, configuration, look, overlay)):
+            raise BadInputError(
+                "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
+                "--look and --overlay are for pictures."
+            )
         _session(sources[0], output, as_json=as_json)
         return
     _pictures(sources, options, output, overlay, as_json=as_json)

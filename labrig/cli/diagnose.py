@@ -84,9 +84,12 @@ def diagnose(
     from labrig.analysis.holding_out import held_out
     from labrig.experiment.next_protocol import with_protocol
     from model.discrepancy import DiagnoseOptions
+    from model.effects import effect
 
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    for name in without or ():
+        effect(name)  # at once: what follows may take minutes
     measurements = _measured(sessions, sheet, forces, curves, signals)
     options = DiagnoseOptions(
         symmetric=symmetric, calibrate=calibrate, model=_model(model), exclude=tuple(without or ()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -86,6 +87,8 @@ def fit(
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     if 0 < bootstrap < FEWEST_REPEATS:
         raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
+    if not math.isfinite(q):
+        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
     options = FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import tempfile
@@ -50,6 +51,12 @@ for room in (
 ):
     room.add_to(app)
 
+# A path that was given and cannot be used; all else, such as a full disk, is a failure.
+_WRONG_PATH = (
+    FileExistsError, FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError,
+)  # fmt: skip
+_NOT_WRITABLE = (errno.EROFS, errno.ENAMETOOLONG)
+
 
 def main() -> None:
     """The program's entry point; ends the process with a documented exit code."""
@@ -76,7 +83,8 @@ def run(arguments: list[str]) -> int:
         return ExitCode.DONE
     except OSError as error:
         warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
-        return ExitCode.FAILED
+        wrong_path = isinstance(error, _WRONG_PATH) or error.errno in _NOT_WRITABLE
+        return ExitCode.BAD_INPUT if wrong_path else ExitCode.FAILED
     except Exception as error:  # noqa: BLE001 - a person never sees a traceback
         return _report_fault(error)
     return int(result or 0)

@@ -42,6 +42,8 @@ class Library:
     def __init__(self, folder: Path) -> None:
         """Raises BadInputError when there is no such folder."""
         if not folder.is_dir():
+            if folder.exists():
+                raise BadInputError(f"{folder}: this is a file, a folder is needed.")
             raise BadInputError(f"{folder}: there is no such folder.")
         self.folder = folder
         self._lock = threading.Lock()

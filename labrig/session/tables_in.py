@@ -219,6 +219,8 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
         )
         if len(values) > 1 and np.any(np.isnan(values[-1]) != np.isnan(values[-2])):
             raise row.fault("force_mN and current_mA must be there for all of a position, or none")
+    if not rows:
+        raise BadInputError(f"{path}: holds no samples.")
     return tuple(_one_series(*key, np.array(values)) for key, values in rows.items())
 
 

@@ -367,3 +367,8 @@ def test_an_import_overwrites_nothing_and_leaves_nothing_behind(imported, tmp_pa
     with pytest.raises(BadInputError, match="no such folder"):
         import_session(tmp_path / "sheet.toml", tmp_path / "forces.csv", tmp_path / "no" / "b.h5")
     assert not list(tmp_path.glob("b.h5*"))
+
+
+def test_a_table_of_signals_without_samples_is_refused(tmp_path):
+    with pytest.raises(BadInputError, match=r"signals\.csv: holds no samples"):
+        read(tmp_path, signals=SIGNALS.splitlines()[0] + "\n")

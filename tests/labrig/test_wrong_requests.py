@@ -1,0 +1,53 @@
+"""What cannot be done as it was asked for: one sentence, the right code, and nothing half done."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from labrig.cli.main import run
+from tests.labrig.report_data import measure, session
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A session, a file that is none, and a session that was never under voltage."""
+    folder = tmp_path_factory.mktemp("asked")
+    made = measure("long")
+    session(folder / "good.h5", made)
+    still = tuple(replace(c, voltage_V=0.0, run=k) for k, c in enumerate(made.conditions))
+    session(folder / "still.h5", replace(made, conditions=still))
+    (folder / "a_file").write_text("x")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        (["fit", "good.h5", "--q", "nan"], "--q nan: a number is needed"),
+        (["fit", "still.h5"], "was measured at 0 V alone"),
+        (["curves", "good.h5", "--configuration", "medium"], "are for pictures"),
+        (["curves", "good.h5", "--look", "silhouette"], "are for pictures"),
+        (["diagnose", "good.h5", "--without", "gravty"], "no effect 'gravty'"),
+        (["list", "a_file"], "this is a file, a folder is needed"),
+        (["config", "schema", "a_file/x"], "Not a directory"),
+        (["calibrate", "board", "-o", "nowhere/board.pdf"], "No such file or directory"),
+    ],
+)
+def test_it_is_told_in_one_sentence(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    asked: list[str],
+    told: str,
+) -> None:
+    monkeypatch.chdir(folder)
+    before = sorted(folder.rglob("*"))
+    assert run(asked) == 2
+    said = capsys.readouterr()
+    assert told in said.err
+    assert len(said.err.strip().splitlines()) == 1
+    assert said.out == ""
+    assert sorted(folder.rglob("*")) == before
