@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import sys
 import tempfile
@@ -60,6 +61,9 @@ _NOT_WRITABLE = (errno.EROFS, errno.ENAMETOOLONG)
 
 def main() -> None:
     """The program's entry point; ends the process with a documented exit code."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # Windows gives a pipe or a file its old code page, which lacks letters that files may have.
+        sys.stdout.reconfigure(errors="replace")
     sys.exit(run(sys.argv[1:]))
 
 

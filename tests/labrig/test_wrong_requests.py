@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from labrig.cli.main import run
+from labrig.cli.main import main, run
 from tests.labrig.report_data import measure, session
 
 
@@ -51,3 +53,14 @@ def test_it_is_told_in_one_sentence(
     assert len(said.err.strip().splitlines()) == 1
     assert said.out == ""
     assert sorted(folder.rglob("*")) == before
+
+
+def test_letters_that_the_output_cannot_show_are_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(shown, encoding="ascii"))
+    monkeypatch.setattr(sys, "argv", ["labrig", "effects", "show", "surface_tension"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 0
+    sys.stdout.flush()
+    assert b"Qu?r?" in shown.getvalue()
