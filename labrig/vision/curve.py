@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 FloatArray = npt.NDArray[np.float64]
 
 
-USUAL_M = 0.04  # length of a strip, and more
+USUAL_M = (0.04, 0.06)  # length of a strip
 
 
 def smallness(length_m: float) -> float:
     """How many times smaller than a usual strip it is, and so bends the more; 1: none.
 
-    From near it looks alike.
+    From near it looks alike, and so does a larger one from afar.
     """
-    return max(1.0, USUAL_M / length_m)
+    return float(np.clip(length_m, *USUAL_M)) / length_m
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,13 @@ from labrig.vision.ends import Tip
 from labrig.vision.fit import fit_intensities, fit_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
+from labrig.vision.reduced import (
+    reduced_optics,
+    reduced_picture,
+    reduction,
+    scaled_curve,
+    told,
+)
 from labrig.vision.refine import Candidate, Refiner
 from labrig.vision.report import blamed, report, with_wires
 from labrig.vision.setting import Band
@@ -56,6 +63,18 @@ def neutral_curve(
     if not strip.thickness_known:
         seen_m = start.thickness_m if start is not None and start.ok else None
         strip = replace(strip, thickness_m=seen_m or visible_thickness_m(picture, optics, strip))
+    by = reduction(strip.thickness_m * optics.px_per_m)
+    if by == 1:
+        return _found(picture, optics, strip, start)
+    picture, optics = reduced_picture(picture, by), reduced_optics(optics, by)
+    start = scaled_curve(start, 1 / by) if start is not None else None
+    return told(_found(picture, optics, strip, start), by)
+
+
+def _found(
+    picture: Picture, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+) -> NeutralCurve:
+    """The curve, or why there is none."""
     job = _Job(picture, optics, strip)
     best = job.followed(start) if start is not None and start.ok else None
     if best is not None and start is not None:

@@ -246,7 +246,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     # Tukey's weights shrink the residuals of pure noise by 6 %
     # and no lens draws a band just as the template has it
     contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
-    noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(band) * contrast)
+    noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(setting, band) * contrast)
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()
@@ -268,12 +268,13 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     )
 
 
-def _likeness(band: Band) -> float:
+def _likeness(setting: Setting, band: Band) -> float:
     """How well any band is like the template, as a share of its contrast.
 
     The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
     """
-    return float(np.clip(0.01 * band.half_width[0], 0.01, 0.1))
+    shown = setting.picture.reduced * float(band.half_width[0])
+    return float(np.clip(0.01 * shown, 0.01, 0.1))
 
 
 def usable_cells(
@@ -297,7 +298,7 @@ def usable_cells(
     # what does not look like a band here, such as a roll's rim, would only pull the curve
     misfit = _smooth(cells[:, 5], 2) / np.maximum(_smooth(cells[:, 6], 2), 1.0)
     usual = max(float(np.median(misfit[there])), 1e-12)
-    strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(band)) * contrast) ** 2)
+    strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(setting, band)) * contrast) ** 2)
     lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
     return _in_company(there & ~_grown(strange | lost, 2), present)
 

@@ -31,6 +31,7 @@ class Picture:
     full_scale: float
     clipped: float  # share of the pixels at full scale
     warnings: tuple[str, ...]
+    reduced: int = 1  # times, against the camera's
 
     @cached_property
     def smooth(self) -> MapArray:

@@ -20,7 +20,7 @@ from labrig.vision.shape import Shape, ShapeBasis, coefficients_for, make_basis
 from labrig.vision.trace import Trace, shape_through
 
 WELL_COVERED = 0.95
-LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve
+LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve, or a larger one's
 FACE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
@@ -58,7 +58,7 @@ class Refiner:
             free_px,
             strip.length_m * optics.px_per_m,
             coefficients_for(free_px),
-            LONGEST_STEP_M / smallness(strip.length_m) * optics.px_per_m,
+            LONGEST_STEP_M / max(1.0, smallness(strip.length_m)) * optics.px_per_m,
         )
         self.mask = roll_mask(optics, picture.grey.shape)
 

@@ -20,7 +20,8 @@ def test_odd_pieces_in_a_gap_are_not_the_sheet():
     cells[:, 0], cells[:, 5], cells[:, 6] = 80.0, 10.0, 2 * band.reach
     present = np.where(odd, 1.0, 0.3)
     cells[:, 6] *= present
-    used = usable_cells(cells, present, SimpleNamespace(sign=1.0), band, noise=4.0)
+    setting = SimpleNamespace(sign=1.0, picture=SimpleNamespace(reduced=1))
+    used = usable_cells(cells, present, setting, band, noise=4.0)
     assert not used[100:220].any()
     assert used[5:98].all()
     assert used[222:-5].all()
