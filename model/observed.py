@@ -67,7 +67,8 @@ def _weighed(
 
 def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
     """The sheet as it was when the picture was taken, which may be older than the reading."""
-    inner = acting(effects, setup.sheet.configuration)
+    name = setup.sheet.configuration
+    inner = acting(effects, name)
     if setup.voltage_V == 0.0:
         return setup
     run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s)
@@ -77,7 +78,14 @@ def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
         if (change := one.effect.pictured(run.clock, one.values)) is not None
     ]
     use = run.at(setup.voltage_V)
-    return replace(setup, eibm=setup.eibm * (1.0 + sum(mean_over(one, use) for one in seen)))
+    more = sum(mean_over(one, use) for one in seen)
+    at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
+    on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
+    for other in unknowns(effects, name):
+        along = None if other.profile is None else other.profile.along
+        if other.slot == "camera" and along == "position" and setup.touches:
+            more += on_its_way * _factor(other.profile, at_m)
+    return replace(setup, eibm=setup.eibm * (1.0 + more))
 
 
 def camera_m(

@@ -113,7 +113,8 @@ FORMS: tuple[Form, ...] = (
          lambda r, a: r.set("load_cell.misalignment_deg", math.degrees(a)), "load_cell",
          parameters=lambda a: {"angle_rad": a}),
     _HYSTERESIS,
-    replace(_HYSTERESIS, form="soft", change=_loop(4.0), size=0.6),
+    # one that does not turn over within the swing of the force would be a gain, which B takes up
+    replace(_HYSTERESIS, form="soft", change=_loop(1.0), size=0.6),
     Form("load_cell_compliance", "linear", "mm per mN", 0.5, 3.0,
          set_to("load_cell.compliance_mm_per_mN"), "load_cell", accepted=("position",),
          parameters=lambda c: {"compliance_mm_per_mN": c}),

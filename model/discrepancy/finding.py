@@ -98,7 +98,6 @@ class Finding:
             *(gaps.gap(gaps.refitted(f), noise, where) for f in (base, decision.final))
         )
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
-        first = decision.named[0].effect.name if decision.named else ""
         model = sheet_model(
             decision.known, decision.unknown, self.measurements, self.options, fitted.after
         )
@@ -109,7 +108,7 @@ class Finding:
             classes(seen, unseen), apart.rows,
             _scatter(decision.final), outliers,
             (*self.ready.notes, *remarks(self.measurements, base),
-             *notes(named, outliers, apart.chosen, first)), model,
+             *notes(named, outliers, apart.chosen)), model,
             base=base_parameters(decision.known),
         )  # fmt: skip
 

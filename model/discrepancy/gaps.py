@@ -90,7 +90,7 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
 
     kinds = (where.force, where.curve, where.drift, where.sway, where.pulse)
     force, curve, drift, sway, pulse = (rms(groups) for groups in kinds)
-    return Gap(force, curve, chi2, drift, sway, pulse)
+    return Gap(force, curve, chi2, drift, pulse, sway)
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:

@@ -22,12 +22,12 @@ def left_out(
 
     Those of the base model, and those of the model that is chosen without them, (N,) each.
 
-    The choice is repeated among `pool` each time; where it is the final model's first effect, that
-    model's columns predict what was left out.
+    The choice is repeated among `pool` each time; where it is one of the final model's effects,
+    that model's columns predict what was left out.
     """
     before, after = refitted(base).copy(), refitted(final).copy()
     new = final.found[len(base.found) :]
-    own, chosen = new[0].effect.name if new else "", []
+    own, chosen = {one.effect.name for one in new}, []
     # with the base model's own noise, scatter would pass for what an effect does in every set-up
     judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
     for runs in groups:
@@ -37,7 +37,7 @@ def left_out(
         name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
         if final is base or (own and not name):
             after[rows] = before[rows]
-        elif best is None or name == own:
+        elif best is None or name in own:
             after[rows] = _predicted(final, final.linear.columns, runs)[rows]
         else:
             columns = np.concatenate([base.linear.columns, best.candidate.columns], axis=1)
@@ -79,16 +79,26 @@ def predictive_gains(before: Fitted, after: Fitted) -> FloatArray:
 
     The position is left out of both fits.
     """
-    layout, result = before.problem.study.layout, []
-    for runs in position_groups(before):
-        values = []
-        for fitted in (before, after):
-            residual = layout.pad(_predicted(fitted, fitted.linear.columns, runs))[runs]
-            W = fitted.solution.weights[runs]
-            square = float(np.einsum("ri,rij,rj->", residual, W, residual))
-            values.append(0.5 * float(np.sum(np.linalg.slogdet(W)[1])) - 0.5 * square)
-        result.append(values[1] - values[0])
-    return np.array(result)
+    groups = position_groups(before)
+    return np.array([_likely(after, runs) - _likely(before, runs) for runs in groups])
+
+
+def _likely(fitted: Fitted, runs: Index) -> float:
+    """Ln of the density of some runs' data as the others predict them, but for a constant.
+
+    What the others do not know, such as how a form differs in just these runs, is as unsure as it
+    was beforehand.
+    """
+    layout = fitted.problem.study.layout
+    A, b = _information(fitted, fitted.linear.columns, runs, None)
+    covariance = inverse_symmetric(A)
+    X = layout.pad(fitted.linear.columns)[runs]
+    error = (layout.pad(fitted.linear.residual)[runs] - X @ (covariance @ b)).ravel()
+    V = np.einsum("rip,pq,sjq->risj", X, covariance, X, optimize=True)
+    for r, weights in enumerate(fitted.solution.weights[runs]):
+        V[r, :, r, :] += np.linalg.inv(weights)
+    V = V.reshape(len(error), len(error))
+    return -0.5 * float(np.linalg.slogdet(V)[1] + error @ np.linalg.solve(V, error))
 
 
 def _best_without(base: Fitted, pool: Sequence[Candidate], runs: Index) -> Score:

@@ -35,7 +35,7 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
-    if slot == "camera":
+    if slot == "camera" and contender.score.candidate.part != "age":
         return _seen_wrong(fitted, found, beta, C)
     key = _strongest(fitted, found, columns, beta)
     name, part, along = key
@@ -131,7 +131,8 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
         tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
         one.unit,
     )  # fmt: skip
-    names = () if one.slot == "camera" else (one.configuration,)
+    lens = one.slot == "camera" and along == "s"  # which sees all configurations
+    names = () if lens else (one.configuration,)
     return ActiveEffect("unknown", profile=profile, slot=one.slot, configurations=names)
 
 

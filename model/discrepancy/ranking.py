@@ -13,6 +13,7 @@ from model.discrepancy.score import (
     Projected,
     Score,
     allowed,
+    averaged,
     candidates,
     rescored,
     score,
@@ -25,6 +26,7 @@ from model.noise import Solution, weigh
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
 SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
+TINY = 1e-9
 BENT = 0.1  # share of the evidence by which a straight line may misjudge the shape of a strong one
 
 
@@ -33,10 +35,11 @@ class Contender:
     """A candidate with its evidence."""
 
     score: Score
-    gain: float  # ln of the Bayes factor against the present model
+    gain: float  # ln of the Bayes factor against the present model, averaged over its shapes
     solution: Solution | None = None
     fitted: Fitted | None = None  # where it was refined
     shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
+    among: float = 0.0  # ln of how much less its shapes explain on the average than the best
 
     @property
     def name(self) -> str:
@@ -74,9 +77,21 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
         shapes = _other_shapes(chosen, scores.get(name, []))
-        result.append(Contender(chosen, gain, solution, shapes=shapes))
+        among = _among(fitted, [c for c in every if c.name == name], solution)
+        result.append(Contender(chosen, gain + among, solution, shapes=shapes, among=among))
     result.sort(key=lambda c: -c.gain)
     return result
+
+
+def _among(fitted: Fitted, shapes: Sequence[Candidate], solution: Solution) -> float:
+    """Ln of the mean of what an effect's shapes explain over what the best of them does."""
+    if len(shapes) == 1:
+        return 0.0
+    study = fitted.problem.study
+    weighed = weigh(fitted.linear.data, solution.log_sigma)
+    projected = Projected.of(study, fitted.linear, weighed)
+    found = [score(study, projected, one).log_bayes for one in shapes]
+    return averaged(found) - max(found)
 
 
 def best_scores(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
@@ -95,7 +110,20 @@ def _by_name(
     result: dict[str, list[Score]] = {}
     for one in scores:
         result.setdefault(one.candidate.name, []).append(one)
-    return result
+    return {name: _nearest_first(found) for name, found in result.items()}
+
+
+def _nearest_first(scores: list[Score]) -> list[Score]:
+    """Of sizes that explain about as much, tried one by one, that which is most nearly it.
+
+    From one that is many times too large or too small, a fit may not find there.
+    """
+    effect = scores[0].candidate.effect
+    if effect is None or not effect.size.tried:
+        return scores
+    alike = [s for s in scores if s.log_bayes > scores[0].log_bayes - ALIKE]
+    first = min(alike, key=lambda s: abs(np.log(max(abs(s.amplitude), TINY))))
+    return [first, *(s for s in scores if s is not first)]
 
 
 def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:

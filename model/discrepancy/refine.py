@@ -109,6 +109,7 @@ def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | No
         return contender
     # its size was chosen from several, as in `score`
     gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
+    gain += contender.among
     return replace(contender, score=one, gain=gain, fitted=other)
 
 

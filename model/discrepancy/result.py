@@ -86,8 +86,8 @@ class Gap:
     curve_rmse_mm: float
     chi2_per_dof: float  # of mean forces and curves
     drift_rmse_mN: float = float("nan")  # how a condition's readings go along the run
-    drift_rmse_mm: float = float("nan")  # how far out their curves are, likewise
     pulse_rmse_mN: float = float("nan")  # parts of a pulse against its sampling point
+    drift_rmse_mm: float = float("nan")  # how far out the readings' curves are, along the run
 
     def to_json(self) -> dict[str, float | None]:
         """Numbers that do not exist are null."""

@@ -130,6 +130,11 @@ def score(study: Study, projected: Projected, candidate: Candidate) -> Score:
     )
 
 
+def averaged(log_bayes: Sequence[float]) -> float:
+    """Ln of the mean Bayes factor of shapes of which nobody knows beforehand which it is."""
+    return float(np.logaddexp.reduce(log_bayes) - np.log(len(log_bayes)))
+
+
 def allowed(one: Score) -> bool:
     """Whether the size is one that the effect can have: some have a sign."""
     effect = one.candidate.effect

@@ -30,6 +30,7 @@ UNITS: dict[Slot, tuple[str, float]] = {
     "position": ("mm", 1e3), "load_cell": ("mN", 1e3), "camera": ("mm", 1e3),
     "time": ("relative", 1.0),
 }  # fmt: skip
+OWN_UNITS = {"force, run": ("mN", FORCE_N * 1e3), "age": ("relative", 1.0)}  # of these parts
 # parts of one shape that another part has, too: by itself what is constant costs least
 ALONE = ("clamp", "zero")
 # how long that takes along which a shape of time goes, with its unit
@@ -111,7 +112,7 @@ def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
 
 def unit_of(slot: Slot, part: str) -> tuple[str, float]:
     """Unit of a profile, and what its waves count in it."""
-    return ("mN", FORCE_N * 1e3) if part == "force, run" else UNITS[slot]
+    return OWN_UNITS.get(part, UNITS[slot])
 
 
 def _count(study: Study, c: int) -> int:
@@ -233,6 +234,13 @@ def _camera(study: Study, c: int, state: State) -> Making:
             for normal in (state.solved.nx, state.solved.ny):
                 points = shape * normal * scene.has_curve[:, None]
                 yield Made("place", "place", None, replace(none, points_m=points), shared=True)
+    # pictures of another moment: what is on its way then is half as much in the first pulse
+    part = study.part(c)
+    on_arc, on_its_way = _on_arc(study, c)[part.reading_of], 0.5 * (1.0 - part.clock.opposite)
+    for j in range(7):  # one for each position of the paper: frames fall where they happen to
+        one = wave(j, 0.1)
+        step = replace(none, frame_eibm=one(on_arc) * on_its_way)
+        yield Made("age", "position", one, step)
 
 
 def _time(study: Study, c: int, state: State) -> Making:

@@ -94,13 +94,11 @@ def _gap(left_out: BeforeAfter) -> str:
     return f"the gap on left-out positions goes {both}"
 
 
-def notes(
-    named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str], first: str
-) -> Iterator[str]:
-    """What to know besides; `chosen`: names with each position left out, `first`: with all data."""
+def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:
+    """What to know besides; `chosen`: the best name with each position left out."""
     if outliers:
         yield f"left out, since nothing else is like it: {', '.join(outliers)}"
-    other = sorted({c for c in chosen if c and c != first})
+    other = sorted({c for c in chosen if c} - {n.name for n in named})
     if named and other:
         times = sum(c in other for c in chosen)
         yield (

@@ -185,6 +185,17 @@ def test_an_unknown_term_acts_at_its_slot(truth: SheetModel):
     ).F_N
 
 
+def test_an_unknown_age_of_pictures_bends_shapes_but_not_forces(truth: SheetModel):
+    late = truth.with_effects(unknown("camera", along(-0.1, -0.1, along="position")))
+    less = with_eibm_times(truth, 0.9)
+    for voltage in (0.0, 2.0):
+        seen, plain = (predict(m, "long", POSITION_M, voltage) for m in (late, truth))
+        assert pytest.approx(plain.F_N, rel=1e-12) == seen.F_N
+        other = predict(less, "long", POSITION_M, voltage)
+        np.testing.assert_allclose(seen.y_m, other.y_m, atol=1e-9)
+    assert not np.allclose(seen.y_m, plain.y_m, atol=1e-5)
+
+
 def test_each_configuration_may_have_its_own_value(truth: SheetModel):
     effect = ActiveEffect(
         "initial_curvature",

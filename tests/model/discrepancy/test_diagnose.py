@@ -29,6 +29,7 @@ TILTED = Case((Hiding("clamp_angle", size=0.008),), seed=7)
 DRYING = Case((Hiding("stiffness_drift", "exp", 0.4),), seed=8)
 SOFT_END = Case((Hiding("nonuniform_stiffness", "line", -0.7),), seed=31)
 FIRST = Case((Hiding("first_pulse_transient", "hyperbolic", 0.01),), seed=3)
+LATE = Case((Hiding("frame_delay", "late"),), seed=5)
 LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
@@ -101,6 +102,24 @@ def test_the_discarded_pulses_tell_first_pulses_from_drifts():
     assert after.drift_rmse_mm < 0.5 * before.drift_rmse_mm
     assert found.closed > 0.9
     assert "along a run from" in found.sentence
+
+
+@pytest.mark.slow
+def test_late_pictures_that_differ_from_run_to_run_are_named():
+    """How late just this run's are, the others cannot say: that does not speak against them."""
+    found = diagnosed(LATE)
+    assert (found.verdict, names(found)) == ("effect_named", ["frame_delay"])
+    assert found.effects[0].confidence > 0.95
+    assert found.closed > 0.7
+
+
+@pytest.mark.slow
+def test_late_pictures_that_no_catalogue_has_are_a_matter_of_the_camera():
+    found = diagnosed(LATE, DiagnoseOptions(exclude=("frame_delay",)))
+    assert (found.verdict, names(found)) == ("unknown_effect", [])
+    assert (found.unknown.slot, found.unknown.along) == ("camera", "position")
+    assert found.unknown.unit == "relative"
+    assert np.all(found.unknown.profile < 0.0)  # pictures show less EIBM than the forces
 
 
 @pytest.mark.slow

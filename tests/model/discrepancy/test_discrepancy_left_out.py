@@ -54,7 +54,7 @@ def test_a_model_is_not_more_likely_than_itself():
 
 
 def gap(force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.01) -> Gap:
-    return Gap(force, curve, 1.0, drift, sway, 0.01)
+    return Gap(force, curve, 1.0, drift, 0.01, sway)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from model.discrepancy.score import (
     Projected,
     Score,
     allowed,
+    averaged,
     candidates,
     members,
     score,
@@ -132,3 +133,9 @@ def test_an_amplitude_is_a_value_in_the_units_of_the_effect():
     twice = unit_values(ratio, {"ratio": usual}, 2.0)["ratio"]
     assert abs(twice - ratio.size.neutral) > abs(usual - ratio.size.neutral)
     assert unit_values(ratio, {"ratio": usual}, 0.0)["ratio"] == pytest.approx(ratio.size.neutral)
+
+
+def test_shapes_that_nobody_knows_beforehand_share_their_evidence():
+    assert averaged([3.0]) == pytest.approx(3.0)
+    assert averaged([3.0, 3.0, 3.0]) == pytest.approx(3.0)  # it does not matter which it is
+    assert averaged([9.0, -9.0, -9.0]) == pytest.approx(9.0 - np.log(3.0), abs=1e-6)

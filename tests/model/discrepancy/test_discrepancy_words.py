@@ -29,9 +29,14 @@ def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
 
 
 def test_several_are_missing():
-    both = BeforeAfter(Gap(0.2, 1.5, 9.0, 0.02, 0.114), Gap(0.03, 0.04, 1.0, 0.02, 0.008))
+    before, after = (
+        Gap(0.2, 1.5, 9.0, 0.02, 0.114, 0.013),
+        Gap(0.03, 0.04, 1.0, 0.02, 0.008, 0.0004),
+    )
+    both = BeforeAfter(before, after)
     said = sentence("effect_named", [NAMED, NAMED], None, both, "")
     assert said == (
         "gravity and gravity are missing: with them the gap on left-out positions goes from 0.200"
-        " to 0.030 mN, from 1.500 to 0.040 mm and within a pulse from 0.114 to 0.008 mN."
+        " to 0.030 mN, from 1.500 to 0.040 mm, along a run from 0.0130 to 0.0004 mm and within a"
+        " pulse from 0.114 to 0.008 mN."
     )
