@@ -10,6 +10,7 @@ import tomlkit
 
 from labrig.config.base import parse_toml, read_text
 from labrig.errors import BadInputError
+from labrig.files import write_text
 from model import ModelError, SheetModel
 
 _HEADER = (
@@ -30,13 +31,7 @@ def load_model(path: Path) -> SheetModel:
 
 def save_model(model: SheetModel, path: Path) -> None:
     """Write a model file beside its place and rename it."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(model_text(model), encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+    write_text(path, model_text(model))
 
 
 def model_text(model: SheetModel) -> str:

@@ -9,6 +9,7 @@ import typer
 
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
+from labrig.files import write_text
 
 if TYPE_CHECKING:
     from labrig.vision import Board, Calibration
@@ -160,8 +161,5 @@ def _tell(found: Calibration, output: Path) -> None:
         )
     for text in found.warnings:
         warn(f"warning: {text}")
-    try:
-        output.write_text(optics.model_dump_json(indent=2, exclude_none=True) + "\n", "utf-8")
-    except OSError as error:
-        raise BadInputError(f"{output}: cannot be written ({error.strerror}).") from None
+    write_text(output, optics.model_dump_json(indent=2, exclude_none=True) + "\n")
     say(f"wrote {output}")

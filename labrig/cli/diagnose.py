@@ -9,6 +9,7 @@ import typer
 
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError, LabrigError
+from labrig.files import write_text
 
 if TYPE_CHECKING:
     from labrig.report.table import Table
@@ -209,10 +210,7 @@ def next_measurement(
     found = find(measurements, between, options)
     text = protocol_text(found, measurements, sessions[0] if sessions else None)
     if output is not None:
-        try:
-            output.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise BadInputError(f"{output}: cannot be written ({error.strerror}).") from None
+        write_text(output, text)
     if as_json:
         from labrig.config.base import parse_toml
 

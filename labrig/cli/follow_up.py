@@ -13,6 +13,7 @@ from labrig.cli.screen import say, warn
 from labrig.errors import ExitCode
 from labrig.experiment.closed_loop import closed_loop
 from labrig.experiment.next_protocol import protocol_text
+from labrig.files import write_text
 from labrig.report.diagnosis_tables import next_told
 from labrig.session import open_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
@@ -53,7 +54,7 @@ class _AtTheRig:
     def measure(self, proposed: Next, sessions: list[Path], output: Path) -> ExitCode:
         text = protocol_text(proposed, of_sessions(sessions[:1]), sessions[0])
         protocol = output.with_name(f"{output.stem}-protocol.toml")
-        protocol.write_text(text, encoding="utf-8")
+        write_text(protocol, text)
         say(f"wrote {protocol}")
         with open_session(sessions[0]) as session:
             follows = session.identifier

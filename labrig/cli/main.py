@@ -64,7 +64,15 @@ def main() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         # Windows gives a pipe or a file its old code page, which lacks letters that files may have.
         sys.stdout.reconfigure(errors="replace")
-    sys.exit(run(sys.argv[1:]))
+    sys.unraisablehook = _nothing_to_tell
+    code = run(sys.argv[1:])
+    if "labrig.session.disk" in sys.modules:
+        sys.modules["labrig.session.disk"].end_before_the_library_does(code)
+    sys.exit(code)
+
+
+def _nothing_to_tell(_unraisable: object) -> None:
+    """Of what is thrown away while an error is on its way; that one is told."""
 
 
 def run(arguments: list[str]) -> int:

@@ -10,6 +10,7 @@ import typer
 
 from labrig.cli.screen import print_json, print_table, say
 from labrig.errors import BadInputError, NotReadyError
+from labrig.files import write_text
 
 
 def add_to(app: typer.Typer) -> None:
@@ -122,7 +123,7 @@ def schema(
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in schemas().items():
         path = folder / f"{name}.schema.json"
-        path.write_text(_as_text(content), encoding="utf-8")
+        write_text(path, _as_text(content))
         say(f"wrote {path}")
 
 

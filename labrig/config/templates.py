@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.files import not_written, write_text
 
 _COMMON = {
     "sheet.toml": "sheet.toml",
@@ -35,9 +36,9 @@ def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         for name, template in names.items():
             text = template_text(template)
-            (folder / name).write_text(_as_of_today(text) if simulated else text, encoding="utf-8")
+            write_text(folder / name, _as_of_today(text) if simulated else text)
     except OSError as error:
-        raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
+        raise not_written(folder, error) from None
     return [folder / name for name in sorted(names)]
 
 

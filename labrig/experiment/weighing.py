@@ -16,6 +16,7 @@ from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import Rig, opened
+from labrig.files import not_written
 
 LISTEN_S = 2.0  # to each weight
 
@@ -101,7 +102,7 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
         part.replace(path)
     except OSError as error:
         part.unlink(missing_ok=True)
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+        raise not_written(path, error) from None
 
 
 def _kept_name(path: Path) -> Path:

@@ -12,6 +12,7 @@ import numpy as np
 
 from drivers.interfaces import GreyImage
 from labrig.errors import BadInputError
+from labrig.files import not_written
 from labrig.panel.errors import MissingError, NotNowError
 from labrig.panel.feed import Message
 from labrig.vision import Board, Calibration, Optics, calibrate_camera, calibrate_ruler
@@ -131,7 +132,7 @@ def write_optics(optics: Optics, path: Path) -> str | None:
         part.replace(path)
     except OSError as error:
         part.unlink(missing_ok=True)
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+        raise not_written(path, error) from None
     return None if kept is None else kept.name
 
 

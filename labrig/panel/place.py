@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError
+from labrig.files import not_written
 
 HIDDEN = ".labrig"
 GOING = "going"
@@ -71,7 +72,7 @@ def write_place(data: Path, place: Place) -> None:
             json.dump(asdict(place), file)
         _put(beside, path)
     except OSError as error:
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+        raise not_written(path, error) from None
 
 
 def _put(beside: Path, path: Path) -> None:

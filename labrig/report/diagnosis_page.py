@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig.errors import BadInputError
+from labrig.files import not_written
 from labrig.report.diagnosis_figures import draw_diagnosis
 from labrig.report.diagnosis_sections import sections_of
 from labrig.report.diagnosis_tables import VERDICTS, percent
@@ -23,7 +24,7 @@ def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
     try:
         drawn = draw_diagnosis(found, folder / "figures")
     except OSError as error:
-        raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
+        raise not_written(folder, error) from None
     text = render_page(
         "diagnosis.html.j2",
         title=_title(found),

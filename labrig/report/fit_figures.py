@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.errors import BadInputError
+from labrig.files import not_written
 from labrig.report.force_figure import force_figure
 from labrig.report.models import Models
 from labrig.report.moment_figure import moment_figure
@@ -42,7 +43,7 @@ def make_folder(folder: Path) -> None:
     except FileExistsError:
         raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
-        raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
+        raise not_written(folder, error) from None
 
 
 def _varies(fit: Fit, name: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from labrig.errors import BadInputError
+from labrig.files import write_text
 from labrig.report.baseline_table import baseline_table
 from labrig.report.diagnosis_sections import findings_in_short
 from labrig.report.figures import Drawn
@@ -152,10 +152,4 @@ def _with_true_minus(text: str) -> str:
 
 def write_page(text: str, path: Path) -> None:
     """Write the page beside its place and rename it."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+    write_text(path, text)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
+from labrig.files import not_written
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -103,4 +104,4 @@ def save(fig: Figure, path: Path) -> None:
         part.replace(path)
     except OSError as error:
         part.unlink(missing_ok=True)
-        raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
+        raise not_written(path, error) from None

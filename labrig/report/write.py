@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.files import not_written
 from labrig.report.diagnosis_figures import draw_diagnosis
 from labrig.report.figures import draw_all
 from labrig.report.findings import Progress, gather
@@ -40,6 +41,6 @@ def write_report(
             if found.diagnosis is not None:
                 drawn |= draw_diagnosis(found.diagnosis, folder / "figures")
         except OSError as error:
-            raise BadInputError(f"{folder}: cannot be written ({error.strerror}).") from None
+            raise not_written(folder, error) from None
         write_page(render(found, drawn), folder / "index.html")
     return folder / "index.html"

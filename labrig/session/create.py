@@ -27,16 +27,21 @@ FRAME_COMPRESSION = 1
 def create_file(path: Path, setup: Setup) -> None:
     """Write a session file without a single event in it. Raises FileExistsError, OSError."""
     with h5py.File(path, "x", libver=layout.LIBVER) as file:
-        set_attributes(file, NX_class="NXroot", default="session", labrig_format=layout.FORMAT)
-        entry = _group(file, layout.ENTRY, "NXentry")
-        if setup.schedule.runs:
-            set_attributes(entry, default="run_000")
-        _status(entry, setup)
-        _setup_group(file, setup)
-        _table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
-        for run in setup.schedule.runs:
-            _run(file, run, setup)
-        _checksum_table(file)
+        fill_file(file, setup)
+
+
+def fill_file(file: Any, setup: Setup) -> None:
+    """The same in a file that is open and empty."""
+    set_attributes(file, NX_class="NXroot", default="session", labrig_format=layout.FORMAT)
+    entry = _group(file, layout.ENTRY, "NXentry")
+    if setup.schedule.runs:
+        set_attributes(entry, default="run_000")
+    _status(entry, setup)
+    _setup_group(file, setup)
+    _table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
+    for run in setup.schedule.runs:
+        _run(file, run, setup)
+    _checksum_table(file)
 
 
 def set_attributes(item: Any, **values: object) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import errno
 import os
 import re
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
@@ -46,6 +47,34 @@ def cause(error: Exception) -> str:
     return str(error) or type(error).__name__
 
 
+def is_of_writing(error: Exception) -> bool:
+    """Whether the HDF5 library could not write; it has several kinds of errors for that."""
+    return "file write failed" in str(error) or "write request failed" in str(error)
+
+
+_failed_writes = 0
+
+
+def note_a_failed_write() -> None:
+    """The HDF5 library has met a disk that takes no more: see `end_before_the_library_does`."""
+    global _failed_writes
+    _failed_writes += 1
+
+
+def end_before_the_library_does(code: int) -> None:
+    """End the process at once where the HDF5 library could not write something.
+
+    It would try once more at its own end, and crash. Everything else has ended by now, and what
+    is to be recovered lies in the journal. Else nothing happens.
+    """
+    if not _failed_writes:
+        return
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)
+
+
 @contextmanager
 def written_beside(path: Path) -> Iterator[Path]:
     """A name beside `path` to write to; it takes the place of `path` when all went well.
@@ -63,7 +92,11 @@ def written_beside(path: Path) -> Iterator[Path]:
                 f"{path} cannot be replaced; close the program that has it open, then try again."
             ) from None
         sync_folder(path.parent)
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
+        if is_of_writing(error):
+            note_a_failed_write()
+        elif isinstance(error, RuntimeError):
+            raise
         raise LabrigError(f"{path} cannot be written: {cause(error)}.") from error
     finally:
         beside.unlink(missing_ok=True)

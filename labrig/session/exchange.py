@@ -13,7 +13,7 @@ import numpy as np
 from labrig.config import parse_sheet, read_text
 from labrig.errors import BadInputError
 from labrig.session import layout
-from labrig.session.create import create_file
+from labrig.session.create import fill_file
 from labrig.session.derived import load_measurements, write_derived
 from labrig.session.disk import written_beside
 from labrig.session.recorder import Recorder
@@ -52,12 +52,21 @@ def import_session(
     if not output.parent.is_dir():
         raise BadInputError(f"{output.parent}: there is no such folder.")
     with written_beside(output) as beside:
-        create_file(beside, _setup(text, sums))
-        with h5py.File(beside, "r+", libver=layout.LIBVER) as file:
-            _complete(file, [path.name for path in tables.values() if path is not None])
-            Recorder(file).write_checksums()
-            write_derived(file, measurements)
+        names = [path.name for path in tables.values() if path is not None]
+        beside.write_bytes(_session(_setup(text, sums), names, measurements))
     return measurements
+
+
+def _session(setup: Setup, names: list[str], measurements: Measurements) -> bytes:
+    """The file's content. Made in memory: the library ends badly with a disk that gets full."""
+    with h5py.File("made", "w", libver=layout.LIBVER, driver="core", backing_store=False) as file:
+        fill_file(file, setup)
+        _complete(file, names)
+        Recorder(file).write_checksums()
+        write_derived(file, measurements)
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
 
 
 def export_session(path: Path, folder: Path) -> list[Path]:

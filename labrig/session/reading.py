@@ -13,6 +13,7 @@ import numpy as np
 from labrig.config import parse_json
 from labrig.errors import BadInputError
 from labrig.session import layout
+from labrig.session.disk import is_of_writing
 from labrig.session.layout import Array
 from labrig.session.setup import Setup, schedule_back
 from protocols.errors import ScheduleError
@@ -24,6 +25,8 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
     try:
         yield
     except (KeyError, OSError, RuntimeError) as error:
+        if is_of_writing(error):  # another file, into which this one is copied
+            raise
         raise BadInputError(
             f"{path}: {what} is damaged ({error}); where its journal still lies beside the file, "
             f"run labrig recover {path}."

@@ -19,7 +19,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
 from labrig.session.backlog import Backlog, StalledError
 from labrig.session.create import create_file
-from labrig.session.disk import cause, sync_file, sync_folder
+from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
@@ -163,6 +163,7 @@ class SessionWriter:
             self._journal.remove()
         except Exception as error:  # noqa: BLE001 - the thread's last word; handle() raises it
             self._failure = self._failure or error
+            note_a_failed_write()
             self._backlog.drop()
             _close_what_will_close(file)
             self._journal.close()

@@ -59,4 +59,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    ended = main()
+    if "labrig.session.disk" in sys.modules:
+        sys.modules["labrig.session.disk"].end_before_the_library_does(ended)
+    sys.exit(ended)

@@ -1,0 +1,86 @@
+"""A disk that takes no more: code 5, a sentence, and no half of a file under its name."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+from labrig.cli.main import run
+from labrig.session import disk, load_measurements, verify
+from tests.labrig.report_data import measure, session
+
+_SAYS = "file write failed: errno = 28, error message = 'No space left on device'"
+
+
+@pytest.fixture
+def full(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of each text reaches the disk."""
+    whole = Path.write_text
+
+    def half(path: Path, text: str, **how: Any) -> int:
+        whole(path, text[: len(text) // 2], **how)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "write_text", half)
+
+
+@pytest.fixture(autouse=True)
+def the_library_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(disk, "_failed_writes", 0)
+
+
+@pytest.mark.usefixtures("full")
+@pytest.mark.parametrize(
+    "asked",
+    [["init", "rig"], ["config", "schema", "schemas"], ["fit", "good.h5", "-o", "model.toml"]],
+)
+def test_no_half_of_a_file_is_left(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    asked: list[str],
+) -> None:
+    session(tmp_path / "good.h5", measure("long"))
+    monkeypatch.chdir(tmp_path)
+    assert run(asked) == 5
+    said = capsys.readouterr().err
+    assert "the disk is full" in said
+    assert len(said.strip().splitlines()) == 1
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["good.h5"]
+
+
+def test_a_session_is_not_called_damaged_when_its_copy_finds_no_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = session(tmp_path / "good.h5", measure("long"))
+
+    def no_room(*_: Any, **__: Any) -> None:
+        raise RuntimeError(f"Unable to synchronously copy object ({_SAYS})")
+
+    monkeypatch.setattr(h5py.Group, "copy", no_room)
+    with pytest.raises(
+        disk.LabrigError, match=r"good\.h5 cannot be written: the disk is full"
+    ) as e:
+        disk_full_finding(path)
+    assert e.value.code == 5
+    assert "damaged" not in str(e.value)
+    assert all(check.ok for check in verify(path))
+    assert load_measurements(path).conditions
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_process_ends_before_the_library_crashes_at_its_own_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ended: list[int] = []
+    monkeypatch.setattr(os, "_exit", ended.append)
+    disk.end_before_the_library_does(5)
+    assert ended == []  # nothing has failed
+    disk.note_a_failed_write()
+    disk.end_before_the_library_does(5)
+    assert ended == [5]
