@@ -154,7 +154,7 @@ def _solve(n: FloatArray, low: FloatArray, out: FloatArray) -> None:
 
 
 @jit
-def _templates(
+def templates(
     distance: FloatArray,
     first: IntArray,
     half_width: FloatArray,
@@ -256,7 +256,7 @@ def measure(
     basis = np.empty((pixels, 2))
     right[:, 0] = value
     basis[:, 0] = distance
-    basis[:, 1], right[:, 1], right[:, 2] = _templates(
+    basis[:, 1], right[:, 1], right[:, 2] = templates(
         distance, first, half_width, blur, widen, face, face_share
     )
     low, solved = np.zeros((3, 3)), np.zeros((3, 3))

@@ -15,6 +15,7 @@ from labrig.vision.ends import Tip
 from labrig.vision.fit import fit_intensities, fit_points
 from labrig.vision.optics import Optics
 from labrig.vision.picture import Picture, PictureError, read_picture
+from labrig.vision.pulled import pulled_px
 from labrig.vision.reduced import (
     reduced_optics,
     reduced_picture,
@@ -106,7 +107,8 @@ def _found(
             "thick, and nothing tells which part of it is the sheet's edge; light the edge, or "
             "check the sheet's thickness.",
         )
-    curve = report(best.fit, best.setting, best.verdict, excess)
+    pulled = pulled_px(best.fit, best.setting)
+    curve = report(best.fit, best.setting, best.verdict, excess, pulled)
     if beside > 0:
         said = (
             f"something like the sheet, {beside:.0%} as strong, lies beside it, such as its "

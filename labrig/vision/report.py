@@ -19,15 +19,21 @@ FloatArray = npt.NDArray[np.float64]
 LOOK_SIGMA_PX = 0.004
 FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
+LEAST_PULL_PX = 0.05
 LEAST_TOLD = 0.02  # of the sheet hidden by wires
 
 
 def report(
-    fit: Fit, setting: Setting, verdict: Verdict, excess_px: FloatArray | None = None
+    fit: Fit,
+    setting: Setting,
+    verdict: Verdict,
+    excess_px: FloatArray | None = None,
+    pulled: FloatArray | None = None,
 ) -> NeutralCurve:
     """The curve as others see it; empty, with the reason, when the self-check failed.
 
-    `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it.
+    `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it;
+    `pulled` (nodes,): how far what touches it may pull the curve, as `pulled_px` has it.
     """
     warnings = setting.picture.warnings + verdict.warnings
     if verdict.why:
@@ -54,6 +60,13 @@ def report(
         warnings = (*warnings, said)
     join = verdict.join
     aside = join.aside_px if join.doubtful and join.aside_px is not None else np.zeros_like(excess)
+    pull = np.zeros_like(excess) if pulled is None else pulled
+    if pull.max() > LEAST_PULL_PX:
+        said = (
+            "something touches the sheet on one side, such as its reflection, and may pull the "
+            f"curve by up to {pull.max():.2f} pixels; the band holds it"
+        )
+        warnings = (*warnings, said)
     face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
     if face * fit.band.face_share > LEAST_EXCESS_PX:
         said = (
@@ -70,7 +83,8 @@ def report(
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
         sigma_m=np.sqrt(
-            (noise_px**2 + (excess / 2) ** 2 + aside**2) / ppm**2 + systematic_m(fit, setting) ** 2
+            (noise_px**2 + (excess / 2) ** 2 + aside**2 + pull**2) / ppm**2
+            + systematic_m(fit, setting) ** 2
         ),
         excess_px=excess,
         curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,

@@ -175,3 +175,22 @@ def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
         recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=(seed % 3) * 8)
         scene = scenes.make_scene(recipe)
         assert not neutral_curve(scene.image, *known(scene)).ok, seed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("share", "along_px"), [(0.23, 4), (0.35, 4), (0.3, -4)])
+def test_a_reflection_that_touches_the_sheet_is_in_the_band(scenes, known, share, along_px):
+    """Its light on one side pulls the curve by a tenth of a pixel, five times what noise does."""
+    recipe = scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8)
+    scene = scenes.make_scene(recipe)
+    without = neutral_curve(scene.image, *known(scene))
+    light = scenes.make_scene(replace(recipe, snr=1e6)).image.astype(float)
+    second = np.roll(np.clip(light - np.median(light), 0, None), along_px, axis=0)
+    image = np.clip(scene.image + share * second, 0, 255).astype(np.uint8)
+    curve = neutral_curve(image, *known(scene))
+    assert not any("touches" in w for w in without.warnings)
+    assert curve.ok, curve.why
+    assert any("touches the sheet" in w for w in curve.warnings)
+    miss_px = scenes.rmse_px(curve.points_px, scene.truth_px)
+    assert miss_px > 0.05
+    assert 1.96 * np.sqrt(np.mean(curve.sigma_m**2)) * recipe.px_per_mm * 1000 > miss_px
