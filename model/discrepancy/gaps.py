@@ -94,18 +94,24 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:
-    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most."""
+    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most.
+
+    Mean forces and curves in units of their noise are one of them: what only fine shapes tell is
+    little in mm, where coarse ones differ from set-up to set-up.
+    """
     best, share = 0.0, np.nan
     for name, clear in (
-        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0),
+        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0), ("chi2_per_dof", CLEAR),
         ("drift_rmse_mN", CLEAR), ("drift_rmse_mm", CLEAR), ("pulse_rmse_mN", CLEAR),
     ):  # fmt: skip
         before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
-        if np.isfinite(before) and before > clear * noise:
+        if name != "chi2_per_dof":  # which is a mean of squares already
+            before, after, noise = before**2, after**2, noise**2
+        if np.isfinite(before) and before > clear**2 * noise:
             standing = before / noise
             if standing > best:
                 best = standing
-                share = 1.0 - max(after**2 - noise**2, 0.0) / (before**2 - noise**2)
+                share = 1.0 - max(after - noise, 0.0) / (before - noise)
     return float(share)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from model.discrepancy.prepare import FEWEST_SETUPS
 from model.discrepancy.result import BeforeAfter, Named, Unknown, Verdict
 
-IN_TIME = 1.2  # times by which a gap in time must shrink to be told beside the others
+CLEARLY = 1.2  # times by which a gap must shrink to be told beside the usual ones
 OWN_FORM = 0.5  # share of form from which on an effect is told not to be the catalogue's
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
@@ -70,14 +70,18 @@ def refused(name: str) -> str:
 
 def _gap(left_out: BeforeAfter) -> str:
     before, after = left_out.before, left_out.after
-    told = [
-        f"from {old:.3f} to {new:.3f} {unit}"
+    means = [
+        (old, new, unit)
         for old, new, unit in (
             (before.force_rmse_mN, after.force_rmse_mN, "mN"),
             (before.curve_rmse_mm, after.curve_rmse_mm, "mm"),
         )
         if math.isfinite(old) and math.isfinite(new)
     ]
+    told = [f"from {old:.3f} to {new:.3f} {unit}" for old, new, unit in means]
+    old, new = (math.sqrt(g.chi2_per_dof) for g in (before, after))
+    if old > CLEARLY * new and not any(one > CLEARLY * other for one, other, _ in means):
+        told.append(f"from {old:.2f} to {new:.2f} times the noise")  # it is in fine shapes
     told += [
         f"{what} from {old:.{digits}f} to {new:.{digits}f} {unit}"
         for what, old, new, unit, digits in (
@@ -85,7 +89,7 @@ def _gap(left_out: BeforeAfter) -> str:
             ("along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),
             ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN, "mN", 3),
         )
-        if old > IN_TIME * new
+        if old > CLEARLY * new
     ]
     if not told:
         return "there is no position to be left out, so that the gap cannot be told"

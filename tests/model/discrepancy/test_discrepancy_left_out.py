@@ -53,8 +53,10 @@ def test_a_model_is_not_more_likely_than_itself():
     np.testing.assert_allclose(predictive_gains(base, base), 0.0, atol=1e-9)
 
 
-def gap(force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.01) -> Gap:
-    return Gap(force, curve, 1.0, drift, 0.01, sway)
+def gap(
+    force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.01, chi2: float = 1.0
+) -> Gap:
+    return Gap(force, curve, chi2, drift, 0.01, sway)
 
 
 @pytest.mark.parametrize(
@@ -67,6 +69,7 @@ def gap(force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.
         (gap(0.1, 0.4), gap(0.1, 0.01), 1.0),  # of the curves, which stand out more
         (gap(0.04, 0.02, 0.09), gap(0.04, 0.02, 0.01), 1.0),  # of what goes on along a run
         (gap(0.04, 0.02, 0.01, 0.09), gap(0.04, 0.02, 0.01, 0.01), 1.0),  # of shapes, likewise
+        (gap(0.04, chi2=9.0), gap(0.04, chi2=1.4), 0.95),  # of fine shapes, in units of the noise
         (gap(0.04, 0.01, 0.014), gap(0.03, 0.01, 0.014), 1.0),  # which may be noise
         (gap(0.02, 0.009), gap(0.02, 0.009), np.nan),  # there was no gap
     ],

@@ -19,6 +19,9 @@ NAMED = Named("gravity", "even_moment", {}, {}, 1.0, (), 0.0)
         (Gap(0.2, NAN, 9.0), Gap(0.03, NAN, 1.0), "goes from 0.200 to 0.030 mN."),
         (Gap(NAN, 1.5, 9.0), Gap(NAN, 0.04, 1.0), "goes from 1.500 to 0.040 mm."),
         (Gap(NAN, NAN, NAN), Gap(NAN, NAN, NAN), "the gap cannot be told."),
+        # fine shapes are little in mm, where coarse ones scatter
+        (Gap(0.026, 0.045, 15.3), Gap(0.026, 0.044, 1.08),
+         "from 0.026 to 0.026 mN, from 0.045 to 0.044 mm and from 3.91 to 1.04 times the noise."),
     ],
 )  # fmt: skip
 def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
