@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import errno
+from contextlib import suppress
 from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
 
-# The disk's doing; else the path was none that can be written.
-_OF_THE_DISK = frozenset({errno.ENOSPC, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC)})
+# A path that cannot be written at all; else it is the disk's doing.
+_WRONG_PATH = frozenset(
+    {errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENOTDIR, errno.EISDIR,
+     errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL}
+)  # fmt: skip
 
 
 def write_text(path: Path, text: str) -> None:
@@ -18,12 +22,23 @@ def write_text(path: Path, text: str) -> None:
         part.write_text(text, encoding="utf-8")
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
+        discard(part)
         raise not_written(path, error) from None
+
+
+def discard(part: Path) -> None:
+    """Remove what was begun, as far as the disk allows it: it may be read-only."""
+    with suppress(OSError):
+        part.unlink(missing_ok=True)
 
 
 def not_written(path: Path, error: OSError) -> LabrigError:
     """The error to raise: a failure where the disk is full or broken, else a wrong path."""
-    family = LabrigError if error.errno in _OF_THE_DISK else BadInputError
     why = "the disk is full" if error.errno == errno.ENOSPC else error.strerror
-    return family(f"{path}: cannot be written ({why}).")
+    return family_of(error)(f"{path}: cannot be written ({why}).")
+
+
+def family_of(error: Exception) -> type[LabrigError]:
+    """Whose doing it is that something was not written."""
+    wrong_path = isinstance(error, OSError) and error.errno in _WRONG_PATH
+    return BadInputError if wrong_path else LabrigError

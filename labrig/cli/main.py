@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import os
 import sys
@@ -28,6 +27,7 @@ from labrig.cli import (
 )
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
+from labrig.files import family_of
 
 app = typer.Typer(
     name="labrig",
@@ -51,12 +51,6 @@ for room in (
     exchange,
 ):
     room.add_to(app)
-
-# A path that was given and cannot be used; all else, such as a full disk, is a failure.
-_WRONG_PATH = (
-    FileExistsError, FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError,
-)  # fmt: skip
-_NOT_WRITABLE = (errno.EROFS, errno.ENAMETOOLONG)
 
 
 def main() -> None:
@@ -95,8 +89,7 @@ def run(arguments: list[str]) -> int:
         return ExitCode.DONE
     except OSError as error:
         warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
-        wrong_path = isinstance(error, _WRONG_PATH) or error.errno in _NOT_WRITABLE
-        return ExitCode.BAD_INPUT if wrong_path else ExitCode.FAILED
+        return family_of(error).code
     except Exception as error:  # noqa: BLE001 - a person never sees a traceback
         return _report_fault(error)
     return int(result or 0)

@@ -16,7 +16,7 @@ from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import Rig, opened
-from labrig.files import not_written
+from labrig.files import discard, not_written
 
 LISTEN_S = 2.0  # to each weight
 
@@ -101,7 +101,7 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
             path.replace(_kept_name(path))
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
+        discard(part)
         raise not_written(path, error) from None
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
-from labrig.files import not_written
+from labrig.files import discard, not_written
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -103,5 +103,5 @@ def save(fig: Figure, path: Path) -> None:
             fig.savefig(part, format=ending, metadata=metadata, transparent=ending == "svg")
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
+        discard(part)
         raise not_written(path, error) from None

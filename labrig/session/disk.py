@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from labrig.errors import BadInputError, LabrigError
+from labrig.errors import BadInputError
+from labrig.files import discard, family_of
 
 
 def sync_file(path: Path) -> None:
@@ -79,7 +80,8 @@ def end_before_the_library_does(code: int) -> None:
 def written_beside(path: Path) -> Iterator[Path]:
     """A name beside `path` to write to; it takes the place of `path` when all went well.
 
-    Raises LabrigError when the disk does not take it; `path` is then as it was.
+    Raises LabrigError when the disk does not take it, BadInputError when nothing can be written
+    there; `path` is then as it was.
     """
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
@@ -97,6 +99,6 @@ def written_beside(path: Path) -> Iterator[Path]:
             note_a_failed_write()
         elif isinstance(error, RuntimeError):
             raise
-        raise LabrigError(f"{path} cannot be written: {cause(error)}.") from error
+        raise family_of(error)(f"{path} cannot be written: {cause(error)}.") from error
     finally:
-        beside.unlink(missing_ok=True)
+        discard(beside)

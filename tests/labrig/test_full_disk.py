@@ -11,7 +11,10 @@ import h5py
 import pytest
 
 from labrig.cli.main import run
+from labrig.errors import BadInputError, LabrigError
+from labrig.files import write_text
 from labrig.session import disk, load_measurements, verify
+from labrig.session.derived import store_finding
 from tests.labrig.report_data import measure, session
 
 _SAYS = "file write failed: errno = 28, error message = 'No space left on device'"
@@ -63,12 +66,9 @@ def test_a_session_is_not_called_damaged_when_its_copy_finds_no_room(
         raise RuntimeError(f"Unable to synchronously copy object ({_SAYS})")
 
     monkeypatch.setattr(h5py.Group, "copy", no_room)
-    with pytest.raises(
-        disk.LabrigError, match=r"good\.h5 cannot be written: the disk is full"
-    ) as e:
-        disk_full_finding(path)
-    assert e.value.code == 5
-    assert "damaged" not in str(e.value)
+    with pytest.raises(LabrigError, match=r"good\.h5 cannot be written: the disk is full") as told:
+        store_finding(path, "diagnosis", "{}")
+    assert told.value.code == 5
     assert all(check.ok for check in verify(path))
     assert load_measurements(path).conditions
     assert list(tmp_path.iterdir()) == [path]
@@ -84,3 +84,22 @@ def test_the_process_ends_before_the_library_crashes_at_its_own_end(
     disk.note_a_failed_write()
     disk.end_before_the_library_does(5)
     assert ended == [5]
+
+
+def test_a_folder_that_cannot_be_written_is_named_by_the_file_that_was_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not by the one beside it, which cannot be removed there either."""
+
+    def read_only(path: Path, *_: Any, **__: Any) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+
+    for name in ("write_text", "write_bytes", "unlink"):
+        monkeypatch.setattr(Path, name, read_only)
+    with pytest.raises(BadInputError, match=r"model\.toml: cannot be written \(Read-only"):
+        write_text(tmp_path / "model.toml", "x")
+    with (
+        pytest.raises(BadInputError, match=r"a\.h5 cannot be written: Read-only"),
+        disk.written_beside(tmp_path / "a.h5") as beside,
+    ):
+        beside.write_bytes(b"x")
