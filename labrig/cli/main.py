@@ -55,14 +55,18 @@ for room in (
 
 def main() -> None:
     """The program's entry point; ends the process with a documented exit code."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        # Windows gives a pipe or a file its old code page, which lacks letters that files may have.
-        sys.stdout.reconfigure(errors="replace")
+    show_what_can_be_shown()
     sys.unraisablehook = _nothing_to_tell
     code = run(sys.argv[1:])
     if "labrig.session.disk" in sys.modules:
         sys.modules["labrig.session.disk"].end_before_the_library_does(code)
     sys.exit(code)
+
+
+def show_what_can_be_shown() -> None:
+    """Windows gives a pipe or a file its old code page, which lacks letters that names may have."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _nothing_to_tell(_unraisable: object) -> None:

@@ -40,7 +40,11 @@ def the_library_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("full")
 @pytest.mark.parametrize(
     "asked",
-    [["init", "rig"], ["config", "schema", "schemas"], ["fit", "good.h5", "-o", "model.toml"]],
+    [
+        ["init", "rig"],
+        ["config", "schema", "schemas"],
+        pytest.param(["fit", "good.h5", "-o", "model.toml"], marks=pytest.mark.slow),
+    ],
 )
 def test_no_half_of_a_file_is_left(
     tmp_path: Path,

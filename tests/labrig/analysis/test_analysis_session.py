@@ -208,7 +208,7 @@ def test_frames_without_a_sheet_are_told_once_for_each_condition(tmp_path):
                 "sheet.toml": SHEET.replace("[short]", "[other]"),
                 "load_cell.toml": "date = 2026-11-01\nsensitivity_V_per_N = 0.15",
             },
-            r"no table \[short\], which run 2 needs",
+            r"no table \[short\], which run 3 needs",
         ),
         ({"sheet.toml": SHEET, "load_cell.toml": "date = 3"}, "load_cell.toml: .*date"),
     ],
