@@ -100,6 +100,8 @@ class NeutralCurve:
     thickness_m: float = 0.0
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
+    # how far what touches the sheet on one side may have pulled the curve, by point
+    pull_px: FloatArray = field(default_factory=_nothing)
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
     face_share: float = 0.0  # its grey over the edge's
     wires: tuple[Wire, ...] = ()  # that hide parts of the sheet

@@ -79,7 +79,7 @@ def _found(
     job = _Job(picture, optics, strip)
     best = job.followed(start) if start is not None and start.ok else None
     if best is not None and start is not None:
-        curve = report(best.fit, best.setting, best.verdict, start.excess_px)
+        curve = report(best.fit, best.setting, best.verdict, start.excess_px, start.pull_px)
         return replace(curve, wires=start.wires)
     best = job.cold()
     if best is None:

@@ -80,6 +80,7 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
         blur_px=curve.blur_px * by,
         elongation_width_px=curve.elongation_width_px * by,
         excess_px=curve.excess_px * by,
+        pull_px=curve.pull_px * by,
         face_px=curve.face_px * by,
         wires=tuple(
             Wire(scaled_places(wire.path, by), wire.seen, wire.half_px * by) for wire in curve.wires

@@ -87,6 +87,7 @@ def report(
             + systematic_m(fit, setting) ** 2
         ),
         excess_px=excess,
+        pull_px=pull,
         curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
         points_px=setting.nodes_px(shape),

@@ -194,3 +194,6 @@ def test_a_reflection_that_touches_the_sheet_is_in_the_band(scenes, known, share
     miss_px = scenes.rmse_px(curve.points_px, scene.truth_px)
     assert miss_px > 0.05
     assert 1.96 * np.sqrt(np.mean(curve.sigma_m**2)) * recipe.px_per_mm * 1000 > miss_px
+    again = neutral_curve(image, *known(scene), start=curve)
+    assert any("touches the sheet" in w for w in again.warnings)
+    assert again.sigma_m == pytest.approx(curve.sigma_m, rel=0.2)
