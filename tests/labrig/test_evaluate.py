@@ -70,6 +70,7 @@ def test_fit_does_not_overwrite_a_model_unless_told_to(recorded, tmp_path, capsy
     assert load_model(path).sheets
 
 
+@pytest.mark.slow
 def test_fit_of_a_session_without_valid_readings_is_one_sentence(tmp_path, capsys):
     stuck = invalid(measure("long"), "long", "the sheet stuck")
     path = session(tmp_path / "made.h5", stuck)
@@ -94,6 +95,7 @@ def test_fit_refuses_a_negative_weight_exponent(recorded, capsys):
     assert "q must not be negative" in printed(capsys)[1]
 
 
+@pytest.mark.slow
 def test_fit_analyses_a_session_that_was_not_and_says_so(tmp_path, capsys):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
     run(["fit", str(path)])
@@ -102,6 +104,7 @@ def test_fit_analyses_a_session_that_was_not_and_says_so(tmp_path, capsys):
         assert opened.has_measurements
 
 
+@pytest.mark.slow
 def test_analyze_keeps_what_it_found_in_the_session(tmp_path, capsys):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
     assert run(["analyze", str(path), "--json"]) == 0

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fake_rig import FakeRig, short_schedule
+from fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 
 from drivers.interfaces import Prompt
 from protocols import (
@@ -260,7 +260,7 @@ def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
     rig.operator.declines = lambda prompt: told.append(prompt.kind) or False
     move = rig.stage.move_to
     rig.stage.move_to = lambda p: told.append(f"{p * 1e3:g} mm") or move(p)
-    ends_well(rig, make_schedule(PulseTrain(), [Place("long", (0.01,))], extras=extras))
+    ends_well(rig, make_schedule(SHORT_TRAIN, [Place("long", (0.01,))], extras=extras))
     assert told == [
         "dead_weight",  # none
         "dead_weight",  # 20 mN
@@ -278,14 +278,14 @@ def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
 def test_the_rig_is_turned_over_once_before_everything_else(rig):
     extras = Extras(dead_weights_N=(0.02,), remounts=1, turned_over=True)
     places = [Place("long", (0.0, 0.01)), Place("short", (0.0,))]
-    schedule = make_schedule(PulseTrain(), places, extras=extras)
+    schedule = make_schedule(SHORT_TRAIN, places, extras=extras)
     ends_well(rig, schedule)
     kinds = [p.kind for p in rig.operator.asked]
     assert kinds[:2] == ["turn_over", "dead_weight"]
     assert kinds.count("turn_over") == 1
     assert kinds.count("mount") == 2
     assert {run.tilt_rad for run in schedule.runs} == {math.pi}
-    upright = make_schedule(PulseTrain(), places)
+    upright = make_schedule(SHORT_TRAIN, places)
     assert {run.tilt_rad for run in upright.runs} == {0.0}
 
 

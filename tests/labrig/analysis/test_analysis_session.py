@@ -68,6 +68,7 @@ def test_conditions_hold_all_that_was_measured(tmp_path):
     assert found.warnings == ("The session was recorded without a camera; it has no curves.",)
 
 
+@pytest.mark.slow
 def test_extras_become_conditions_of_their_own_kind(tmp_path):
     extras = Extras(
         no_touch_zero=True,
@@ -96,6 +97,7 @@ def test_extras_become_conditions_of_their_own_kind(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_a_load_cell_that_weighs_wrong_is_told(tmp_path):
     extras = Extras(dead_weights_N=(0.01, 0.02))
     schedule = make_schedule(TRAIN, [Place("long", (0.0,))], extras=extras)

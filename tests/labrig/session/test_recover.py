@@ -80,6 +80,7 @@ def test_a_session_that_is_being_recorded_is_refused_with_what_to_do(cut):
         open_session(cut)
 
 
+@pytest.mark.slow
 def test_a_running_session_can_be_read_live(tmp_path):
     schedule = small_schedule()
     with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
@@ -109,6 +110,7 @@ def test_recovery_keeps_every_reading_and_says_crashed(cut):
     assert all(check.ok for check in verify(report.output))
 
 
+@pytest.mark.slow
 def test_what_was_recovered_equals_what_a_whole_session_holds(cut, tmp_path):
     whole = tmp_path / "whole.h5"
     record(whole, small_schedule())
