@@ -26,6 +26,8 @@ WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
 LEAST_SNR = 2.0
 MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
 MOST_JOIN_CHI2 = 4.5**2  # of place, direction and curvature where the sheet comes into sight again
+IN_PLACE_PX = 1.5  # another thing ends that near to the sheet's end once in fifty times
+END_IN_PLACE = 8.0  # twice the logarithm of that
 KINK_RAD = 0.04  # that a sheet may have where it leaves the jaws
 MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
@@ -55,7 +57,7 @@ def judge(
     strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
     join = worst_join(fit, setting)
-    found = [*_faults(fit, setting, tip, residual, followed, beside), _broken(join)]
+    found = [*_faults(fit, setting, tip, residual, followed, beside), _broken(join, tip)]
     faults = [fault for fault in found if fault]
     return Verdict(
         why=faults[0] if faults else "",
@@ -157,8 +159,9 @@ def _faults(
     ]
 
 
-def _broken(join: Join) -> str:
-    if join.chi2 <= MOST_JOIN_CHI2:
+def _broken(join: Join, tip: Tip) -> str:
+    in_place = tip.beyond_px is not None and abs(tip.beyond_px) < IN_PLACE_PX
+    if join.chi2 <= MOST_JOIN_CHI2 + (END_IN_PLACE if in_place else 0.0):
         return ""
     return (
         f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels and "
