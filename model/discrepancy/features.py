@@ -9,7 +9,7 @@ parts of a pulse, relative to the sampling point, averaged over the pulses of a 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,16 +112,15 @@ def look(measurements: Measurements, configuration: str) -> Look:
         known = ", ".join(sorted(measurements.sheets)) or "none"
         raise ModelError(f"there is no configuration '{configuration}' (known: {known})")
     check_sheet(sheet)
-    own = _told_apart([c for c in measurements.conditions if c.configuration == configuration])
+    every = _told_apart(measurements.conditions)
+    own = [c for c in every if c.configuration == configuration]
     if not own:
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
-    span = _session_span(measurements)
+    session = _Session.of(every)
     zeros = _first_pulses(own)
     ratio = _opposite_ratio(own)
-    begun_s = min(
-        (r.session_s for c in own for r in c.used() if r.session_s is not None), default=None
-    )
-    found = [_seen(c, sheet, span, zeros, ratio, begun_s) for c in own]
+    begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
+    found = [_seen(c, sheet, session, zeros, ratio, begun) for c in own]
     seen = tuple(s for s in found if s is not None)
     if not seen:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
@@ -132,11 +131,11 @@ def look(measurements: Measurements, configuration: str) -> Look:
     return Look(sheet, seen, tuple(pulses))
 
 
-def _told_apart(conditions: list[Condition]) -> list[Condition]:
+def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
     """A position approached from above is a run of its own, also where nobody says so."""
 
     def place(one: Condition) -> tuple[object, ...]:
-        return one.position_m, one.mounting, one.run, one.tilt_rad
+        return one.configuration, one.position_m, one.mounting, one.run, one.tilt_rad
 
     below = {place(one) for one in conditions if one.approach != "down"}
     return [
@@ -148,14 +147,14 @@ def _told_apart(conditions: list[Condition]) -> list[Condition]:
 def _seen(
     condition: Condition,
     sheet: SheetGeometry,
-    span: tuple[float, float],
+    session: _Session,
     zeros: dict[RunKey, int],
     ratio: float,
-    begun_s: float | None,
+    begun: float,
 ) -> Seen | None:
     """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite.
 
-    Free shapes are taken before the positions, so as the first of these begins, at `begun_s`.
+    Free shapes are taken before the positions, so as the first of these begins, at `begun`.
     """
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
@@ -180,7 +179,8 @@ def _seen(
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
-        timing.of_no_reading(_share(begun_s, span)) if free else timing.of(readings, span),
+        timing.of_no_reading(begun)
+        if free else timing.of(readings, [session.share(condition, r) for r in readings]),
         np.arange(len(forces)) >= len(early), curve, () if free else own, identical,
         condition.tilt_rad,
     )  # fmt: skip
@@ -232,7 +232,7 @@ class _Timing:
     ratio: float  # |EIBM(-)/EIBM(+)|
     rise_s: float
 
-    def of(self, readings: list[Reading], span: tuple[float, float]) -> Clock:
+    def of(self, readings: list[Reading], session: list[float]) -> Clock:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
         index = np.array([r.index for r in readings], dtype=float)
         run_s = np.array(
@@ -241,8 +241,7 @@ class _Timing:
         wetted = np.array(
             [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
         )
-        session = np.array([_share(r.session_s, span) for r in readings])
-        return self._clock(index, run_s, session, wetted)
+        return self._clock(index, run_s, np.array(session), wetted)
 
     def of_no_reading(self, session: float) -> Clock:
         """Of a free shape, at this time of the session, in a pulse amid others."""
@@ -319,16 +318,35 @@ def _opposite_ratio(conditions: list[Condition]) -> float:
     return float(np.clip(abs(down - zero) / max(abs(up - zero), 1e-9), 0.3, 3.0))
 
 
-def _session_span(measurements: Measurements) -> tuple[float, float]:
-    times = [r.session_s for c in measurements.conditions for r in c.readings]
-    known = [t for t in times if t is not None]
-    return (min(known), max(known)) if known else (0.0, 0.0)
+@dataclass(frozen=True)
+class _Session:
+    """When in the session readings were taken.
 
+    Where nobody wrote it down, runs are taken to have been made in the order of the table.
+    """
 
-def _share(session_s: float | None, span: tuple[float, float]) -> float:
-    if session_s is None or span[1] <= span[0]:
-        return 0.5
-    return (session_s - span[0]) / (span[1] - span[0])
+    first_s: float
+    last_s: float
+    runs: list[RunKey]  # in the order of the table; empty: times are known
+
+    @staticmethod
+    def of(conditions: Sequence[Condition]) -> _Session:
+        """Of all readings of all configurations."""
+        times = [r.session_s for c in conditions for r in c.readings]
+        known = [t for t in times if t is not None]
+        if known:
+            return _Session(min(known), max(known), [])
+        held = [c for c in conditions if c.position_m is not None]
+        return _Session(0.0, 0.0, list(dict.fromkeys(run_key(c) for c in held)))
+
+    def share(self, condition: Condition, reading: Reading) -> float:
+        """0 to 1 over the session; 0.5 where only this reading's time is not known."""
+        key = run_key(condition)
+        if key in self.runs:
+            return (self.runs.index(key) + 0.5) / len(self.runs)
+        if reading.session_s is None or self.last_s <= self.first_s:
+            return 0.5
+        return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
 
 
 def _mean_curve(curves: tuple[Curve, ...]) -> Curve:

@@ -34,7 +34,10 @@ OWN_UNITS = {"force, run": ("mN", FORCE_N * 1e3), "age": ("relative", 1.0)}  # o
 # parts of one shape that another part has, too: by itself what is constant costs least
 ALONE = ("clamp", "zero")
 # how long that takes along which a shape of time goes, with its unit
-TIMES = {"session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s")}
+TIMES = {
+    "session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s"),
+    "train": (13.2, "s under voltage"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,16 @@ def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
 
     def value(t: FloatArray) -> FloatArray:
         result: FloatArray = share * (np.cos(j * np.pi * t) * (np.sqrt(2.0) if j else 1.0))
+        return result
+
+    return value
+
+
+def dying(after: float, size: float) -> Callable[[FloatArray], FloatArray]:
+    """What is large at 0 of a coordinate 0 .. 1, and `after` as much smaller as exp(1)."""
+
+    def value(t: FloatArray) -> FloatArray:
+        result: FloatArray = size * np.exp(-t / after)
         return result
 
     return value
@@ -260,6 +273,10 @@ def _time(study: Study, c: int, state: State) -> Making:
                             ("stress", replace(none, force_N=at_zero * one(t)))]  # fmt: skip
             for what, step in changes:
                 yield Made(f"{what}, {name.removesuffix('_s')}", "time", one, step, shared=True)
+    t = np.clip(part.clock.driven_s / TIMES["train"][0], 0.0, 1.0)
+    for pulses in (1.0, 3.0):
+        one = dying(pulses / 22.0, 0.1)
+        yield Made("EIBM, train", "time", one, replace(none, eibm=one(t) * driven), shared=True)
     t = np.clip(part.bin_clock.pulse_s / TIMES["pulse"][0], 0.0, 1.0)
     for j in range(3):
         one = wave(j, 0.1)

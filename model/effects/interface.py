@@ -170,7 +170,7 @@ class Effect:
     by_configuration: bool = False
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
-    needs_session: bool = False  # says nothing where nobody wrote down when in the session
+    needs_session: bool = False  # says nothing of a single run, whose session has no course
 
     @property
     def size(self) -> Knob:

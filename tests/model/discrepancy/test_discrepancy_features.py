@@ -48,8 +48,19 @@ def test_readings_without_times_are_spaced_by_the_pulses():
     timed, plain = (look(each, "long").seen[2].clock for each in (m, means_of(m)))
     np.testing.assert_allclose(plain.run_s, timed.run_s, atol=0.05)
     np.testing.assert_array_equal(plain.pulse, timed.pulse)
-    assert np.ptp(plain.session) == 0.0  # when in the session nobody knows
+    assert np.ptp(plain.session) == 0.0  # when in the run's part of the session nobody knows
     assert np.ptp(timed.session) > 0.0
+
+
+def test_without_times_of_the_session_runs_go_by_the_order_of_the_table():
+    bare = means_of(session())
+    every = [s for name in ("long", "short") for s in look(bare, name).seen]
+    shares = [float(s.clock.session[0]) for s in every]
+    wanted = np.repeat((np.arange(14) + 0.5) / 14.0, 3)  # seven positions of each sheet
+    np.testing.assert_allclose(shares, wanted)
+    turned = replace(bare, conditions=bare.conditions[::-1])
+    other = [float(s.clock.session[0]) for s in look(turned, "long").seen]
+    np.testing.assert_allclose(sorted(other), wanted[21:])  # the short sheet came first
 
 
 def test_pulses_are_counted_from_the_first_that_is_driven():
@@ -146,10 +157,12 @@ def test_a_position_with_the_rig_turned_over_is_a_run_of_its_own():
 
 def test_a_free_shape_has_a_curve_and_no_force(measure):
     made_here = measure(names=("long",), free=True)
-    seen = [s for s in look(made_here, "long").seen if s.free]
+    every = look(made_here, "long").seen
+    seen = [s for s in every if s.free]
     assert len(seen) == 3
     assert all(s.curve is not None and len(s.force_N) == 0 for s in seen)
-    assert all(s.clock.session[0] == 0.5 for s in seen)
+    first = min(s.clock.session[0] for s in every if not s.free)
+    assert all(s.clock.session[0] == first for s in seen)
     one = prepare(made_here, Options()).problem.study
     part, scene = one.part(0), one.scenes[0]
     assert np.all(part.mode_rows[scene.free] >= 0)
