@@ -77,6 +77,13 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
             "there are no measurements: no condition of any configuration of the sheet"
         )
     observed = [observe(used, name) for name in names]
+    for one in observed:
+        if not one.voltages_V:
+            raise ModelError(
+                f"configuration '{one.sheet.configuration}' was measured at 0 V alone, which says"
+                " nothing of the EIBM; measure it under voltage, too, or leave it out with"
+                " --configuration"
+            )
     joint = joint_fit(observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)

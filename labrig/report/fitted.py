@@ -28,7 +28,7 @@ def fit_what_can_be(measurements: Measurements, options: FitOptions | None = Non
     options = options or FitOptions()
     names = configurations(measurements)
     try:
-        return Fitted(_fit(measurements, options))
+        return Fitted(fit(measurements, options))
     except ModelError as error:
         if len(names) < 2:
             return Fitted(None, dict.fromkeys(names, str(error)))
@@ -37,24 +37,12 @@ def fit_what_can_be(measurements: Measurements, options: FitOptions | None = Non
     lacking = {name: why for name, why in missing.items() if why}
     if not good:
         return Fitted(None, lacking)
-    return Fitted(_fit(measurements, replace(options, configurations=good)), lacking)
+    return Fitted(fit(measurements, replace(options, configurations=good)), lacking)
 
 
 def _why_not(measurements: Measurements, options: FitOptions, name: str) -> str:
     try:
-        _fit(measurements, replace(options, configurations=(name,)))
+        fit(measurements, replace(options, configurations=(name,)))
     except ModelError as error:
         return str(error)
     return ""
-
-
-def _fit(measurements: Measurements, options: FitOptions) -> Fit:
-    """All configurations together. Raises ModelError."""
-    for name in options.configurations or configurations(measurements):
-        mine = [each for each in measurements.conditions if each.configuration == name]
-        if mine and not any(each.voltage_V for each in mine):
-            raise ModelError(
-                f"configuration '{name}' was measured at 0 V alone, which says nothing of the "
-                "EIBM; measure it under voltage, too, or leave it out with --configuration"
-            )
-    return fit(measurements, options)

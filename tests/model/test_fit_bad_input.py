@@ -41,6 +41,12 @@ def test_unknown_configuration(data):
         fit(data, FitOptions(configurations=("wide",)))
 
 
+def test_a_sheet_that_was_never_under_voltage(data):
+    still = tuple(c for c in data.conditions if c.voltage_V == 0.0)
+    with pytest.raises(ModelError, match="'long' was measured at 0 V alone"):
+        fit(replace(data, conditions=still))
+
+
 def test_a_force_that_is_not_a_number(data):
     readings = list(data.conditions[4].readings)
     readings[3] = replace(readings[3], force_N=np.nan)
