@@ -52,7 +52,7 @@ EFFECT = LoadCellHysteresis(
         ),
         Knob(
             "reach_mN", "change of load that turns the loop over; 0: half its height", "mN",
-            0.0, 0.0, 20.0, tried=(0.0, 4.0),
+            0.0, 0.0, 20.0, tried=(0.0, 0.3, 4.0),
         ),
     ),
     tolerance=("position", "voltage"),
