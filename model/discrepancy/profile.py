@@ -71,7 +71,9 @@ def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatAr
     """How far the camera puts a curve beside itself, on the condition where it does so most."""
     name = found[0].configuration
     scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
+    moving = [i for i, s in enumerate(found) if s.points_m is not None]
     each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
+    beta, C = beta[moving], C[np.ix_(moving, moving)]
     moved = each @ beta
     k = int(np.argmax(np.max(np.abs(moved), axis=1)))
     s, keep = np.unique(scene.curve_s[k], return_index=True)

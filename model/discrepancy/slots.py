@@ -80,7 +80,7 @@ def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
             if key in result:
                 result[key] = replace(result[key], rows=result[key].rows + rows)
             else:
-                points = made.step.points_m if slot == "camera" else None
+                points = made.step.points_m if np.any(made.step.points_m) else None
                 result[key] = Shape(rows, name, made.part, made.along, made.wave, points)
     return [shape for shape in result.values() if np.any(shape.rows)]
 

@@ -244,6 +244,16 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
         assert one.slot == "camera" or any(shape.wave for shape in found), (one.slot, one.part)
 
 
+def test_whatever_is_unknown_can_be_told():
+    base = base_fit()
+    for one in unknowns(base):
+        told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        assert told.slot == one.slot
+        assert np.all(np.isfinite(told.profile)), (one.slot, one.part)
+        assert np.any(told.band > 0.0), (one.slot, one.part)
+        assert (told.unit == "mm") == (one.slot in ("position", "camera") and one.part != "age")
+
+
 def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
     """Error at both polarities alike and error of opposite sign are not added up, nor are times."""
     base = base_fit()
