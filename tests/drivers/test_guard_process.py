@@ -277,6 +277,7 @@ def test_a_server_that_refuses_zero_is_reported_as_unknown(remote):
     assert any("-200324" in failure for failure in report["failures"])
 
 
+@pytest.mark.alone
 def test_a_fault_that_passes_is_tried_again_until_zero_is_read(remote):
     remote.run("beat")
     remote.server.faults.refuse["WriteAnalogScalarF64"] = -200324

@@ -124,6 +124,7 @@ def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way)
     assert page.evaluate("labrig.job.ended.output") == "safe"
 
 
+@pytest.mark.alone
 def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     first = enter(visit, world)
     start(first, world, "long.toml", "two.h5")
@@ -142,6 +143,7 @@ def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
 
 
+@pytest.mark.alone
 def test_a_browser_that_stops_reading_holds_nobody_back(world, visit):
     first, second = enter(visit, world), enter(visit, world)
     start(first, world, "long.toml", "slow.h5")
