@@ -16,7 +16,15 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from model.discrepancy.pulses import BINS_S, SAMPLE_S, parts_of_pulses
+from model.discrepancy.pulses import BINS_S, parts_of_pulses
+from model.discrepancy.timing import (
+    RunKey,
+    Session,
+    Timing,
+    first_pulses,
+    opposite_ratio,
+    run_key,
+)
 from model.effects.interface import Clock
 from model.measurements import (
     Condition,
@@ -31,13 +39,8 @@ from model.measurements import (
 from model.observations import check_sheet, checked_curve
 
 TRENDS = 4  # the mean, and polynomials in time up to the third degree
-PULSE_S = 0.6
-AMID = 10.0  # number of a pulse long after the first one
-OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
 FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
 EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
-# configuration, position (inf: free), mounting, run, tilt of the rig
-RunKey = tuple[str, float, int, int, float]
 Index = npt.NDArray[np.int64]
 Which = npt.NDArray[np.bool_]
 
@@ -116,9 +119,9 @@ def look(measurements: Measurements, configuration: str) -> Look:
     own = [c for c in every if c.configuration == configuration]
     if not own:
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
-    session = _Session.of(every)
-    zeros = _first_pulses(own)
-    ratio = _opposite_ratio(own)
+    session = Session.of(every)
+    zeros = first_pulses(own)
+    ratio = opposite_ratio(own)
     begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
     found = [_seen(c, sheet, session, zeros, ratio, begun) for c in own]
     seen = tuple(s for s in found if s is not None)
@@ -147,7 +150,7 @@ def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
 def _seen(
     condition: Condition,
     sheet: SheetGeometry,
-    session: _Session,
+    session: Session,
     zeros: dict[RunKey, int],
     ratio: float,
     begun: float,
@@ -175,7 +178,7 @@ def _seen(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
-    timing = _Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s)
+    timing = Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s)
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
@@ -221,132 +224,6 @@ def _curves(
     if curve is None or not alike or not len(own) == len(readings) > 1:
         return curve, ()
     return curve, own if len(own[0].s_m) == len(curve.s_m) else ()
-
-
-@dataclass(frozen=True)
-class _Timing:
-    """What the clocks of a condition's readings have in common."""
-
-    voltage_V: float
-    zeros: int  # readings of the run before its first pulse
-    ratio: float  # |EIBM(-)/EIBM(+)|
-    rise_s: float
-
-    def of(self, readings: list[Reading], session: list[float]) -> Clock:
-        """Of readings in time order; those without times are taken as spaced by the pulses."""
-        index = np.array([r.index for r in readings], dtype=float)
-        run_s = np.array(
-            [r.index * PULSE_S + SAMPLE_S if r.time_s is None else r.time_s for r in readings]
-        )
-        wetted = np.array(
-            [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
-        )
-        return self._clock(index, run_s, np.array(session), wetted)
-
-    def of_no_reading(self, session: float) -> Clock:
-        """Of a free shape, at this time of the session, in a pulse amid others."""
-        pulse = np.full(1, AMID)
-        run_s = PULSE_S * pulse + SAMPLE_S
-        return replace(self, zeros=0)._clock(pulse, run_s, np.full(1, session), run_s)
-
-    def _clock(
-        self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray
-    ) -> Clock:
-        shape = index.shape
-        pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
-        driven = PULSE_S * np.maximum(pulse, 0.0)
-        before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
-        opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
-        return Clock(
-            np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
-            wetted, driven, opposite, np.full(shape, self.rise_s),
-        )  # fmt: skip
-
-
-def run_key(condition: Condition | TimeSeries) -> RunKey:
-    """What the conditions of one set-up share."""
-    position = np.inf if condition.position_m is None else condition.position_m
-    # a series does not say how the rig was tilted
-    tilt_rad = condition.tilt_rad if isinstance(condition, Condition) else 0.0
-    return condition.configuration, float(position), condition.mounting, condition.run, tilt_rad
-
-
-def _first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
-    """The number that a reading of each run's first pulse has, or would have.
-
-    Readings that are not recorded, such as those of discarded pulses, may have no number: then
-    their times say how many there were.
-    """
-    readings: dict[RunKey, list[tuple[Reading, float]]] = {}
-    for c in conditions:
-        readings.setdefault(run_key(c), []).extend((r, c.voltage_V) for r in c.readings)
-    result = {}
-    for key, every in readings.items():
-        zeros = [r for r, volts in every if volts == 0.0]
-        pulses = [r for r, volts in every if volts != 0.0]
-        if not zeros:
-            continue
-        last = max(zeros, key=lambda r: r.index)
-        result[key] = 1 + last.index
-        if pulses:
-            first = min(pulses, key=lambda r: r.index)
-            result[key] = first.index - _before(last, first)
-    return result
-
-
-def _before(last: Reading, first: Reading) -> int:
-    """Pulses between the last reading at 0 V and the first one under voltage."""
-    numbered = first.index - last.index - 1
-    if last.time_s is None or first.time_s is None:
-        return numbered
-    timed = (first.time_s - last.time_s) / PULSE_S - 1.0
-    whole = abs(timed - round(timed)) < OFF_PULSE and 0 <= round(timed) <= MOST_DISCARDED
-    return round(timed) if whole else numbered
-
-
-def _opposite_ratio(conditions: list[Condition]) -> float:
-    """Rough |EIBM(-)/EIBM(+)|, from how far the forces move."""
-    mean: dict[float, list[float]] = {}
-    for c in conditions:
-        if c.position_m is not None and c.used():
-            mean.setdefault(np.sign(c.voltage_V), []).append(
-                float(np.mean([r.force_N for r in c.used()]))
-            )
-    if not {-1.0, 0.0, 1.0} <= set(mean):
-        return 1.0
-    zero, up, down = (float(np.mean(mean[k])) for k in (0.0, 1.0, -1.0))
-    return float(np.clip(abs(down - zero) / max(abs(up - zero), 1e-9), 0.3, 3.0))
-
-
-@dataclass(frozen=True)
-class _Session:
-    """When in the session readings were taken.
-
-    Where nobody wrote it down, runs are taken to have been made in the order of the table.
-    """
-
-    first_s: float
-    last_s: float
-    runs: list[RunKey]  # in the order of the table; empty: times are known
-
-    @staticmethod
-    def of(conditions: Sequence[Condition]) -> _Session:
-        """Of all readings of all configurations."""
-        times = [r.session_s for c in conditions for r in c.readings]
-        known = [t for t in times if t is not None]
-        if known:
-            return _Session(min(known), max(known), [])
-        held = [c for c in conditions if c.position_m is not None]
-        return _Session(0.0, 0.0, list(dict.fromkeys(run_key(c) for c in held)))
-
-    def share(self, condition: Condition, reading: Reading) -> float:
-        """0 to 1 over the session; 0.5 where only this reading's time is not known."""
-        key = run_key(condition)
-        if key in self.runs:
-            return (self.runs.index(key) + 0.5) / len(self.runs)
-        if reading.session_s is None or self.last_s <= self.first_s:
-            return 0.5
-        return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
 
 
 def _mean_curve(curves: tuple[Curve, ...]) -> Curve:

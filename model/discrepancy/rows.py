@@ -6,9 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.features import Index, Look, Pulses, RunKey, Seen, Which, shares, trends
+from model.discrepancy.features import Index, Look, Pulses, Seen, Which, shares, trends
 from model.discrepancy.pulses import SAMPLE_S, WINDOW_S
 from model.discrepancy.scene import Scene
+from model.discrepancy.timing import RunKey
 from model.effects.interface import Clock
 from model.measurements import FloatArray
 

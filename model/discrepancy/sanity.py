@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from model.discrepancy.features import run_key
 from model.discrepancy.fitted_model import base_parameters
 from model.discrepancy.settle import Fitted
+from model.discrepancy.timing import run_key
 from model.measurements import Measurements
 
 SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, steel

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -16,7 +15,7 @@ from benchmarks.hidden_effects.run import made, record, run
 from benchmarks.hidden_effects.score import clear, exactly, is_unknown, means_right, place_right
 from benchmarks.hidden_effects.suite import Task
 from benchmarks.hidden_effects.visible import Yardstick
-from model import Measurements
+from tests.model.discrepancy.sessions import without_first_pulses
 
 pytestmark = pytest.mark.slow
 
@@ -103,16 +102,8 @@ def test_what_the_base_model_can_take_up_is_not_there_to_be_seen() -> None:
     lost = case("back_relaxation", "single", 0.25, seed=5, streams="means")  # a quarter of it
     weaker, bare = (hidden_session(c).measurements for c in (lost, case(seed=5, streams="means")))
     assert Yardstick(bare).length(weaker) > 8.0  # the first pulse has lost less
-    weaker, bare = (_without_first_pulses(m) for m in (weaker, bare))
+    weaker, bare = (without_first_pulses(m) for m in (weaker, bare))
     assert Yardstick(bare).length(weaker) < 4.0
-
-
-def _without_first_pulses(m: Measurements) -> Measurements:
-    conditions = (
-        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
-        for c in m.conditions
-    )
-    return replace(m, conditions=tuple(conditions))
 
 
 def test_sizes_are_found_for_a_wanted_d_and_the_pool_gives_the_same_as_one_process() -> None:

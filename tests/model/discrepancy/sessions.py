@@ -30,6 +30,15 @@ def means_of(m: Measurements) -> Measurements:
     return replace(m, conditions=tuple(conditions), series=())
 
 
+def without_first_pulses(m: Measurements) -> Measurements:
+    """The same in which nobody wrote down what was discarded."""
+    conditions = [
+        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
+        for c in m.conditions
+    ]
+    return replace(m, conditions=tuple(conditions))
+
+
 def fitted(m: Measurements, options: Options = Options()) -> Fitted:  # noqa: B008 - frozen
     """The base model, settled."""
     ready = prepare(m, options)
@@ -59,4 +68,5 @@ __all__ = [
     "fitted",
     "means_of",
     "session",
+    "without_first_pulses",
 ]

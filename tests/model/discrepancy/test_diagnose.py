@@ -19,6 +19,7 @@ from tests.model.discrepancy.sessions import (
     diagnosed,
     means_of,
     session,
+    without_first_pulses,
 )
 
 OTHER_FORM = Case((Hiding("nonuniform_eibm", "cosh"),), seed=4)
@@ -90,12 +91,7 @@ def test_the_discarded_pulses_tell_first_pulses_from_drifts():
     found = diagnosed(FIRST)
     assert (found.verdict, names(found)) == ("effect_named", ["first_pulse_transient"])
     assert found.effects[0].confidence > 0.95
-    m = session(FIRST)
-    kept = [
-        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
-        for c in m.conditions
-    ]
-    less = diagnose(replace(m, conditions=tuple(kept)))
+    less = diagnose(without_first_pulses(session(FIRST)))
     told_apart = less.effects[0].name == "first_pulse_transient"
     assert not told_apart or less.effects[0].confidence < 0.9
     before, after = found.held_out.before, found.held_out.after

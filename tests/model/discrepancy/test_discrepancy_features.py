@@ -11,7 +11,12 @@ from model import ModelError, TimeSeries
 from model.discrepancy.features import look, trends
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.pulses import BINS_S, parts_of_pulses
-from tests.model.discrepancy.sessions import base_fit, means_of, session
+from tests.model.discrepancy.sessions import (
+    base_fit,
+    means_of,
+    session,
+    without_first_pulses,
+)
 
 
 def study():
@@ -75,15 +80,6 @@ def test_pulses_are_counted_from_the_first_that_is_driven():
     up, down = clocks[2.0].opposite, clocks[-2.0].opposite
     np.testing.assert_allclose(up, -0.8, atol=0.08)  # before +2 V there was -2 V
     np.testing.assert_allclose(up * down, 1.0)
-
-
-def without_first_pulses(m):
-    """The same in which nobody wrote down what was discarded."""
-    conditions = [
-        replace(c, readings=tuple(r for r in c.readings if r.kind != "discarded"))
-        for c in m.conditions
-    ]
-    return replace(m, conditions=tuple(conditions))
 
 
 @pytest.mark.slow
