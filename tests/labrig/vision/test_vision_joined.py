@@ -37,6 +37,7 @@ def turned_beyond_a_disc(scene, turn_rad):
     return np.where(hidden == 1, 95, image).astype(np.uint8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("turn_rad", "ok"), [(0.0, True), (0.25, False), (-0.25, False)])
 def test_a_sharp_turn_where_nobody_sees_it_is_refused(plain, known, scenes, turn_rad, ok):
     curve = neutral_curve(turned_beyond_a_disc(plain, turn_rad), *known(plain))
