@@ -101,6 +101,7 @@ class Look:
     sheet: SheetGeometry
     seen: tuple[Seen, ...]
     pulses: tuple[Pulses, ...]
+    session_s: float = 0.0  # from the first reading of all configurations to the last; 0: unknown
 
     @property
     def voltages_V(self) -> list[float]:
@@ -131,7 +132,7 @@ def look(measurements: Measurements, configuration: str) -> Look:
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return Look(sheet, seen, tuple(pulses))
+    return Look(sheet, seen, tuple(pulses), session.last_s - session.first_s)
 
 
 def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
@@ -178,7 +179,8 @@ def _seen(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
-    timing = Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s)
+    worked_s = session.worked_s.get(key, 0.0)
+    timing = Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s, worked_s)
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,

@@ -12,6 +12,7 @@ from model.discrepancy.features import Look
 from model.discrepancy.pictures import bent, free_course, modes_in_pictures, pictured
 from model.discrepancy.rows import Layout, Part
 from model.discrepancy.scene import Answers, Scene, Solved
+from model.discrepancy.waves import wave_in
 from model.effects.interface import Beam, Effect, Points, Values, Weighed
 from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
@@ -76,6 +77,7 @@ class Study:
         self.scenes = [Scene(one, rest) for one, rest in zip(looks, rests, strict=True)]
         self.layout = Layout(looks, self.scenes)
         self.names = [one.sheet.configuration for one in looks]
+        self.wave = wave_in(looks)
 
     def part(self, c: int) -> Part:
         """Rows of a configuration."""

@@ -104,7 +104,10 @@ def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, str]
         return float(np.nanmax(every)) * 1e3, "mm"
     if along != "time":
         return scene.length * 1e3, "mm"
-    return TIMES.get(part.rpartition(", ")[2], TIMES["session"])
+    during, wave = part.rpartition(", ")[2], fitted.problem.study.wave
+    if during == "period" and wave is not None:
+        return wave.period_s, f"s of each period of {wave.period_s:.3g} s"
+    return TIMES.get(during, TIMES["session"])
 
 
 def _depends(slot: Slot, part: str, along: str) -> str:

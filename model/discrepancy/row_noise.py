@@ -52,7 +52,8 @@ def noise_of(study: Study) -> Noise:
     for name, part, scene, look in zip(
         study.names, study.layout.parts, study.scenes, study.looks, strict=True
     ):
-        kinds += _kinds(name, part, scene, look)
+        wave_N = 0.0 if study.wave is None else study.wave.added_N(part.clock)
+        kinds += _kinds(name, part, scene, look, part.measured_N - wave_N)
     masks = []
     for kind in kinds:
         mask = np.zeros(N)
@@ -75,11 +76,13 @@ def width_of(noise: Noise) -> FloatArray:
     return np.concatenate([[w for _, w in ASSUMED.values()], noise.width])
 
 
-def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
+def _kinds(
+    name: str, part: Part, scene: Scene, look: Look, reading_N: FloatArray
+) -> Iterator[_Kind]:
     if len(part.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
         weight = np.sum(part.trend**2, axis=1)
-        size, unsure = _reading_noise(part)
+        size, unsure = _reading_noise(part, reading_N)
         yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
     stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
@@ -97,7 +100,7 @@ def _kinds(name: str, part: Part, scene: Scene, look: Look) -> Iterator[_Kind]:
         yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
 
 
-def _reading_noise(part: Part) -> tuple[float, float]:
+def _reading_noise(part: Part, reading_N: FloatArray) -> tuple[float, float]:
     """Standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
     for k in np.unique(part.reading_of):
@@ -106,7 +109,7 @@ def _reading_noise(part: Part) -> tuple[float, float]:
         n = int(own.sum())
         if n <= len(rows):
             continue
-        values = part.measured_N[own]
+        values = reading_N[own]
         smooth = n * values.mean() ** 2 + float(np.sum((rows[1:] @ values) ** 2))
         total += float(values @ values) - smooth
         degrees += n - len(rows)

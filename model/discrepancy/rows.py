@@ -182,6 +182,7 @@ def _in_pulse(sample: Clock, at_s: float) -> Clock:
     return replace(
         sample, pulse_s=sample.pulse_s + later, run_s=sample.run_s + later,
         wetted_s=sample.wetted_s + later, driven_s=sample.driven_s + later,
+        worked_s=sample.worked_s + later,
     )  # fmt: skip
 
 

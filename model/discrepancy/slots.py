@@ -16,6 +16,7 @@ from model.discrepancy.point import State, Step, Study
 from model.discrepancy.score import Candidate
 from model.discrepancy.settle import Fitted
 from model.discrepancy.tolerance import unit
+from model.discrepancy.waves import PHASES
 from model.effects.interface import SLOTS, Slot
 from model.measurements import FloatArray
 
@@ -38,6 +39,7 @@ TIMES = {
     "session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s"),
     "train": (13.2, "s under voltage"),
 }  # fmt: skip
+Function = Callable[[FloatArray], FloatArray]  # of a coordinate 0 .. 1, unless it says another
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Shape:
     configuration: str
     part: str  # what it changes, and along what: one of several that a slot may have
     along: str  # s | position | force | time | place
-    wave: Callable[[FloatArray], FloatArray] | None = None  # of a coordinate 0 .. 1
+    wave: Function | None = None
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
 
 
@@ -58,7 +60,7 @@ class Made:
 
     part: str
     along: str
-    wave: Callable[[FloatArray], FloatArray] | None
+    wave: Function | None
     step: Step
     shared: bool = False  # whether the rig does it to all configurations alike
 
@@ -102,7 +104,7 @@ def unknowns(fitted: Fitted) -> list[Candidate]:
     return result
 
 
-def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
+def wave(j: int, size: float = 1.0) -> Function:
     """A cosine of a coordinate 0 .. 1, of unit mean square; finer ones are smaller."""
     share = size / (1.0 + 0.4 * j)
 
@@ -113,12 +115,21 @@ def wave(j: int, size: float = 1.0) -> Callable[[FloatArray], FloatArray]:
     return value
 
 
-def dying(after: float, size: float) -> Callable[[FloatArray], FloatArray]:
+def dying(after: float, size: float) -> Function:
     """What is large at 0 of a coordinate 0 .. 1, and `after` as much smaller as exp(1)."""
 
     def value(t: FloatArray) -> FloatArray:
         result: FloatArray = size * np.exp(-t / after)
         return result
+
+    return value
+
+
+def times(size: float, of: Callable[[FloatArray], FloatArray]) -> Function:
+    """A function, so many times."""
+
+    def value(t: FloatArray) -> FloatArray:
+        return size * of(t)
 
     return value
 
@@ -145,7 +156,7 @@ def _rest_curvature(study: Study, c: int, state: State) -> Making:
         yield Made(part, "s", _kink(scene.length), replace(none, beam=beam))
 
 
-def _kink(length_m: float) -> Callable[[FloatArray], FloatArray]:
+def _kink(length_m: float) -> Function:
     """The kink as the curvature of a short piece, in units of the other shapes."""
     area = 0.5 * np.sqrt(np.pi) * KINK_PIECE * length_m
 
@@ -236,6 +247,12 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
             one = wave(j, 2e-4)
             step = replace(none, force_N=one(part.clock.session))
             yield Made("zero, session", "time", one, step, shared=True)
+    if study.wave is not None and study.wave.what == "force":
+        phase = study.wave.phase(part.clock)
+        for again in PHASES:
+            one = times(FORCE_N, again)
+            step = replace(none, force_N=one(phase))
+            yield Made("force, period", "time", one, step, shared=True)
 
 
 def _camera(study: Study, c: int, state: State) -> Making:
@@ -277,6 +294,15 @@ def _time(study: Study, c: int, state: State) -> Making:
     for pulses in (1.0, 3.0):
         one = dying(pulses / 22.0, 0.1)
         yield Made("EIBM, train", "time", one, replace(none, eibm=one(t) * driven), shared=True)
+    if study.wave is not None and study.wave.what == "EIBM":
+        reading, parts, sample = (
+            study.wave.phase(clock) for clock in (part.clock, part.bin_clock, part.bin_sample)
+        )
+        for again in PHASES:
+            one = times(0.1, again)
+            within = part.bin_mean(one(parts)) - part.bin_mean(one(sample))
+            step = replace(none, eibm=one(reading) * driven, bin_eibm=within)
+            yield Made("EIBM, period", "time", one, step, shared=True)
     t = np.clip(part.bin_clock.pulse_s / TIMES["pulse"][0], 0.0, 1.0)
     for j in range(3):
         one = wave(j, 0.1)

@@ -40,16 +40,17 @@ class Session:
     first_s: float
     last_s: float
     runs: list[RunKey]  # in the order of the table; empty: times are known
+    worked_s: dict[RunKey, float]  # under voltage before each run
 
     @staticmethod
     def of(conditions: Sequence[Condition]) -> Session:
         """Of all readings of all configurations."""
+        held = [c for c in conditions if c.position_m is not None]
         times = [r.session_s for c in conditions for r in c.readings]
         known = [t for t in times if t is not None]
-        if known:
-            return Session(min(known), max(known), [])
-        held = [c for c in conditions if c.position_m is not None]
-        return Session(0.0, 0.0, list(dict.fromkeys(run_key(c) for c in held)))
+        first, last = (min(known), max(known)) if known else (0.0, 0.0)
+        runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
+        return Session(first, last, runs, _worked(held))
 
     def share(self, condition: Condition, reading: Reading) -> float:
         """0 to 1 over the session; 0.5 where only this reading's time is not known."""
@@ -69,6 +70,7 @@ class Timing:
     zeros: int  # readings of the run before its first pulse
     ratio: float  # |EIBM(-)/EIBM(+)|
     rise_s: float
+    worked_s: float  # under voltage before the run
 
     def of(self, readings: list[Reading], session: list[float]) -> Clock:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
@@ -97,11 +99,28 @@ class Timing:
         opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
         return Clock(
             np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
-            wetted, driven, opposite, np.full(shape, self.rise_s),
+            wetted, driven, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
         )  # fmt: skip
 
 
-def first_pulses(conditions: list[Condition]) -> dict[RunKey, int]:
+def _worked(conditions: Sequence[Condition]) -> dict[RunKey, float]:
+    """Time under voltage before each run, in s; runs go by their times, else by the table."""
+    begun, pulses = dict[RunKey, float](), dict[RunKey, int]()
+    first = first_pulses(conditions)
+    for c in conditions:
+        key = run_key(c)
+        times = [r.session_s for r in c.readings if r.session_s is not None]
+        begun[key] = min([begun.get(key, np.inf), *times])
+        last = max((r.index for r in c.readings if c.voltage_V), default=-1)
+        pulses[key] = max(pulses.get(key, 0), 1 + last - first.get(key, 0))
+    result, total = dict[RunKey, float](), 0.0
+    for key in sorted(begun, key=begun.__getitem__):
+        result[key] = total
+        total += PULSE_S * pulses[key]
+    return result
+
+
+def first_pulses(conditions: Sequence[Condition]) -> dict[RunKey, int]:
     """The number that a reading of each run's first pulse has, or would have.
 
     Readings that are not recorded, such as those of discarded pulses, may have no number: then

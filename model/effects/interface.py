@@ -63,6 +63,7 @@ class Clock:
     driven_s: FloatArray  # under voltage since then
     opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
+    worked_s: FloatArray | float = 0.0  # under voltage in the whole session
 
     def of(self, use: npt.NDArray[np.bool_]) -> Clock:
         """Some of these times."""

@@ -1,0 +1,87 @@
+"""What comes again and again is found by its period and phase; noise and wander are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.features import look
+from model.discrepancy.waves import Wave, wave_in
+from model.measurements import Measurements
+from tests.model.discrepancy.sessions import NOTHING, Case, Hiding, diagnosed, session
+
+BEATING = Case((Hiding("beating_cell", size=0.3),), seed=11)
+BREATHING = Case((Hiding("breathing_eibm", size=0.02),), seed=12)
+WANDERING = Case(correlated=True, seed=13)
+
+
+def looks(m: Measurements):
+    return [look(m, name) for name in m.sheets]
+
+
+def beating(m: Measurements, size_N: float, period_s: float, since: str) -> Measurements:
+    """With a wave in all forces, by one of the clocks."""
+
+    def more(reading):
+        at = getattr(reading, since)
+        return replace(
+            reading, force_N=reading.force_N + size_N * np.sin(2 * np.pi * at / period_s)
+        )
+
+    conditions = [replace(c, readings=tuple(map(more, c.readings))) for c in m.conditions]
+    return replace(m, conditions=tuple(conditions))
+
+
+@pytest.mark.parametrize(("since", "clock"), [("time_s", "run"), ("session_s", "session")])
+@pytest.mark.parametrize("period_s", [1.9, 3.3, 5.1])
+def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, period_s):
+    found = wave_in(looks(beating(session(), 2e-4, period_s, since)))
+    assert found is not None
+    assert (found.what, found.since) == ("force", clock)
+    assert found.period_s == pytest.approx(period_s, rel=0.01)
+    assert np.hypot(*found.amplitudes) == pytest.approx(2e-4, rel=0.15)
+
+
+def test_one_that_is_hardly_more_than_the_noise_is_not_told():
+    assert wave_in(looks(beating(session(), 1.5e-5, 3.3, "time_s"))) is None
+
+
+@pytest.mark.parametrize("case", [NOTHING, WANDERING], ids=["quiet", "wandering"])
+def test_where_nothing_comes_again_nothing_is_found(case):
+    assert wave_in(looks(session(case))) is None
+
+
+def test_a_few_readings_are_no_wave():
+    m = beating(session(), 2e-4, 3.3, "time_s")
+    few = replace(m, conditions=m.conditions[:2], sheets={"long": m.sheets["long"]})
+    assert wave_in(looks(few)) is None
+
+
+def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_show_it():
+    found = wave_in(looks(session(BREATHING)))
+    assert found is not None
+    assert found.what == "EIBM"
+    assert np.hypot(*found.amplitudes) == pytest.approx(0.02, rel=0.3)
+
+
+def test_what_a_wave_adds_to_the_force():
+    clock = look(session(), "long").seen[0].clock
+    wave = Wave("force", 2.0, "run", 100.0, (3e-4, 4e-4))
+    phase = np.pi * clock.run_s
+    np.testing.assert_allclose(
+        wave.added_N(clock), 3e-4 * np.cos(phase) + 4e-4 * np.sin(phase), atol=1e-12
+    )
+    assert replace(wave, what="EIBM").added_N(clock) == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "slot"), [(BEATING, "load_cell"), (BREATHING, "time")])
+def test_it_is_unknown_and_told_with_its_period(case, slot):
+    found = diagnosed(case)
+    assert (found.verdict, found.effects) == ("unknown_effect", ())
+    assert found.unknown.slot == slot
+    assert "in the course of each period" in found.sentence
+    assert found.unknown.s_mm[-1] < 12.0  # s
+    assert found.fitted.after.chi2_per_dof < 1.3
