@@ -243,13 +243,14 @@ def measure(
     face: FloatArray,
     face_share: float,
 ) -> FloatArray:
-    """Per cell (cells, 10) what the pixels say.
+    """Per cell (cells, 12) what the pixels say.
 
     Columns: contrast c, background b, slope a, sum g^2, sum g res, sum res^2, sum of weights,
-    sum h res, sum h^2, mean intensity. g is the derivative of a pixel with respect to a shift,
-    what b, a and c could imitate projected out; h the same for the blur, or, where `widen` is not
-    0, for the half width. `noise` is one pixel's, the scale of the robust weights; `half_width`,
-    `used`, `widen` and `face` are (cells,).
+    sum h res, sum h^2, mean intensity, sum p res, sum p^2. g is the derivative of a pixel with
+    respect to a shift, what b, a and c could imitate projected out; h the same for the blur, or,
+    where `widen` is not 0, for the half width; p is P without its mean in the cell. The sums are
+    weighted but for those with p, which say what is there whether it fits or not. `noise` is one
+    pixel's, the scale of the robust weights; `half_width`, `used`, `widen` and `face` are (cells,).
     """
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))
@@ -261,7 +262,7 @@ def measure(
     )
     low, solved = np.zeros((3, 3)), np.zeros((3, 3))
     weight = np.ones(pixels)
-    out = np.zeros((cells, 10))
+    out = np.zeros((cells, 12))
     for turn in range(rounds):
         sums = np.zeros((cells, 15))
         for i in range(cells):
@@ -273,6 +274,8 @@ def measure(
             b0, b1, c = solved[0]
             g0, g1, g2 = solved[1]
             h0, h1, h2 = solved[2]
+            many = max(first[i + 1] - first[i], 1)
+            shown, missed = 0.0, 0.0
             for q in range(first[i], first[i + 1]):
                 d, t = basis[q, 0], basis[q, 1]
                 miss = right[q, 0] - (b0 + b1 * d + c * t)
@@ -290,6 +293,12 @@ def measure(
                 out[i, 6] += w
                 out[i, 7] += w * c * h * miss
                 out[i, 8] += w * c * c * h * h
-                out[i, 9] += value[q] / (first[i + 1] - first[i])
+                out[i, 9] += value[q] / many
+                out[i, 10] += t * miss
+                out[i, 11] += t * t
+                shown += t
+                missed += miss
+            out[i, 10] -= shown * missed / many
+            out[i, 11] -= shown * shown / many
             out[i, 0], out[i, 1], out[i, 2] = c, b0, b1
     return out

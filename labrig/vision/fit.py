@@ -43,7 +43,7 @@ class Fit:
 
     shape: Shape
     band: Band
-    cells: FloatArray  # (cells, 11), see band.measure
+    cells: FloatArray  # (cells, 12), see band.measure
     present: FloatArray  # (cells,): share of the pixels beside the curve that are in the picture
     used: BoolArray  # (cells,)
     noise: float  # grey levels, of a pixel, from the residuals

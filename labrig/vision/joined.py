@@ -18,10 +18,14 @@ from labrig.vision.shape import Shape
 from labrig.vision.smooth import averaged, covariance
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 DOUBTFUL_CHI2 = 3.0**2  # other ways are tried then, and the band holds both
 LEAST_HIDDEN_PX = 8.0  # in less no other line can take over
 LEAST_BEFORE = 20  # cells that say how the sheet goes on
+LOCAL_CELLS = 3  # to each side: a hole is shorter than what contrast is measured in
+LEAST_THERE = 0.35  # of the sheet's contrast; where less is seen there is a hole
+SURELY_LESS = 4.5  # standard deviations
 # what hides the sheet may pull its place (pixels), direction and curvature (per pixel) beside it
 LINE_SIGMA = np.array([0.2, 0.015, 5e-4])
 
@@ -44,7 +48,7 @@ class Join:
 def worst_join(fit: Fit, setting: Setting) -> Join:
     """The least likely of a curve's joins."""
     shape, step = fit.shape, fit.shape.basis.step_px
-    seen = np.flatnonzero(fit.used)
+    seen = np.flatnonzero(fit.used & ~holes(fit, setting))
     gaps = np.flatnonzero(np.diff(seen) * step > LEAST_HIDDEN_PX)
     gaps = gaps[gaps + 1 >= LEAST_BEFORE]
     if not len(gaps):
@@ -52,6 +56,22 @@ def worst_join(fit: Fit, setting: Setting) -> Join:
     modes = shape.normal_modes()
     joins = [_join(fit, setting, modes, int(seen[i]) + 1, int(seen[i + 1])) for i in gaps]
     return max(joins, key=lambda join: join.chi2)
+
+
+def holes(fit: Fit, setting: Setting) -> BoolArray:
+    """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
+    box = np.ones(2 * LOCAL_CELLS + 1)
+    misfit, size = (np.convolve(fit.cells[:, q], box, mode="same") for q in (10, 11))
+    size = np.maximum(size, 1e-9)
+    there = setting.sign * (fit.contrast + misfit / size)
+    hole = np.zeros(len(there), dtype=bool)
+    for part in (fit.band.elongation, ~fit.band.elongation):
+        if (fit.used & part).any():
+            usual = float(np.median(np.abs(fit.contrast[fit.used & part])))
+            sure = usual - there > SURELY_LESS * fit.noise / np.sqrt(size)
+            hole |= part & sure & (there < LEAST_THERE * usual)
+    # what is left of the sheet in the windows makes holes look shorter
+    return np.convolve(hole, np.ones(3), mode="same") > 0.5
 
 
 def _join(fit: Fit, setting: Setting, modes: FloatArray, until: int, again: int) -> Join:

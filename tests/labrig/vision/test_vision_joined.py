@@ -46,3 +46,41 @@ def test_a_sharp_turn_where_nobody_sees_it_is_refused(plain, known, scenes, turn
         assert scenes.rmse_px(curve.points_px, plain.truth_px) < 0.1
     else:
         assert "beyond a hidden stretch" in curve.why
+
+
+def two_lines(gap_px, turn_rad, contrast):
+    """A line from the jaw at (60, 240), and another of its width that begins beyond a gap."""
+    image = np.full((480, 640), 60.0)
+    lines = np.zeros(image.shape, np.uint8)
+    corner = np.array([360.0, 240.0])
+    ahead = np.array([np.cos(turn_rad), np.sin(turn_rad)])
+    far = corner + np.array([gap_px, 0.25 * turn_rad * gap_px])
+    for one, other in (((60.0, 240.0), corner), (far, far + (445 - 300 - gap_px) * ahead)):
+        ends = [tuple(round(16 * each) for each in place) for place in (one, other)]
+        cv2.line(lines, *ends, 255, 2, cv2.LINE_AA, 4)
+    image[200:280, :60] += 60
+    image = cv2.GaussianBlur(image + contrast / 255.0 * lines, (0, 0), 0.9)
+    image += np.random.default_rng(3).normal(0, 4, image.shape)
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contrast", [20, 100])
+@pytest.mark.parametrize(("turn_rad", "ok"), [(0.0, True), (0.6, False)])
+def test_a_line_that_begins_beyond_plain_background_is_no_sheet_unless_it_goes_on(
+    plain, known, contrast, turn_rad, ok
+):
+    """A hole as short as the windows that contrast is measured in is a hole all the same."""
+    rig = {"clamp_px": [60.0, 240.0], "origin_px": [60.0, 240.0], "clamp_angle_rad": 0.0}
+    optics, strip = known(plain, **rig)
+    curve = neutral_curve(two_lines(11, turn_rad, contrast), optics, strip)
+    assert curve.ok is ok, curve.why
+    assert ok or "beyond a hidden stretch" in curve.why
+
+
+@pytest.mark.slow
+def test_a_line_and_an_arc_of_a_sheets_length_are_no_sheet(scenes, known):
+    """Eleven pixels of plain background lie between them, and a turn that no sheet makes there."""
+    recipe = replace(scenes.mixed(9_900_099), sheet=False, rolls=False, clutter=16)
+    scene = scenes.make_scene(recipe)
+    assert not neutral_curve(scene.image, *known(scene)).ok
