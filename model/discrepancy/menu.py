@@ -106,6 +106,7 @@ def _longer(seen: Seen) -> Seen:
         rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
         pulse=on(clock.pulse, pulses), run_s=on(clock.run_s, seconds),
         wetted_s=on(clock.wetted_s, seconds), driven_s=on(clock.driven_s, seconds),
+        worked_s=on(np.asarray(clock.worked_s), seconds),
     )  # fmt: skip
     own = seen.own_curves[-len(seen.kept_N) :]
     curves = tuple(own[k % len(own)] for k in range(count)) if own else ()

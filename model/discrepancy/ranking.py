@@ -17,6 +17,7 @@ from model.discrepancy.score import (
     candidates,
     rescored,
     score,
+    surprise,
 )
 from model.discrepancy.settle import Fitted
 from model.discrepancy.slots import unknowns
@@ -39,7 +40,8 @@ class Contender:
     solution: Solution | None = None
     fitted: Fitted | None = None  # where it was refined
     shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
-    among: float = 0.0  # ln of how much less its shapes explain on the average than the best
+    # ln of how much less its shapes explain on the average than the best, and of a surprise
+    among: float = 0.0
 
     @property
     def name(self) -> str:
@@ -78,6 +80,7 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
         gain, solution, chosen = max(both, key=lambda item: item[0])
         shapes = _other_shapes(chosen, scores.get(name, []))
         among = _among(fitted, [c for c in every if c.name == name], solution)
+        among += surprise(chosen)
         result.append(Contender(chosen, gain + among, solution, shapes=shapes, among=among))
     result.sort(key=lambda c: -c.gain)
     return result

@@ -22,6 +22,7 @@ from model.noise import Solution, deviance, estimate
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
+SURPRISE = -2.5  # ln of the odds of a sign that an effect does not have as a rule
 BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 
@@ -145,6 +146,16 @@ def allowed(one: Score) -> bool:
     if size.tried:
         return one.amplitude > 0.0 or size.low < 0.0
     return min(size.low, BEYOND * size.low) <= value <= BEYOND * size.high
+
+
+def surprise(one: Score) -> float:
+    """Ln of how much less likely it was beforehand: 0, unless it has the sign it has not usually."""
+    effect = one.candidate.effect
+    if effect is None or effect.size.usual == 0.0:
+        return 0.0
+    size = effect.size
+    value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
+    return SURPRISE if (value - size.neutral) * size.usual < 0.0 else 0.0
 
 
 def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:

@@ -76,9 +76,10 @@ class _Series:
 
     @staticmethod
     def of(found: Sequence[tuple[Seen, FloatArray, float]], session_s: float) -> _Series | None:
-        """Of conditions with their numbers and levers; None where there are too few."""
+        """Of conditions with their numbers and levers; None: too few, or not measured yet."""
         T = [_orthonormal(one.kept_clock) for one, _, _ in found]
-        if sum(rows.shape[1] - len(rows) for rows in T) < FEWEST:
+        few = sum(rows.shape[1] - len(rows) for rows in T) < FEWEST
+        if few or not any(np.any(values) for _, values, _ in found):
             return None
         levers = [np.full(len(values), lever) for _, values, lever in found]
         return _Series(

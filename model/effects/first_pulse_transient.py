@@ -42,7 +42,8 @@ EFFECT = FirstPulseTransient(
     isolates="The discarded pulses, or a run begun again without a rest.",
     source="the paper, section 3.2: the first two pulses are neglected",
     knobs=(
-        Knob("relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0),
+        # a first pulse that exceeds the others is what a lag makes of it, which begins from 0 V
+        Knob("relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0, usual=1.0),
         Knob(
             "ratio", "of each pulse's deficit to that before", "", 0.5,
             low=0.05, high=0.75, log=True, tried=(0.3, 0.5, 0.7),

@@ -48,6 +48,7 @@ class Knob:
     log: bool = False  # positive, and refined in its logarithm
     # shapes to look for: values that are tried one by one; empty: the size, which is estimated
     tried: tuple[float, ...] = ()
+    usual: float = 0.0  # the sign that it has as a rule; the other one is a surprise
 
 
 @dataclass

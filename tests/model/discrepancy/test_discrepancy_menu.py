@@ -24,6 +24,8 @@ def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
         assert not {s.run for s in added} & {s.run for s in one.seen}
         keys = [(*s.run, s.voltage_V) for s in added]
         assert len(set(keys)) == len(keys) > 0
+        for seen in added:  # a clock with a time of each kind for each reading
+            assert len(seen.clock.of(seen.counts).run_s) == len(seen.force_N)
         assert entry.minutes(one) > 0.0
 
 

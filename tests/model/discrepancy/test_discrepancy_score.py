@@ -17,6 +17,7 @@ from model.discrepancy.score import (
     candidates,
     members,
     score,
+    surprise,
     unit_values,
 )
 from model.effects import catalogue, effect
@@ -139,3 +140,15 @@ def test_shapes_that_nobody_knows_beforehand_share_their_evidence():
     assert averaged([3.0]) == pytest.approx(3.0)
     assert averaged([3.0, 3.0, 3.0]) == pytest.approx(3.0)  # it does not matter which it is
     assert averaged([9.0, -9.0, -9.0]) == pytest.approx(9.0 - np.log(3.0), abs=1e-6)
+
+
+def test_first_pulses_that_exceed_the_others_are_a_surprise():
+    columns = np.zeros((3, 1))
+    transient = effect("first_pulse_transient")
+    values = members(transient)[0]
+    for amplitude, wanted in ((1.0, 0.0), (-1.0, -2.5)):
+        one = Candidate(transient.name, values, columns, (1.0,), transient, transient.slot)
+        assert surprise(Score(one, 0.0, amplitude, 1.0, 1.0)) == wanted
+    either = effect("initial_curvature")
+    one = Candidate(either.name, members(either)[0], columns, (1.0,), either, either.slot)
+    assert surprise(Score(one, 0.0, -1.0, 1.0, 1.0)) == 0.0
