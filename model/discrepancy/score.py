@@ -149,7 +149,7 @@ def allowed(one: Score) -> bool:
 
 
 def surprise(one: Score) -> float:
-    """Ln of how much less likely it was beforehand: 0, unless it has the sign it has not usually."""
+    """Ln of how much less likely it was beforehand: 0, unless its sign is not the usual one."""
     effect = one.candidate.effect
     if effect is None or effect.size.usual == 0.0:
         return 0.0

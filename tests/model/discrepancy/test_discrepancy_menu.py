@@ -25,7 +25,7 @@ def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
         keys = [(*s.run, s.voltage_V) for s in added]
         assert len(set(keys)) == len(keys) > 0
         for seen in added:  # a clock with a time of each kind for each reading
-            assert len(seen.clock.of(seen.counts).run_s) == len(seen.force_N)
+            assert len(seen.kept_clock.run_s) == len(seen.kept_N)
         assert entry.minutes(one) > 0.0
 
 
