@@ -11,6 +11,7 @@ import numpy.typing as npt
 from labrig.vision.check import Verdict
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.fit import Fit, spread
+from labrig.vision.misfit import beside_px
 from labrig.vision.setting import Setting
 from labrig.vision.wires import Wire, hidden_by
 
@@ -20,6 +21,7 @@ LOOK_SIGMA_PX = 0.004
 FACE_SIGMA = 0.06  # of what a far face adds beside the edge, when it has been taken off
 LEAST_EXCESS_PX = 0.5
 LEAST_PULL_PX = 0.05
+LEAST_BESIDE_PX = 0.3
 LEAST_TOLD = 0.02  # of the sheet hidden by wires
 
 
@@ -67,6 +69,13 @@ def report(
             f"curve by up to {pull.max():.2f} pixels; the band holds it"
         )
         warnings = (*warnings, said)
+    beside = beside_px(fit, setting)
+    if beside.max() > LEAST_BESIDE_PX:
+        said = (
+            f"what looks like the sheet lies up to {beside.max():.1f} pixels beside the curve "
+            "where it is not as thick or as smooth as a sheet; the band holds both"
+        )
+        warnings = (*warnings, said)
     face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
     if face * fit.band.face_share > LEAST_EXCESS_PX:
         said = (
@@ -83,7 +92,7 @@ def report(
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
         sigma_m=np.sqrt(
-            (noise_px**2 + (excess / 2) ** 2 + aside**2 + pull**2) / ppm**2
+            (noise_px**2 + (excess / 2) ** 2 + aside**2 + pull**2 + beside**2) / ppm**2
             + systematic_m(fit, setting) ** 2
         ),
         excess_px=excess,
