@@ -44,25 +44,21 @@ class Solution:
     weights: FloatArray  # (R, n, n) inverse covariances
 
 
-def _inverse(data: Data, log_sigma: FloatArray) -> tuple[FloatArray, float]:
-    variance = np.exp(2.0 * log_sigma)
-    diagonal = data.fixed.copy()
-    for value, mask in zip(variance[len(data.groups) :], data.masks, strict=True):
-        diagonal += value * mask
-    V = np.zeros((*diagonal.shape, diagonal.shape[1]))
-    n = np.arange(diagonal.shape[1])
-    V[:, n, n] = diagonal
-    for value, Z in zip(variance, data.groups, strict=False):
-        V += value * (Z @ Z.transpose(0, 2, 1))
+def _inverted(V: FloatArray) -> tuple[FloatArray, float]:
+    """Inverses of positive matrices, and ln of the product of their determinants."""
+    from scipy.linalg.lapack import dtrtri
+
     L = np.linalg.cholesky(V)
+    n = np.arange(V.shape[1])
     logdet = 2.0 * float(np.sum(np.log(L[:, n, n])))
-    half = np.linalg.inv(L)
+    # three times quicker than numpy's, which does not know that they are triangular
+    half = np.stack([dtrtri(one, lower=1)[0] for one in L])
     return half.transpose(0, 2, 1) @ half, logdet
 
 
 def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     """Generalised least squares at given scatter."""
-    W, _ = _inverse(data, log_sigma)
+    W, _ = _inverted(_covariance(data, _Stack.of_data(data), log_sigma))
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
@@ -118,6 +114,15 @@ class _Stack:
         return _Stack(Z, of, D)
 
 
+def _covariance(data: Data, stack: _Stack, log_sigma: FloatArray) -> FloatArray:
+    many = len(data.groups)
+    scaled = stack.Z * np.exp(stack.of @ log_sigma[:many])
+    V: FloatArray = scaled @ scaled.transpose(0, 2, 1)
+    n = np.arange(V.shape[1])
+    V[:, n, n] += data.fixed + stack.D @ np.exp(2.0 * log_sigma[many:])
+    return V
+
+
 @dataclass(frozen=True)
 class _Point:
     """-2 ln of the restricted likelihood times prior, its gradient, and its expected curvature."""
@@ -128,14 +133,8 @@ class _Point:
 
 
 def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _Point:
-    variance, many = np.exp(2.0 * log_sigma), len(data.groups)
-    scaled = stack.Z * np.exp(stack.of @ log_sigma[:many])
-    V = scaled @ scaled.transpose(0, 2, 1)
-    n = np.arange(V.shape[1])
-    V[:, n, n] += data.fixed + stack.D @ variance[many:]
-    L = np.linalg.cholesky(V)
-    half = np.linalg.inv(L)
-    W = half.transpose(0, 2, 1) @ half
+    variance, n = np.exp(2.0 * log_sigma), np.arange(data.y.shape[1])
+    W, logdet = _inverted(_covariance(data, stack, log_sigma))
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
@@ -143,7 +142,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
     away = (log_sigma - guess) / data.width
-    value = 2.0 * float(np.sum(np.log(L[:, n, n]))) + float(np.linalg.slogdet(information)[1])
+    value = logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     value += float(away @ away)
     WZ = W @ stack.Z
