@@ -107,7 +107,8 @@ def _found(
             "thick, and nothing tells which part of it is the sheet's edge; light the edge, or "
             "check the sheet's thickness.",
         )
-    pulled = pulled_px(best.fit, best.setting)
+    # light on one side moves no edge
+    pulled = None if best.between_edges else pulled_px(best.fit, best.setting)
     curve = report(best.fit, best.setting, best.verdict, excess, pulled)
     if beside > 0:
         said = (
@@ -160,7 +161,7 @@ class _Job(Refiner):
             )
             good = found.verdict.covered > start.covered - 0.04
             if good and not found.verdict.why and fit.step_px < 0.1:
-                return found
+                return self.led_by_edges(found)
         return None
 
     def _shape_of(self, curve: NeutralCurve) -> Shape:

@@ -247,6 +247,30 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     # and no lens draws a band just as the template has it
     contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
     noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(setting, band) * contrast)
+    return _moved(shape, setting, band, cells, present, used, noise)
+
+
+def led_by(fit: Fit, setting: Setting, beside: FloatArray, sigma: float) -> Fit:
+    """The curve moved to where something else than intensities says that it is.
+
+    `beside` (cells,): how far beside the curve; `sigma`: of each cell; both in pixels.
+    """
+    cells = fit.cells.copy()
+    cells[:, 3] = (fit.noise / sigma) ** 2
+    cells[:, 4] = beside * cells[:, 3]
+    return _moved(fit.shape, setting, fit.band, cells, fit.present, fit.used, fit.noise)
+
+
+def _moved(
+    shape: Shape,
+    setting: Setting,
+    band: Band,
+    cells: FloatArray,
+    present: FloatArray,
+    used: BoolArray,
+    noise: float,
+) -> Fit:
+    """The curve moved by what its cells say of their distance from it."""
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()

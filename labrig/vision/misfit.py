@@ -78,4 +78,5 @@ def _of_unclear(fit: Fit, setting: Setting, unclear: BoolArray) -> FloatArray:
 
 def _around(values: npt.NDArray[Any], half: int) -> FloatArray:
     """Sums over `half` cells to each side."""
-    return np.convolve(values, np.ones(2 * half + 1), mode="same")
+    # "same" would be as long as the box where that is longer
+    return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]

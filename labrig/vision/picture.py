@@ -32,6 +32,7 @@ class Picture:
     clipped: float  # share of the pixels at full scale
     warnings: tuple[str, ...]
     reduced: int = 1  # times, against the camera's
+    whole: MapArray | None = None  # the camera's own, of one that is reduced
 
     @cached_property
     def smooth(self) -> MapArray:

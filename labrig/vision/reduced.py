@@ -36,7 +36,7 @@ def reduced_picture(picture: Picture, by: int) -> Picture:
     whole = picture.grey[: rows * by, : columns * by]
     grey = np.asarray(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
     noise = pixel_noise(grey, picture.full_scale)
-    return Picture(grey, noise, picture.full_scale, picture.clipped, picture.warnings, by)
+    return replace(picture, grey=grey, noise=noise, reduced=by, whole=picture.grey)
 
 
 def reduced_optics(optics: Optics, by: int) -> Optics:

@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from labrig.vision.check import Verdict, judge
 from labrig.vision.curve import StripGeometry, smallness
+from labrig.vision.edges import middle_of_edges
 from labrig.vision.ends import Tip, find_tip
 from labrig.vision.face import FaceSearch
-from labrig.vision.fit import Fit, fit_intensities, fit_points, ridge_points, spectral_of
+from labrig.vision.fit import Fit, fit_intensities, fit_points, led_by, ridge_points, spectral_of
 from labrig.vision.opaque import strangers
 from labrig.vision.optics import Look, Optics
 from labrig.vision.picture import Picture
@@ -22,6 +23,7 @@ from labrig.vision.trace import Trace, shape_through
 WELL_COVERED = 0.95
 LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve, or a larger one's
 FACE_ROUNDS = 3
+EDGE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
 
@@ -34,6 +36,7 @@ class Candidate:
     tip: Tip
     verdict: Verdict
     wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
+    between_edges: bool = False  # of a thick strip, whatever light falls on it
 
     @property
     def confirmed(self) -> bool:
@@ -100,7 +103,22 @@ class Refiner:
             other = self.judged(fit_intensities(again, setting, best.fit.band), setting)
             best = max(best, other, key=lambda c: c.verdict.worth)
             best = self._without_strangers(best)
-        return self._anchored(self._faced(best))
+        return self.led_by_edges(self._anchored(self._faced(best)))
+
+    def led_by_edges(self, found: Candidate) -> Candidate:
+        """The curve between the edges of a thick strip, instead of in the middle of its light."""
+        fit, setting = found.fit, found.setting
+        if self.picture.whole is None or found.verdict.why:
+            return found
+        for _ in range(EDGE_ROUNDS):
+            middle = middle_of_edges(fit, setting)
+            if middle is None:
+                return found
+            fit = led_by(fit, setting, middle.beside_px, middle.sigma_px)
+        verdict = judge(fit, setting, found.tip, followed=True, beside=False)
+        if verdict.why:
+            return found
+        return replace(found, fit=fit, verdict=verdict, between_edges=True)
 
     def _without_strangers(self, found: Candidate) -> Candidate:
         """The curve without what was taken for the sheet where that cannot be seen."""
