@@ -58,12 +58,12 @@ def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
 
 
 def choices(
-    outcome: Outcome, effects: Sequence[Effect], threshold: float
+    outcome: Outcome, effects: Sequence[Effect], threshold: float, rests: bool = False
 ) -> tuple[list[Choice], Fitted]:
     """Every effect that was found, each against its alternatives with the others in place.
 
-    An effect that the others make superfluous is taken out again; what the model had before the
-    search stays.
+    An effect that the others make superfluous is taken out again, and so is, unless `rests`, what
+    is rather left of another one's form; what the model had before the search stays.
     """
     turns = [t for t in outcome.turns if t.chosen is not None]
     final, first = outcome.final, len(outcome.base.found)
@@ -81,9 +81,9 @@ def choices(
         gain = 0.5 * (without.deviance - final.deviance)
         if min(gain, apart(without, own)) < threshold + FURTHER:
             shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
-            return choices(shorter, effects, threshold)
+            return choices(shorter, effects, threshold, rests)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
-    left = rest_of_another(result)
+    left = None if rests else rest_of_another(result)
     if left is None:
         return result, final
     rest = tuple(f for j, f in enumerate(final.found) if j != first + left)

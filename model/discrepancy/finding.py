@@ -120,16 +120,26 @@ class Finding:
         """Names, or what is unknown, or both."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
-        rest = leftover(self.outcome, known, self.effects)
-        if rest is None or not self._enough:
-            return _Decision(named, known, None, known)
-        if rest.apart < self.threshold + SLOT_MARGIN or rest.share < LEFT:
+        rest = self._unexplained(known)
+        if rest is not None and len(named) < len(self.outcome.chosen):
+            # what was taken for the rest of another one's form is more than that
+            more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
+            if self._unexplained(full) is None:
+                named, known, rest = more, full, None
+        if rest is None:
             return _Decision(named, known, None, known)
         if _alone(rest, base, known):
             named, known = [], base
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
         return _Decision(named, known, unknown_of(at, free), with_free_form(known, free))
+
+    def _unexplained(self, known: Fitted) -> Leftover | None:
+        """What free forms find beside the names, where it is too much for the rest of a form."""
+        rest = leftover(self.outcome, known, self.effects) if self._enough else None
+        if rest is None or rest.share < LEFT:
+            return None
+        return rest if rest.apart >= self.threshold + SLOT_MARGIN else None
 
     def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
         """What could be seen of the base model, with the noise as it is once the finding is in."""

@@ -21,6 +21,7 @@ from model.noise import weigh
 
 MOST_OUTLIERS = 2
 FURTHER = 1.5  # ln of the Bayes factor by which all but the first effect must exceed the threshold
+LOOSE = 0.5  # share of form from which on an effect may stand for others
 PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
 
@@ -42,6 +43,16 @@ class Outcome:
     final: Fitted
     outliers: list[int] = field(default_factory=list)  # numbers of conditions left out
 
+    @property
+    def chosen(self) -> list[Contender]:
+        """The effects that were added, in their order."""
+        return [turn.chosen for turn in self.turns if turn.chosen is not None]
+
+    @property
+    def gain(self) -> float:
+        """Evidence of all of them together."""
+        return 0.5 * (self.base.deviance - self.final.deviance)
+
 
 def supported(before: Fitted, after: Fitted) -> bool:
     """Whether positions that are left out speak for the effect, not just a single one of them."""
@@ -60,7 +71,35 @@ def search(
     most: int = 3,
     found: tuple[Found, ...] = (),
 ) -> Outcome:
-    """Add effects while the data ask for them."""
+    """Add effects while the data ask for them.
+
+    One that is mostly deviation from its form may stand for several others: they are tried without
+    it, and taken where they explain more.
+    """
+    outcome = _forward(problem, theta, effects, threshold, most, found)
+    loose = {c.name for c in outcome.chosen if _share(c) > LOOSE}
+    if not loose or most < 2:
+        return outcome
+    rest = [e for e in effects if e.name not in loose]
+    other = _forward(problem, theta, rest, threshold, most, found)
+    several = len(other.chosen) > 1 and all(_share(c) <= LOOSE for c in other.chosen)
+    return other if several and other.gain > outcome.gain + ALIKE else outcome
+
+
+def _share(contender: Contender) -> float:
+    """How much of an effect is deviation from its form."""
+    return 0.0 if contender.fitted is None else form_share(contender.fitted, -1)
+
+
+def _forward(
+    problem: Problem,
+    theta: FloatArray,
+    effects: Sequence[Effect],
+    threshold: float,
+    most: int,
+    found: tuple[Found, ...],
+) -> Outcome:
+    """Add the best effect, and the best one then, while the data ask for them."""
     fitted = settle(problem, theta, found)
     outcome, rounds_of_outliers = Outcome(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
