@@ -106,8 +106,8 @@ def pixel_noise(grey: MapArray, full_scale: float) -> float:
     At least a third of an 8-bit level, so that a flawless synthetic picture has a scale too.
     """
     part = grey[::4] if grey.size > 100_000 else grey
-    d = part[:, 2:] - 2 * part[:, 1:-1] + part[:, :-2]
-    spread = float(np.median(np.abs(d[:, ::3]))) / 0.6745
+    d = part[:, 2::3] - 2 * part[:, 1:-1:3] + part[:, :-2:3]
+    spread = float(np.median(np.abs(d))) / 0.6745
     return max(spread / 6**0.5, full_scale / 255 * 0.3 if full_scale < 300 else 0.3)
 
 
