@@ -23,7 +23,7 @@ Since = Literal["run", "worked", "session"]
 LONGEST_S, SHORTEST_S = 12.0, 1.25  # slower is a trend; quicker looks like a slower one
 MOST = 0.8  # share of what the trends leave that a wave must explain
 FEWEST = 40  # numbers in which it is looked for
-FINE, MOST_TRIED = 3, 20_000  # rates tried for each that the readings can tell apart, and in all
+FINE, MOST_TRIED = 3, 10_000  # rates tried for each that the readings can tell apart, and in all
 NEAR = 41  # tried once more about the best one
 MORE = 0.01  # of the share that another clock must explain more
 
