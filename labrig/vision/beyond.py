@@ -50,10 +50,12 @@ def _walk(
     contrast: float,
     half: float,
     blur: float,
+    pulled: float,
 ) -> FloatArray:
     """(steps, 2): core minus flanks and the flanks' level, a pixel a step; NaN where hidden.
 
-    `contrast`: the sheet's, with its sign; `half` its half width, `bend` its curvature per pixel.
+    `contrast`: the sheet's, with its sign; `half` its half width, `bend` its curvature per pixel;
+    `pulled` 1: towards the middle of what is there, 0: straight on.
     """
     rows, columns = mask.shape
     out = np.full((steps, 2), np.nan)
@@ -82,9 +84,9 @@ def _walk(
             moment += high * d
         if total > 0.3 * 2 * (half + blur) * 6 / reach:
             offset = moment / total
-            u += 0.3 * offset * c
-            v += 0.3 * offset * s
-            angle += 0.02 * offset
+            u += 0.3 * pulled * offset * c
+            v += 0.3 * pulled * offset * s
+            angle += 0.02 * pulled * offset
         core = 0.0
         for i in range(-1, 2):
             core += _grey(grey, u + 0.5 * i * half * c, v + 0.5 * i * half * s) / 3
@@ -111,21 +113,27 @@ def seen_beyond_px(fit: Fit, setting: Setting) -> float:
         return 0.0
     ends = setting.nodes_px(shape)[-5:]
     du, dv = ends[-1] - ends[0]
-    # pixels run down, the world up: curvature changes its sign
-    seen = _walk(
-        setting.picture.grey,
-        setting.picture.smooth,
-        setting.mask,
-        float(ends[-1, 0]),
-        float(ends[-1, 1]),
-        math.atan2(dv, du),
-        -0.5 * float(shape.k[-8]),
-        round(FARTHEST * shape.basis.total_px),
-        peak,
-        half,
-        band.blur,
-    )
-    return _sheet_seen(seen[:, 0] / peak, (seen[:, 1] - ground) / contrast)
+
+    def walked(pulled: float) -> float:
+        seen = _walk(
+            setting.picture.grey,
+            setting.picture.smooth,
+            setting.mask,
+            float(ends[-1, 0]),
+            float(ends[-1, 1]),
+            math.atan2(dv, du),
+            # pixels run down, the world up: curvature changes its sign
+            -0.5 * float(shape.k[-8]),
+            round(FARTHEST * shape.basis.total_px),
+            peak,
+            half,
+            band.blur,
+            pulled,
+        )
+        return _sheet_seen(seen[:, 0] / peak, (seen[:, 1] - ground) / contrast)
+
+    # what crosses the end pulls a walk along it
+    return max(walked(1.0), walked(0.0))
 
 
 def _sheet_seen(ratio: FloatArray, flank: FloatArray) -> float:

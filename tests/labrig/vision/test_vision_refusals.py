@@ -169,6 +169,16 @@ def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed)
 
 
 @pytest.mark.slow
+def test_a_line_that_goes_on_beyond_what_crosses_its_stated_end_is_no_sheet(scenes, known):
+    """The brighter line that crosses it there hides that it is 90 pixels too long."""
+    recipe = replace(scenes.mixed(12_400_120), sheet=False, rolls=False, clutter=17)
+    scene = scenes.make_scene(recipe)
+    curve = neutral_curve(scene.image, *known(scene))
+    assert not curve.ok
+    assert "ends at least" in curve.why
+
+
+@pytest.mark.slow
 @pytest.mark.thorough
 def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
     for seed in range(2000, 2030):
