@@ -33,6 +33,8 @@ def beside_px(fit: Fit, setting: Setting) -> FloatArray:
     beside = np.where(fit.used, _of_used(fit), 0.0)
     # by cells the share of pixels is uneven
     unclear = ~fit.used & (_around(fit.present, 2) > 5 * ALL_PRESENT)
+    if fit.band.spoilt is not None:
+        unclear &= ~fit.band.spoilt  # that is known to be something else
     edge = round(2.5 * fit.band.blur) + 1
     unclear[:edge] = unclear[-edge:] = False  # of the clamp, and of the sheet itself
     if unclear.sum() > LEAST_LIKE:
