@@ -4,10 +4,14 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
 # Between them they use all that numba compiles; else each worker would compile it for itself.
-COMPILING := tests/model/test_predict.py tests/sim_hardware/test_optics_pictures.py \
-	tests/sim_hardware/test_world_chain.py tests/sim_hardware/test_world_effects.py \
-	tests/labrig/vision/test_vision_batch.py tests/model/test_engines.py tests/model/test_design.py \
-	tests/sim_hardware/test_world.py tests/model/test_equilibrium_reference.py
+# The two share nothing that is compiled, so that side by side they compile nothing twice.
+MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model/test_design.py \
+	tests/model/test_equilibrium_reference.py
+PICTURES := tests/sim_hardware/test_optics_pictures.py tests/sim_hardware/test_world_chain.py \
+	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
+	tests/labrig/vision/test_vision_batch.py
+# Without a time-out: what is cut short while it compiles is not kept.
+COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
 # Where they are: looking through all the others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
@@ -16,7 +20,8 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-c
 # Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: setup setup-dev demo compiled test test-compiled test-failed test-all test-fast lint format bench soak clean
+.PHONY: setup setup-dev demo compiled compiled-mechanics compiled-pictures \
+	test test-compiled test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
 setup-dev: $(VENV)/.installed-dev
@@ -38,11 +43,16 @@ demo: setup
 	@rm -rf demo
 	@$(BIN)/labrig demo demo
 
-# Without a time-out: what is cut short while it compiles is not kept.
-compiled: setup-dev
-	@-$(PYTEST) -n 2 --dist loadfile --timeout 0 -q -m "not slow and not thorough" $(COMPILING)
+compiled: compiled-mechanics compiled-pictures
 
-test: compiled
+compiled-mechanics: setup-dev
+	@-$(COMPILE) $(MECHANICS)
+
+compiled-pictures: setup-dev
+	@-$(COMPILE) $(PICTURES)
+
+test: setup-dev
+	@$(MAKE) --no-print-directory -j 2 compiled
 	@$(MAKE) --no-print-directory test-compiled
 
 # Four at a time, of which two wait most of the time (tests/side_by_side.py), and then two at a time
@@ -54,7 +64,8 @@ test-compiled: setup-dev
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
-test-all: compiled
+test-all: setup-dev
+	@$(MAKE) --no-print-directory -j 2 compiled
 	@$(PYTEST) -n 4 --dist worksteal -m "not alone"; code=$$?; \
 	$(TWO_ALONE) -m alone $(ALONE) && exit $$code
 
