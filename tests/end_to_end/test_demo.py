@@ -14,6 +14,7 @@ import pytest
 
 from labrig.analysis import analyze
 from labrig.config import templates
+from labrig.model_file import load_model
 from labrig.session import load_measurements
 from model import Measurements, fit
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
@@ -103,6 +104,16 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
     assert "What the model is missing" in page
+
+
+def test_each_effect_of_the_world_is_named_beside_the_others_with_its_own_values(
+    demo: Demo,
+) -> None:
+    found = {e.name: e.parameters for e in load_model(demo.folder / "model+.toml").effects}
+    assert set(found) == {"nonuniform_eibm", "charging_lag", "first_pulse_transient"}
+    assert found["nonuniform_eibm"]["decay_length_mm"].value == pytest.approx(12.0, rel=0.04)
+    assert found["charging_lag"]["time_constant_s"].value == pytest.approx(0.05, rel=0.25)
+    assert found["first_pulse_transient"]["relative_deficit"].value > 0.0
 
 
 def test_a_folder_that_is_there_already_is_left_alone(demo: Demo) -> None:

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.hidden_effects import case, hidden_session, write
 from labrig.cli.main import run
 from labrig.config import load_protocol
+from labrig.model_file import load_model
 
 
 def labrig(*arguments: object) -> int:
@@ -38,9 +39,14 @@ def test_a_hidden_effect_is_named_added_and_then_nothing_is_missing(imported, tm
     held_out = found["gap"]["held_out"]
     for key in ("force_rmse_mN", "curve_rmse_mm"):
         assert held_out["after"][key] < 0.9 * held_out["before"][key]
-    assert labrig("diagnose", imported, "--model", model, "--json") == 0
+    kept = tmp_path / "again.toml"
+    assert labrig("diagnose", imported, "--model", model, "-o", kept, "--json") == 0
     again = json.loads(capsys.readouterr().out)
-    assert again["verdict"] == "nothing_missing"
+    assert (again["verdict"], again["effects"]) == ("nothing_missing", [])
+    before, after = (load_model(path).effects for path in (model, kept))
+    assert [one.name for one in after] == ["nonuniform_eibm"]
+    one, two = (effects[0].parameters["decay_length_mm"].value for effects in (before, after))
+    assert two == pytest.approx(one, rel=0.05)
     assert labrig("compare", imported, "--model", model, "--json") == 0
     rows = json.loads(capsys.readouterr().out)
     for name in ("long", "short"):

@@ -129,6 +129,7 @@ def test_a_lag_leaves_no_gap_in_the_means_but_one_within_the_pulses_that_is_clos
 
 
 @pytest.mark.slow
+@pytest.mark.thorough  # in the demo three are named beside each other, each with its own values
 def test_two_effects_are_both_named_each_with_its_own_values():
     found = diagnosed(PAIR)
     assert sorted(names(found)) == ["eibm_drift", "gravity"]
@@ -195,6 +196,7 @@ def test_a_run_set_up_badly_is_left_out_beside_an_effect():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough  # as by the commands, in tests/labrig/diagnose/test_diagnose_end_to_end.py
 def test_a_model_that_has_the_effect_already_is_missing_nothing_more():
     first = diagnosed(FALLING)
     again = diagnose(session(FALLING), DiagnoseOptions(model=first.model))
