@@ -9,6 +9,8 @@ from typing import Any
 
 from model.measurements import ModelError
 
+FARTHEST = 20.0  # of a logarithm; beyond it nothing is known
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -18,23 +20,30 @@ class Parameter:
     sigma: float  # standard uncertainty; 0: taken as exact
     unit: str
     freedom: float = 1e4  # degrees of freedom behind sigma
+    positive: bool = False  # its logarithm is what is uncertain, by sigma over value
 
     def interval(self, probability: float = 0.9) -> tuple[float, float]:
         """The central interval; Student's t for few degrees of freedom."""
         from scipy.special import stdtrit  # slow to import
 
         reach = float(stdtrit(self.freedom, 0.5 + 0.5 * probability)) * self.sigma
+        if self.positive and self.value > 0.0:
+            factor = math.exp(min(reach / self.value, FARTHEST))
+            return self.value / factor, self.value * factor
         return self.value - reach, self.value + reach
 
     def scaled(self, factor: float, unit: str) -> Parameter:
         """The same in another unit, or divided by an exact number."""
-        return Parameter(self.value * factor, self.sigma * abs(factor), unit, self.freedom)
+        sigma = self.sigma * abs(factor)
+        return Parameter(self.value * factor, sigma, unit, self.freedom, self.positive)
 
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
         result: dict[str, Any] = {"value": self.value, "sigma": self.sigma, "unit": self.unit}
         if self.freedom < 9e3:
             result["freedom"] = self.freedom
+        if self.positive:
+            result["positive"] = True
         return result
 
     def to_json(self) -> dict[str, Any]:
@@ -52,7 +61,8 @@ class Parameter:
         freedom = finite(data.get("freedom", 1e4), f"{where}.freedom")
         if sigma < 0.0 or freedom <= 0.0:
             raise ModelError(f"{where}: sigma must not be negative, freedom must be positive")
-        return Parameter(value, sigma, str(data.get("unit", "")), freedom)
+        unit, positive = str(data.get("unit", "")), data.get("positive") is True
+        return Parameter(value, sigma, unit, freedom, positive)
 
 
 def finite(value: object, where: str) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from model.discrepancy.ranking import Contender, rank
 from model.discrepancy.refine import refine_best
 from model.discrepancy.search import FURTHER, Outcome, Turn, apart
 from model.discrepancy.settle import Fitted, settle
+from model.discrepancy.tolerance import Found
 from model.effects.interface import Effect
 
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
@@ -29,6 +30,7 @@ class Choice:
     alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
     gain: float
     of_slot: float  # posterior of all effects of its slot
+    tried: tuple[Fitted, ...] = ()  # fits of its shapes
 
 
 def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
@@ -54,7 +56,7 @@ def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
     )
     alike = {c.name for c in ranking if c.known and c.score.candidate.slot == effect.slot}
     of_slot = sum(p for n, p in chances.items() if n in alike)
-    return Choice(effect, own, tuple(others), chosen.gain, of_slot)
+    return Choice(effect, own, tuple(others), chosen.gain, of_slot, chosen.tried)
 
 
 def choices(
@@ -90,6 +92,41 @@ def choices(
     without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
     shorter = Outcome(outcome.base, turns[:left] + turns[left + 1 :], without)
     return choices(shorter, effects, threshold)
+
+
+def with_shapes(fitted: Fitted, named: Sequence[Choice]) -> Fitted:
+    """The model with uncertainties that hold the other shapes of each effect, too.
+
+    A shape that explains as much may have other values.
+    """
+    tried = {one.effect.name: one.tried for one in named if len(one.tried) > 1}
+    if not tried:
+        return fitted
+    found = [_mixed(f, tried[f.effect.name]) if f.effect.name in tried else f for f in fitted.found]
+    return replace(fitted, found=tuple(found))
+
+
+def _mixed(one: Found, tried: Sequence[Fitted]) -> Found:
+    """With the scatter of the values of all fits about the best, as likely as they explain."""
+    deviance = np.array([f.deviance for f in tried])
+    best = tried[int(np.argmin(deviance))].found[-1].values
+    weights = np.exp(0.5 * (np.min(deviance) - deviance) / TEMPER)
+    weights /= weights.sum()
+
+    logs = {knob.name for knob in one.effect.knobs if knob.log}
+
+    def wider(name: str, knob: str, sigma: float) -> float:
+        values = np.array([f.found[-1].values[name][knob] for f in tried])
+        away = values - best[name][knob]
+        if knob in logs:
+            away = one.values[name][knob] * np.log(values / best[name][knob])
+        return float(np.sqrt(sigma**2 + weights @ np.square(away)))
+
+    sigma = {
+        name: {knob: wider(name, knob, size) for knob, size in own.items()}
+        for name, own in one.sigma.items()
+    }
+    return replace(one, sigma=sigma)
 
 
 def rest_of_another(named: Sequence[Choice]) -> int | None:

@@ -9,7 +9,16 @@ from functools import cached_property
 import numpy as np
 
 from model.discrepancy import gaps
-from model.discrepancy.decide import LEFT, SLOT_MARGIN, SURE, Choice, Leftover, choices, leftover
+from model.discrepancy.decide import (
+    LEFT,
+    SLOT_MARGIN,
+    SURE,
+    Choice,
+    Leftover,
+    choices,
+    leftover,
+    with_shapes,
+)
 from model.discrepancy.fitted_model import base_parameters, parameters_of, sheet_model
 from model.discrepancy.left_out import left_out, position_groups
 from model.discrepancy.menu import next_measurement
@@ -127,12 +136,14 @@ class Finding:
             if self._unexplained(full) is None:
                 named, known, rest = more, full, None
         if rest is None:
+            known = with_shapes(known, named)
             return _Decision(named, known, None, known)
         if _alone(rest, base, known):
             named, known = [], base
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
-        return _Decision(named, known, unknown_of(at, free), with_free_form(known, free))
+        final = with_free_form(known, free)
+        return _Decision(named, with_shapes(known, named), unknown_of(at, free), final)
 
     def _unexplained(self, known: Fitted) -> Leftover | None:
         """What free forms find beside the names, where it is too much for the rest of a form."""

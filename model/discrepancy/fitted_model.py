@@ -54,7 +54,7 @@ def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Pa
     values = dict(one.values[configuration])
     sigma = one.sigma.get(configuration, {})
     result = {
-        k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW)
+        k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW, k.log)
         for k in one.effect.knobs
     }
     study = final.problem.study

@@ -39,6 +39,7 @@ class Contender:
     gain: float  # ln of the Bayes factor against the present model, averaged over its shapes
     solution: Solution | None = None
     fitted: Fitted | None = None  # where it was refined
+    tried: tuple[Fitted, ...] = ()  # fits of all of its shapes that were refined
     shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
     # ln of how much less its shapes explain on the average than the best, and of a surprise
     among: float = 0.0

@@ -105,7 +105,10 @@ def _refined_again(fitted: Fitted, contender: Contender, begins: Sequence[FloatA
 def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
     """The contender, or with this shape and fit where they are better than what it has."""
     best = contender.fitted
-    if other is None or (best is not None and _rank(best) <= _rank(other)):
+    if other is None:
+        return contender
+    contender = replace(contender, tried=(*contender.tried, other))
+    if best is not None and _rank(best) <= _rank(other):
         return contender
     # its size was chosen from several, as in `score`
     gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))

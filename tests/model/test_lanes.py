@@ -41,13 +41,14 @@ def test_a_batch_is_what_its_problems_are_alone(count, length, panels, soft):
         np.testing.assert_allclose(found.psi[k], one.psi[0], atol=2e-11)
 
 
-def test_who_else_is_in_a_batch_changes_nothing():
+def test_who_else_is_in_a_batch_changes_no_more_than_rounding():
+    """A processor with wide lanes rounds what fills them otherwise than what is left over."""
     many = several(40, 0.05, 5, soft=False)
     order = np.random.default_rng(0).permutation(40)
     mixed = replace(
         many, kappa=np.ascontiguousarray(many.kappa[order]), angle_rad=many.angle_rad[order]
     )
-    np.testing.assert_array_equal(solve(mixed).nu, solve(many).nu[order])
+    np.testing.assert_allclose(solve(mixed).nu, solve(many).nu[order], rtol=1e-13)
 
 
 def test_what_the_lanes_cannot_solve_is_solved_by_itself():

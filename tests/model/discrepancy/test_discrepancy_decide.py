@@ -15,6 +15,7 @@ from model.discrepancy.decide import (
     choice,
     posterior,
     rest_of_another,
+    with_shapes,
 )
 from model.discrepancy.nulls import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.outliers import (
@@ -30,6 +31,7 @@ from model.discrepancy.search import search
 from model.discrepancy.settle import settle
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.slots import unknowns
+from model.discrepancy.tolerance import Found
 from model.effects import catalogue, effect
 from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
@@ -228,3 +230,25 @@ def test_parameters_are_found_whatever_the_readings_order():
     np.testing.assert_allclose(
         fitted(replace(m, conditions=mixed)).theta, base_fit().theta, rtol=1e-9
     )
+
+
+def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
+    relaxing = effect("back_relaxation")
+
+    def fit(deviance: float, loss: float, tau: float):
+        values = {"long": {"relative_loss_at_sample": loss, "time_constant_s": tau}}
+        sigma = {"long": {"relative_loss_at_sample": 0.002, "time_constant_s": 0.01}}
+        found = (Found(relaxing, values, sigma=sigma),)
+        return replace(base_fit(), found=found, deviance=deviance)
+
+    best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)
+    alone = Choice(relaxing, 1.0, (), 50.0, 1.0, (best,))
+    assert with_shapes(best, [alone]) is best
+    sigma = with_shapes(best, [replace(alone, tried=(best, other))]).found[-1].sigma["long"]
+    assert sigma["relative_loss_at_sample"] == pytest.approx(np.hypot(0.002, 0.03 / np.sqrt(2.0)))
+    # of a time constant it is the logarithm that is uncertain
+    logs = 0.1 * np.log(3.0) / np.sqrt(2.0)
+    assert sigma["time_constant_s"] == pytest.approx(np.hypot(0.01, logs))
+    worse = replace(alone, tried=(best, replace(other, deviance=200.0)))
+    sigma = with_shapes(best, [worse]).found[-1].sigma["long"]
+    assert sigma["time_constant_s"] == pytest.approx(0.01)
