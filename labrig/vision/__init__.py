@@ -1,44 +1,63 @@
-"""From images to the sheet's neutral curve, and the camera's calibration."""
+"""From images to the sheet's neutral curve, and the camera's calibration.
 
-from labrig.vision.batch import BatchOptions, BatchResult, extract_curves
-from labrig.vision.board import Board, write_board_pdf
-from labrig.vision.calibration import Calibration, calibrate_camera, calibrate_ruler
-from labrig.vision.compare import (
-    Comparison,
-    FrameAverage,
-    average_of_frames,
-    compare_with_frames,
-)
-from labrig.vision.contact import contact_from_picture
-from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.extract import neutral_curve
-from labrig.vision.files import curve_json, load_strip, read_image, write_overlay
-from labrig.vision.optics import Look, Optics, load_optics
-from labrig.vision.tracker import Tracker
+Each name is loaded when it is first used: what only needs the optics waits for no numba.
+"""
 
-__all__ = [
-    "BatchOptions",
-    "BatchResult",
-    "Board",
-    "Calibration",
-    "Comparison",
-    "FrameAverage",
-    "Look",
-    "NeutralCurve",
-    "Optics",
-    "StripGeometry",
-    "Tracker",
-    "average_of_frames",
-    "calibrate_camera",
-    "calibrate_ruler",
-    "compare_with_frames",
-    "contact_from_picture",
-    "curve_json",
-    "extract_curves",
-    "load_optics",
-    "load_strip",
-    "neutral_curve",
-    "read_image",
-    "write_board_pdf",
-    "write_overlay",
-]
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from labrig.vision.batch import BatchOptions as BatchOptions
+    from labrig.vision.batch import BatchResult as BatchResult
+    from labrig.vision.batch import extract_curves as extract_curves
+    from labrig.vision.board import Board as Board
+    from labrig.vision.board import write_board_pdf as write_board_pdf
+    from labrig.vision.calibration import Calibration as Calibration
+    from labrig.vision.calibration import calibrate_camera as calibrate_camera
+    from labrig.vision.calibration import calibrate_ruler as calibrate_ruler
+    from labrig.vision.compare import Comparison as Comparison
+    from labrig.vision.compare import FrameAverage as FrameAverage
+    from labrig.vision.compare import average_of_frames as average_of_frames
+    from labrig.vision.compare import compare_with_frames as compare_with_frames
+    from labrig.vision.contact import contact_from_picture as contact_from_picture
+    from labrig.vision.curve import NeutralCurve as NeutralCurve
+    from labrig.vision.curve import StripGeometry as StripGeometry
+    from labrig.vision.extract import neutral_curve as neutral_curve
+    from labrig.vision.files import curve_json as curve_json
+    from labrig.vision.files import load_strip as load_strip
+    from labrig.vision.files import read_image as read_image
+    from labrig.vision.files import write_overlay as write_overlay
+    from labrig.vision.optics import Look as Look
+    from labrig.vision.optics import Optics as Optics
+    from labrig.vision.optics import load_optics as load_optics
+    from labrig.vision.tracker import Tracker as Tracker
+
+_HOMES = {
+    "labrig.vision.batch": ("BatchOptions", "BatchResult", "extract_curves"),
+    "labrig.vision.board": ("Board", "write_board_pdf"),
+    "labrig.vision.calibration": ("Calibration", "calibrate_camera", "calibrate_ruler"),
+    "labrig.vision.compare": (
+        "Comparison", "FrameAverage", "average_of_frames", "compare_with_frames"
+    ),
+    "labrig.vision.contact": ("contact_from_picture",),
+    "labrig.vision.curve": ("NeutralCurve", "StripGeometry"),
+    "labrig.vision.extract": ("neutral_curve",),
+    "labrig.vision.files": ("curve_json", "load_strip", "read_image", "write_overlay"),
+    "labrig.vision.optics": ("Look", "Optics", "load_optics"),
+    "labrig.vision.tracker": ("Tracker",),
+}  # fmt: skip
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME_OF)  # noqa: PLE0605 - computed from the table above
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'labrig.vision' has no attribute {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -320,24 +321,26 @@ def usable_cells(
     if there.sum() < 10:
         return there
     # what does not look like a band here, such as a roll's rim, would only pull the curve
-    misfit = _smooth(cells[:, 5], 2) / np.maximum(_smooth(cells[:, 6], 2), 1.0)
+    misfit = around(cells[:, 5], 2) / np.maximum(around(cells[:, 6], 2), 1.0)
     usual = max(float(np.median(misfit[there])), 1e-12)
     strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(setting, band)) * contrast) ** 2)
-    lost = _smooth(cells[:, 6], 2) < 0.6 * _smooth(present * 2 * band.reach, 2)
+    lost = around(cells[:, 6], 2) < 0.6 * around(present * 2 * band.reach, 2)
     return _in_company(there & ~_grown(strange | lost, 2), present)
 
 
 def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
     """Without odd ones in a gap beside what hides the sheet: they are what is left of that."""
     beside = _grown(present < WHOLLY_PRESENT, 2)
-    around = _smooth(good.astype(float), COMPANY_CELLS)
-    of = _smooth(np.ones(len(good)), COMPANY_CELLS)
-    return np.asarray(good & (~beside | (around > LEAST_COMPANY * of)))
+    company = around(good.astype(float), COMPANY_CELLS)
+    of = around(np.ones(len(good)), COMPANY_CELLS)
+    return np.asarray(good & (~beside | (company > LEAST_COMPANY * of)))
 
 
-def _smooth(values: FloatArray, half: int) -> FloatArray:
-    return np.convolve(values, np.ones(2 * half + 1), mode="same")
+def around(values: npt.NDArray[Any], half: int) -> FloatArray:
+    """Sums over `half` cells to each side."""
+    # "same" would be as long as the box where that is longer
+    return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]
 
 
 def _grown(flags: BoolArray, by: int) -> BoolArray:
-    return np.convolve(flags.astype(float), np.ones(2 * by + 1), mode="same") > 0.5
+    return around(flags.astype(float), by) > 0.5

@@ -7,12 +7,10 @@ Whatever the reason, the picture says something else there, and the curve's band
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit import Fit, ridge_points
+from labrig.vision.fit import Fit, around, ridge_points
 from labrig.vision.setting import Setting
 
 FloatArray = npt.NDArray[np.float64]
@@ -32,7 +30,7 @@ def beside_px(fit: Fit, setting: Setting) -> FloatArray:
     """(nodes,) how far beside the curve the picture shows the sheet; 0: where the curve is."""
     beside = np.where(fit.used, _of_used(fit), 0.0)
     # by cells the share of pixels is uneven
-    unclear = ~fit.used & (_around(fit.present, 2) > 5 * ALL_PRESENT)
+    unclear = ~fit.used & (around(fit.present, 2) > 5 * ALL_PRESENT)
     if fit.band.spoilt is not None:
         unclear &= ~fit.band.spoilt  # that is known to be something else
     edge = round(2.5 * fit.band.blur) + 1
@@ -46,12 +44,12 @@ def _of_used(fit: Fit) -> FloatArray:
     """(cells,) what cells say together, and RMS around, where that is clearly more than noise."""
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
-    total = np.maximum(_around(weight, PIECE_CELLS), 1e-9)
-    square = np.where(fit.used, (_around(weight * offset, PIECE_CELLS) / total) ** 2, 0.0)
-    many = np.maximum(_around(fit.used, HALF_CELLS), 1.0)
-    chi2 = _around(square * total, HALF_CELLS) / many
-    noise = _around(np.where(fit.used, 1 / total, 0.0), HALF_CELLS) / many
-    more = _around(square, HALF_CELLS) / many - noise
+    total = np.maximum(around(weight, PIECE_CELLS), 1e-9)
+    square = np.where(fit.used, (around(weight * offset, PIECE_CELLS) / total) ** 2, 0.0)
+    many = np.maximum(around(fit.used, HALF_CELLS), 1.0)
+    chi2 = around(square * total, HALF_CELLS) / many
+    noise = around(np.where(fit.used, 1 / total, 0.0), HALF_CELLS) / many
+    more = around(square, HALF_CELLS) / many - noise
     return np.where(chi2 > MOST_CHI2, np.sqrt(np.maximum(more, square)), 0.0)
 
 
@@ -70,15 +68,9 @@ def _of_unclear(fit: Fit, setting: Setting, unclear: BoolArray) -> FloatArray:
         low, high = (share * float(np.median(seen[usual])) for share in LIKE_THE_SHEET)
         like &= (seen > low) & (seen < high)
     like &= unclear
-    many = _around(like, UNCLEAR_CELLS)
-    mean = _around(np.where(like, offset, 0.0), UNCLEAR_CELLS) / np.maximum(many, 1.0)
+    many = around(like, UNCLEAR_CELLS)
+    mean = around(np.where(like, offset, 0.0), UNCLEAR_CELLS) / np.maximum(many, 1.0)
     aside = np.pad(np.where(many > LEAST_LIKE, np.abs(mean), 0.0), UNCLEAR_CELLS)
     # at its ends hardly half a piece is left, and beside them the fit follows one edge of two
     windows = np.lib.stride_tricks.sliding_window_view(aside, 2 * UNCLEAR_CELLS + 1)
     return np.asarray(windows.max(axis=1))
-
-
-def _around(values: npt.NDArray[Any], half: int) -> FloatArray:
-    """Sums over `half` cells to each side."""
-    # "same" would be as long as the box where that is longer
-    return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]

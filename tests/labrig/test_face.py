@@ -4,20 +4,31 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from types import ModuleType
 
 import pytest
 
 import labrig
+from labrig import vision
 
 
-@pytest.mark.parametrize("name", labrig.__all__)
-def test_every_public_name_is_there(name: str) -> None:
-    assert getattr(labrig, name) is not None
+@pytest.mark.parametrize("package", [labrig, vision])
+def test_every_public_name_is_there(package: ModuleType) -> None:
+    assert package.__all__
+    assert set(package.__all__) <= set(dir(package))
+    for name in package.__all__:
+        assert getattr(package, name) is not None, name
 
 
-def test_an_unknown_name_is_an_attribute_error() -> None:
+@pytest.mark.parametrize("package", [labrig, vision])
+def test_an_unknown_name_is_an_attribute_error(package: ModuleType) -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        _ = labrig.nothing
+        _ = package.nothing
+
+
+def test_the_optics_wait_for_no_compiler() -> None:
+    code = "import sys, labrig.vision.optics; assert 'numba' not in sys.modules"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_importing_labrig_loads_nothing_slow() -> None:

@@ -8,6 +8,7 @@ import pytest
 from benchmarks import vision_scenes
 from benchmarks.vision_extraction import signed_errors_px
 from labrig.vision import Optics, StripGeometry, neutral_curve
+from labrig.vision.fit import around
 
 PX_PER_MM, FREE_MM, THICK_PX = 9.0, 100.0, 15.0
 
@@ -81,3 +82,9 @@ def test_the_band_holds_the_sheet_beside_a_jump_of_its_curvature(stepped, known)
         miss_px = signed_errors_px(curve, scene)[near]
         held.append(np.mean(np.abs(miss_px) < 1.96 * curve.sigma_m[near] * 8900))
     assert np.mean(held) > 0.75
+
+
+@pytest.mark.parametrize("n", [3, 5, 9])
+def test_sums_around_each_cell_are_as_many_as_cells(n):
+    np.testing.assert_array_equal(around(np.ones(n), 1), [2.0, *(n - 2) * [3.0], 2.0])
+    assert len(around(np.ones(n), 4)) == n
