@@ -137,6 +137,6 @@ def _profile(axes: Axes, one: Unknown) -> None:
 def _coordinate(along: str, unit: str) -> str:
     names = {
         "s": "distance along the sheet s", "place": "distance along the sheet s",
-        "position": "position p", "time": "time in the run",
+        "position": "position p", "time": "time",
     }  # fmt: skip
     return f"{names.get(along, along)} ({unit})"

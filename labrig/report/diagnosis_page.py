@@ -15,6 +15,18 @@ from labrig.report.page import render_page, write_page
 from labrig.report.table import fixed
 from labrig.report.verdict import Card
 from model.discrepancy.result import Diagnosis
+from model.discrepancy.words import CLEARLY
+
+# title, name of the gap, decimals
+MEANS = (
+    ("Error of the force (RMS), mN", "force_rmse_mN", 3),
+    ("Error of the curve (RMS), mm", "curve_rmse_mm", 3),
+)
+IN_TIME = (
+    ("Error of the force along a run (RMS), mN", "drift_rmse_mN", 4),
+    ("Error of the curve along a run (RMS), mm", "drift_rmse_mm", 4),
+    ("Error of the force within a pulse (RMS), mN", "pulse_rmse_mN", 4),
+)
 
 
 def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
@@ -53,16 +65,21 @@ def _cards(found: Diagnosis) -> list[Card]:
         )
     cards += [
         Card(title, tuple(_gap_line(found, part, key, decimals) for part in ("fitted", "held_out")))
-        for title, key, decimals in (
-            ("Error of the force (RMS), mN", "force_rmse_mN", 3),
-            ("Error of the curve (RMS), mm", "curve_rmse_mm", 3),
-        )
-        if np.isfinite(getattr(found.fitted.before, key))
+        for title, key, decimals in (*MEANS, *IN_TIME)
+        if _worth_a_card(found, key)
     ]
     if np.isfinite(found.closed):
         share = ("closed on left-out positions", f"{100 * found.closed:.1f} %", "")
         cards.append(Card("The gap", (share,)))
     return cards
+
+
+def _worth_a_card(found: Diagnosis, key: str) -> bool:
+    """Of the gaps in time only what shrinks: most sessions have none."""
+    before, after = (getattr(g, key) for g in (found.held_out.before, found.held_out.after))
+    in_time = key in {own for _, own, _ in IN_TIME}
+    measured = bool(np.isfinite(getattr(found.fitted.before, key)))
+    return measured and (not in_time or before > CLEARLY * after)
 
 
 def _gap_line(found: Diagnosis, part: str, key: str, decimals: int) -> tuple[str, str, str]:

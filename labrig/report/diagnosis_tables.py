@@ -131,14 +131,14 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
     if found.unknown is not None:
         some = found.unknown
         said.append(
-            f"It shows most clearly in the {some.configuration} sheet, at {some.peak_mm:.0f}"
-            f" {'s' if some.along == 'time' else 'mm'} {_coordinate(some.along)}."
+            f"It shows most clearly in the {some.configuration} sheet, at {some.peak_mm:.3g}"
+            f" {some.at_unit}{_coordinate(some.along)}."
         )
     return said
 
 
 def _coordinate(along: str) -> str:
-    return {"s": "from the clamp", "position": "on the arc", "time": "into the run"}.get(along, "")
+    return {"s": " from the clamp", "position": " on the arc"}.get(along, "")
 
 
 def percent(share: float) -> str:

@@ -106,7 +106,7 @@ def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, str]
         return scene.length * 1e3, "mm"
     during, wave = part.rpartition(", ")[2], fitted.problem.study.wave
     if during == "period" and wave is not None:
-        return wave.period_s, f"s of each period of {wave.period_s:.3g} s"
+        return wave.period_s, f"s into the period of {wave.period_s:.3g} s"
     return TIMES.get(during, TIMES["session"])
 
 

@@ -36,7 +36,8 @@ OWN_UNITS = {"force, run": ("mN", FORCE_N * 1e3), "age": ("relative", 1.0)}  # o
 ALONE = ("clamp", "zero")
 # how long that takes along which a shape of time goes, with its unit
 TIMES = {
-    "session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s"),
+    "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
+    "pulse": (0.6, "s into the pulse"),
     "train": (13.2, "s under voltage"),
 }  # fmt: skip
 Function = Callable[[FloatArray], FloatArray]  # of a coordinate 0 .. 1, unless it says another

@@ -106,6 +106,7 @@ class _Series:
         lever = self.lever if what == "EIBM" else np.ones(len(at_s))
         i = int(np.argmax(self._fitted(lever, at_s, rates)[2]))
         near = rates[i] + np.linspace(-1.0, 1.0, NEAR) * (rates[1] - rates[0])
+        near = near[near > 0.0]
         a, b, share = self._fitted(lever, at_s, near)
         i = int(np.argmax(share))
         amplitudes = float(a[i]), float(b[i])
@@ -144,9 +145,9 @@ def wave_in(looks: Sequence[Look]) -> Wave | None:
 def _forces(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
     """Of each condition that is repeated; the EIBM makes what the force is more than at 0 V."""
     for one, rest in _with_rest(look):
-        force, own = one.kept_N, bool(one.voltage_V) and rest is not None and len(rest.kept_N)
-        lever = float(np.mean(force) - np.mean(rest.kept_N)) if own and rest is not None else 0.0
-        yield one, force, lever
+        known = one.voltage_V != 0.0 and rest is not None and len(rest.kept_N) > 0
+        at_rest_N = np.mean(rest.kept_N) if known and rest is not None else np.mean(one.kept_N)
+        yield one, one.kept_N, float(np.mean(one.kept_N) - at_rest_N)
 
 
 def _curves(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import tomlkit
 
@@ -14,11 +16,13 @@ from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
 from labrig.report.diagnosis_figures import FIGURES
+from labrig.report.diagnosis_page import write_diagnosis
 from labrig.report.diagnosis_store import kept_diagnosis
 from labrig.report.write import write_report
 from labrig.session import load_measurements
 from model import predict
 from model.discrepancy import Next
+from model.discrepancy.result import BeforeAfter
 from model.effects import catalogue
 from tests.labrig.diagnose import made
 from tests.labrig.report_data import measure, session
@@ -195,6 +199,33 @@ def test_the_page_is_one_file_with_its_figures_beside_it(make, finding, recorded
         assert drawn == (f'id="{name}"' in page)
         assert drawn == (tmp_path / "figures" / f"{name}.svg").exists()
     assert (tmp_path / "figures" / "diagnosis-ranking.png").exists()
+
+
+@pytest.mark.slow
+def test_a_gap_in_time_that_shrinks_has_a_card(tmp_path):
+    one = made.found()
+    apart = BeforeAfter(
+        replace(one.held_out.before, drift_rmse_mN=0.0141, pulse_rmse_mN=0.0100),
+        replace(one.held_out.after, drift_rmse_mN=0.0003, pulse_rmse_mN=0.0099),
+    )
+    fitted = BeforeAfter(*(replace(g, drift_rmse_mN=0.01, pulse_rmse_mN=0.01) for g in
+                           (one.fitted.before, one.fitted.after)))  # fmt: skip
+    page = read(write_diagnosis(replace(one, fitted=fitted, held_out=apart), tmp_path / "page"))
+    assert "Error of the force along a run" in page
+    assert "0.0141 to 0.0003" in page
+    assert "Error of the force within a pulse" not in page
+
+
+@pytest.mark.slow
+def test_where_in_time_something_unknown_shows_most_is_told_in_its_own_time(tmp_path):
+    one = made.unknown()
+    late = replace(
+        one.unknown, along="time", at_unit="s into the period of 3.7 s",
+        s_mm=np.linspace(0.0, 3.7, len(one.unknown.s_mm)),
+    )  # fmt: skip
+    page = read(write_diagnosis(replace(one, unknown=late), tmp_path / "page"))
+    assert "s into the period of 3.7 s." in page
+    assert "into the run" not in page
 
 
 # -- effects

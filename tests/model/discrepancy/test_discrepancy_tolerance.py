@@ -258,8 +258,8 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
     """Error at both polarities alike and error of opposite sign are not added up, nor are times."""
     base = base_fit()
     ends = {
-        "session": (1.0, "of the session"), "run": (20.0, "s"), "pulse": (0.6, "s"),
-        "train": (13.2, "s under voltage"),
+        "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
+        "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
     }  # fmt: skip
     for one in (c for c in unknowns(base) if c.part and c.slot in ("position", "time")):
         found = shapes(base, one.slot, one.part)
