@@ -22,6 +22,7 @@ What = Literal["force", "EIBM"]
 Since = Literal["run", "worked", "session"]
 LONGEST_S, SHORTEST_S = 12.0, 1.25  # slower is a trend; quicker looks like a slower one
 MOST = 0.8  # share of what the trends leave that a wave must explain
+LEAST_N = 1e-4  # amplitude in the forces: a load cell's wander may be a smaller wave by itself
 FEWEST = 40  # numbers in which it is looked for
 FINE, MOST_TRIED = 3, 10_000  # rates tried for each that the readings can tell apart, and in all
 NEAR = 41  # tried once more about the best one
@@ -73,9 +74,12 @@ class _Series:
     lever: FloatArray  # (n,) how much of the values the EIBM makes
     trends: tuple[FloatArray, ...]  # of each condition (rows, own readings), orthonormal
     session_s: float
+    least: float  # amplitude of a wave in the values that counts
 
     @staticmethod
-    def of(found: Sequence[tuple[Seen, FloatArray, float]], session_s: float) -> _Series | None:
+    def of(
+        found: Sequence[tuple[Seen, FloatArray, float]], session_s: float, least: float = 0.0
+    ) -> _Series | None:
         """Of conditions with their numbers and levers; None: too few, or not measured yet."""
         T = [_orthonormal(one.kept_clock) for one, _, _ in found]
         few = sum(rows.shape[1] - len(rows) for rows in T) < FEWEST
@@ -85,7 +89,7 @@ class _Series:
         return _Series(
             np.concatenate([values for _, values, _ in found]),
             Clock.joined([one.kept_clock for one, _, _ in found]), np.concatenate(levers), tuple(T),
-            session_s,
+            session_s, least,
         )  # fmt: skip
 
     def left(self, values: FloatArray) -> FloatArray:
@@ -110,6 +114,8 @@ class _Series:
         a, b, share = self._fitted(lever, at_s, near)
         i = int(np.argmax(share))
         amplitudes = float(a[i]), float(b[i])
+        if np.hypot(*amplitudes) * np.sqrt(np.mean(lever**2)) < self.least:
+            return None
         return Wave(what, float(1.0 / near[i]), since, self.session_s, amplitudes), float(share[i])
 
     def _fitted(
@@ -130,7 +136,7 @@ class _Series:
 def wave_in(looks: Sequence[Look]) -> Wave | None:
     """The wave that explains most of what trends leave of the readings; None: there is none."""
     session_s = max(look.session_s for look in looks)
-    forces = _Series.of([x for look in looks for x in _forces(look)], session_s)
+    forces = _Series.of([x for look in looks for x in _forces(look)], session_s, LEAST_N)
     curves = _Series.of([x for look in looks for x in _curves(look)], session_s)
     kinds: list[tuple[_Series | None, What]]
     kinds = [(forces, "force"), (forces, "EIBM"), (curves, "EIBM")]
