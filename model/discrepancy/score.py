@@ -22,7 +22,7 @@ from model.noise import Solution, deviance, estimate
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
-SURPRISE = -2.5  # ln of the odds of a sign that an effect does not have as a rule
+SURPRISE = -4.0  # ln of the odds of a sign that an effect does not have as a rule
 BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 

@@ -146,7 +146,7 @@ def test_first_pulses_that_exceed_the_others_are_a_surprise():
     columns = np.zeros((3, 1))
     transient = effect("first_pulse_transient")
     values = members(transient)[0]
-    for amplitude, wanted in ((1.0, 0.0), (-1.0, -2.5)):
+    for amplitude, wanted in ((1.0, 0.0), (-1.0, -4.0)):
         one = Candidate(transient.name, values, columns, (1.0,), transient, transient.slot)
         assert surprise(Score(one, 0.0, amplitude, 1.0, 1.0)) == wanted
     either = effect("initial_curvature")
