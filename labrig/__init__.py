@@ -5,8 +5,9 @@ The names below are what other people's code may rely on. Each is loaded when it
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from labrig.lazily import lazily
 
 if TYPE_CHECKING:
     from labrig.analysis import analyze as analyze
@@ -33,16 +34,4 @@ _HOMES = {
     "labrig.vision": ("NeutralCurve", "Optics", "StripGeometry", "Tracker", "neutral_curve"),
     "model": ("FitOptions", "Measurements", "SheetModel", "fit", "predict"),
 }
-_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
-
-__all__ = sorted(_HOME_OF)  # noqa: PLE0605 - computed from the table above
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME_OF:
-        raise AttributeError(f"module 'labrig' has no attribute {name!r}")
-    return getattr(import_module(_HOME_OF[name]), name)
-
-
-def __dir__() -> list[str]:
-    return __all__
+__getattr__, __dir__, __all__ = lazily(__name__, _HOMES)

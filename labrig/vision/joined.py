@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit import Fit, information
+from labrig.vision.fit import Fit, around, information
 from labrig.vision.setting import Setting
 from labrig.vision.shape import Shape
 from labrig.vision.smooth import averaged, covariance
@@ -60,8 +60,7 @@ def worst_join(fit: Fit, setting: Setting) -> Join:
 
 def holes(fit: Fit, setting: Setting) -> BoolArray:
     """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
-    box = np.ones(2 * LOCAL_CELLS + 1)
-    misfit, size = (np.convolve(fit.cells[:, q], box, mode="same") for q in (10, 11))
+    misfit, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
     size = np.maximum(size, 1e-9)
     there = setting.sign * (fit.contrast + misfit / size)
     hole = np.zeros(len(there), dtype=bool)
@@ -71,7 +70,7 @@ def holes(fit: Fit, setting: Setting) -> BoolArray:
             sure = usual - there > SURELY_LESS * fit.noise / np.sqrt(size)
             hole |= part & sure & (there < LEAST_THERE * usual)
     # what is left of the sheet in the windows makes holes look shorter
-    return np.convolve(hole, np.ones(3), mode="same") > 0.5
+    return around(hole, 1) > 0.5
 
 
 def _join(fit: Fit, setting: Setting, modes: FloatArray, until: int, again: int) -> Join:

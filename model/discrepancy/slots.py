@@ -40,7 +40,7 @@ TIMES = {
     "pulse": (0.6, "s into the pulse"),
     "train": (13.2, "s under voltage"),
 }  # fmt: skip
-Function = Callable[[FloatArray], FloatArray]  # of a coordinate 0 .. 1, unless it says another
+Function = Callable[[FloatArray], FloatArray]  # mostly of a coordinate 0 .. 1
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def dying(after: float, size: float) -> Function:
     return value
 
 
-def times(size: float, of: Callable[[FloatArray], FloatArray]) -> Function:
+def scaled(size: float, of: Function) -> Function:
     """A function, so many times."""
 
     def value(t: FloatArray) -> FloatArray:
@@ -251,7 +251,7 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
     if study.wave is not None and study.wave.what == "force":
         phase = study.wave.phase(part.clock)
         for again in PHASES:
-            one = times(FORCE_N, again)
+            one = scaled(FORCE_N, again)
             step = replace(none, force_N=one(phase))
             yield Made("force, period", "time", one, step, shared=True)
 
@@ -300,7 +300,7 @@ def _time(study: Study, c: int, state: State) -> Making:
             study.wave.phase(clock) for clock in (part.clock, part.bin_clock, part.bin_sample)
         )
         for again in PHASES:
-            one = times(0.1, again)
+            one = scaled(0.1, again)
             within = part.bin_mean(one(parts)) - part.bin_mean(one(sample))
             step = replace(none, eibm=one(reading) * driven, bin_eibm=within)
             yield Made("EIBM, period", "time", one, step, shared=True)
