@@ -26,6 +26,7 @@ class Extras:
     remounts: int = 0  # positions of each configuration that are set anew
     random_order: bool = False  # of the positions
     reversed_approach: bool = False  # the middle position again, from the other side
+    no_touch_zero: bool = False  # the load cell's zero before each position, without contact
 
 
 @dataclass(frozen=True)

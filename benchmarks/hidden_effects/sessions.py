@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,8 +40,8 @@ def hidden_session(case: Case) -> Hidden:
     """Measure. The same case gives the same data."""
     recipe, effects = prepared(case)
     world = recipe.settings()
-    outlier = _outlier(case)
     planned = list(visits(case))
+    outlier = _outlier(case, planned)
     if outlier is not None:
         planned[outlier] = _set_up_badly(planned[outlier], world, outlier)
     runs = timed_session(
@@ -95,13 +95,13 @@ def _mean_eibm(world: WorldSettings, name: str) -> dict[float, float]:
 # -------------------------------------------------------------------------------- an outlier
 
 
-def _outlier(case: Case) -> int | None:
+def _outlier(case: Case, planned: Sequence[Visit]) -> int | None:
     """Which run is set up badly: one of those of the long sheet, which comes first."""
     if not case.outlier:
         return None
-    first = int(case.extras.free_shapes)
+    touching = [i for i, visit in enumerate(planned) if visit.position_m is not None]
     random = np.random.default_rng((case.seed, _OUTLIER_STREAM))
-    return first + int(random.integers(len(POSITIONS_M)))
+    return touching[int(random.integers(len(POSITIONS_M)))]
 
 
 def _set_up_badly(visit: Visit, world: WorldSettings, number: int) -> Visit:
@@ -129,8 +129,8 @@ def _conditions(case: Case, run: TimedRun) -> Iterator[Condition]:
         readings = tuple(_reading(case, run, r) for r in run.readings if r.voltage_V == voltage)
         yield Condition(
             visit.configuration, visit.position_m, voltage, readings,
-            _curve(run.s_m, points, run.curve_sigma_m), visit.mounting, visit.approach,
-            run=visit.turn, tilt_rad=np.pi if visit.turned_over else 0.0,
+            None if visit.load_cell_alone else _curve(run.s_m, points, run.curve_sigma_m),
+            visit.mounting, visit.approach, np.pi if visit.turned_over else 0.0, visit.turn,
         )  # fmt: skip
 
 

@@ -35,7 +35,9 @@ AS_IN_CATALOGUE = {
     "load_cell_compliance": ("linear",), "position_error": ("offset",), "camera_scale": ("both",),
     "camera_perspective": ("along_x", "along_y"), "frame_delay": ("late",),
 }  # fmt: skip
-EXTRAS = Extras(free_shapes=True, remounts=3, random_order=True, reversed_approach=True)
+EXTRAS = Extras(
+    free_shapes=True, remounts=3, random_order=True, reversed_approach=True, no_touch_zero=True
+)
 
 
 @dataclass(frozen=True)

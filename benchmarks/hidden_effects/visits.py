@@ -37,7 +37,10 @@ def visits(case: Case) -> Iterator[Visit]:
         positions = list(POSITIONS_M)
         if extras.random_order:
             positions = [positions[k] for k in random.permutation(len(positions))]
-        yield from (Visit(name, position) for position in positions)
+        for turn, position in enumerate(positions, 1):
+            if extras.no_touch_zero:
+                yield Visit(name, None, turn=turn, load_cell_alone=True)
+            yield Visit(name, position)
         if extras.reversed_approach:
             yield Visit(name, POSITIONS_M[len(POSITIONS_M) // 2], approach="down", turn=1)
         for k in range(extras.remounts):
@@ -73,6 +76,12 @@ def _shuffled(case: Case, name: str) -> Iterator[Visit]:
     yield from (Visit(name, POSITIONS_M[k]) for k in random.permutation(len(POSITIONS_M)))
 
 
+def _zeros(_case: Case, name: str) -> Iterator[Visit]:
+    for turn, position in enumerate(POSITIONS_M):
+        yield Visit(name, None, turn=turn, load_cell_alone=True)
+        yield Visit(name, position)
+
+
 def _turned(_case: Case, name: str) -> Iterator[Visit]:
     yield from (Visit(name, position, turned_over=True) for position in POSITIONS_M)
 
@@ -81,5 +90,5 @@ FURTHER: dict[str, Callable[[Case, str], Iterator[Visit]]] = {
     "free_shapes": _free, "remount": _remount, "long_runs": _remount,
     "reversed_approach": _reversed,
     "between": _between, "half_voltage": _everything, "random_order": _shuffled,
-    "turned_over": _turned, "more_repeats": _everything,
+    "turned_over": _turned, "no_touch_zero": _zeros, "more_repeats": _everything,
 }  # fmt: skip

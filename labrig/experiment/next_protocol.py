@@ -140,6 +140,10 @@ def _random_order(_tables: Tables, _places: Places, extras: Tables) -> None:
     extras["random_order"] = True
 
 
+def _no_touch_zero(_tables: Tables, _places: Places, extras: Tables) -> None:
+    extras["no_touch_zero"] = True
+
+
 def _turned_over(_tables: Tables, _places: Places, extras: Tables) -> None:
     extras["tilt_deg"] = 180.0
 
@@ -147,5 +151,6 @@ def _turned_over(_tables: Tables, _places: Places, extras: Tables) -> None:
 _MAKERS = {
     "free_shapes": _free_shapes, "remount": _remount, "reversed_approach": _reversed,
     "between": _between, "half_voltage": _half_voltage, "random_order": _random_order,
-    "long_runs": _long_runs, "turned_over": _turned_over, "more_repeats": _everything,
+    "long_runs": _long_runs, "turned_over": _turned_over, "no_touch_zero": _no_touch_zero,
+    "more_repeats": _everything,
 }  # fmt: skip

@@ -63,6 +63,7 @@ class Seen:
     own_curves: tuple[Curve, ...]
     identical: bool = False  # the readings were, which no load cell's are
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
+    zero: bool = False  # the load cell's own, with nothing to touch: no shape of the sheet
 
     @property
     def free(self) -> bool:
@@ -130,6 +131,8 @@ def look(measurements: Measurements, configuration: str) -> Look:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
         why = f" ({'; '.join(reasons)})" if reasons else ""
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
+    zeros_N = (_load_cell_zero(c, session, begun) for c in own)
+    seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return Look(sheet, seen, tuple(pulses), session.last_s - session.first_s)
@@ -179,8 +182,10 @@ def _seen(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
-    worked_s = session.worked_s.get(key, 0.0)
-    timing = Timing(condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s, worked_s)
+    timing = Timing(
+        condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s,
+        session.worked_s.get(key, 0.0), session.driven_s.get(key, 0.0),
+    )  # fmt: skip
     return Seen(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
@@ -188,6 +193,27 @@ def _seen(
         if free else timing.of(readings, [session.share(condition, r) for r in readings]),
         np.arange(len(forces)) >= len(early), curve, () if free else own, identical,
         condition.tilt_rad,
+    )  # fmt: skip
+
+
+def _load_cell_zero(condition: Condition, session: Session, begun: float) -> Seen | None:
+    """What the load cell shows at 0 V without contact; None: nothing, or always the same.
+
+    Taken at a position it belongs to the run there, else it is a set-up of its own.
+    """
+    chosen = [r for r in condition.readings if r.kind == "no_contact" and r.valid]
+    readings = sorted(chosen, key=_index)
+    forces = np.array([r.force_N for r in readings])
+    if condition.voltage_V != 0.0 or len(set(forces.tolist())) < 2:
+        return None
+    name = f"{condition.configuration}, without contact, +0 V"
+    if not np.all(np.isfinite(forces)):
+        raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
+    times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
+    return Seen(
+        name, condition.configuration, run_key(condition), np.nan, 0.0, 1.0, forces,
+        Timing(0.0, 0, 1.0, 0.0, 0.0).of(readings, times), np.ones(len(forces), dtype=bool), None,
+        (), tilt_rad=condition.tilt_rad, zero=True,
     )  # fmt: skip
 
 

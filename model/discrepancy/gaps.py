@@ -32,7 +32,10 @@ def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
     study, first = fitted.problem.study, 0
     found = Cells((), (), (), (), (), np.ones(study.layout.size))
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
-        counts = np.array([first + k not in without for k in range(scene.K)])
+        # without contact there is nothing that the sheet's model could be wrong about
+        counts = np.array(
+            [first + k not in without and not one.zero for k, one in enumerate(scene.look.seen)]
+        )
         readings = np.bincount(part.reading_of, minlength=scene.K)
         found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
         found.weight[part.sway_rows] = 1.0 / readings[part.sway_of]
@@ -131,6 +134,8 @@ def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) ->
         zip(base.problem.study.layout.parts, base.problem.study.looks, strict=True)
     ):
         for k, one in enumerate(seen.seen):
+            if one.zero:
+                continue
             mean = part.trend_rows[(part.trend_of == k) & part.is_mean]
             force = float(np.mean(one.kept_N)) if len(mean) else np.nan
             sigma = float(noise[mean[0]]) if len(mean) else np.nan

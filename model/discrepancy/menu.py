@@ -15,7 +15,8 @@ from model.discrepancy.result import Next
 from model.discrepancy.row_noise import noise_of
 from model.discrepancy.score import Candidate, Projected, candidates
 from model.discrepancy.settle import Fitted, Problem
-from model.effects.interface import Clock, Effect
+from model.discrepancy.timing import Timing
+from model.effects.interface import Effect
 from model.measurements import FloatArray, ModelError
 from model.noise import weigh
 
@@ -23,6 +24,7 @@ PULSE_S = 0.6
 LONGER = 3  # times as many pulses, in a long run
 LONG_MINUTES = 1.5  # a position with so many
 RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
+ZERO_MINUTES = 0.5  # the sheet out of the rolls, ten readings, and in again
 TURN_MINUTES = 3.0  # the rig over, and everything in its place again
 
 
@@ -137,11 +139,7 @@ def _free(one: Look) -> tuple[Seen, ...]:
             like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
             if like is None:
                 continue
-            nothing = np.zeros(1)
-            clock = Clock(
-                np.full(1, volts), np.full(1, 0.5), nothing, nothing, np.full(1, 0.5), nothing,
-                nothing, nothing,
-            )  # fmt: skip
+            clock = Timing(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
             result.append(
                 replace(
                     like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
@@ -176,6 +174,24 @@ def _shuffled(one: Look) -> tuple[Seen, ...]:
     )
 
 
+def _zeros(one: Look) -> tuple[Seen, ...]:
+    """All positions again, and what the load cell shows without contact before each."""
+    return _repeat(one) + tuple(
+        _load_cell_alone(s, 70 + i)
+        for i, s in enumerate(s for s in _repeat(one) if s.voltage_V == 0.0)
+    )
+
+
+def _load_cell_alone(like: Seen, mounting: int) -> Seen:
+    count = len(like.kept_N)
+    return replace(
+        like, name=f"{like.configuration}, without contact, +0 V",
+        run=(like.configuration, np.inf, mounting, 0, 0.0), position_m=np.nan,
+        force_N=np.zeros(count), clock=like.kept_clock, counts=np.ones(count, dtype=bool),
+        curve=None, own_curves=(), zero=True,
+    )  # fmt: skip
+
+
 def _minutes(runs: float) -> Callable[[Look], float]:
     def always(one: Look) -> float:  # noqa: ARG001
         return runs * RUN_MINUTES
@@ -185,6 +201,10 @@ def _minutes(runs: float) -> Callable[[Look], float]:
 
 def _runs(one: Look) -> float:
     return RUN_MINUTES * len(_places(one))
+
+
+def _zero_runs(one: Look) -> float:
+    return _runs(one) + ZERO_MINUTES * len(_places(one))
 
 
 def _turned_runs(one: Look) -> float:
@@ -198,6 +218,8 @@ MENU: tuple[Entry, ...] = (
           {"extras": {"remount": 3}}),
     Entry("long_runs", "three positions with three times as many pulses",
           _minutes(3.0 * LONG_MINUTES), _long, {"pulse_train": {"readings_per_voltage": 30}}),
+    Entry("no_touch_zero", "all positions again, each after the load cell's zero without contact",
+          _zero_runs, _zeros, {"extras": {"no_touch_zero": True}}),
     Entry("reversed_approach", "all positions again, approached from the other side", _runs,
           _reversed, {"extras": {"reversed_approach": True}}),
     Entry("between", "positions half-way between those measured", _runs, _between,

@@ -163,7 +163,7 @@ class Study:
         part, scene = self.part(c), self.scenes[c]
         y, nothing = np.zeros(self.layout.size), self.no_step(c)
         of = part.reading_of
-        measured = part.trend @ (part.measured_N - state.solved.force_N[of])
+        measured = part.trend @ (part.measured_N - np.nan_to_num(state.solved.force_N[of]))
         y[part.trend_rows] = measured
         has = scene.has_curve
         y[part.mode_rows[has]] = state.solved.modes_m[has]
@@ -282,7 +282,7 @@ class Study:
         result = np.zeros(len(order))
         added = effect.force(sorted_, values)
         if added is not None:
-            result[order] = added * sorted_.touching
+            result[order] = added
         return result
 
     def _rise_step(self, c: int) -> Step:

@@ -113,7 +113,7 @@ def _lacks(looks: list[Look]) -> list[str]:
     """What these data cannot say, whatever is missing."""
     notes = []
     for one in looks:
-        name, seen = one.sheet.configuration, one.seen
+        name, seen = one.sheet.configuration, [s for s in one.seen if not s.zero]
         if not one.voltages_V:
             raise ModelError(
                 f"configuration '{name}' was measured at 0 V alone: that fixes B, but says nothing"

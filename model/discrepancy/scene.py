@@ -73,7 +73,8 @@ class Scene:
         self.up = np.array([o.up for o in seen])
         self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
-        self.free = np.flatnonzero(np.isnan(self.stated_m))
+        # not those in which the load cell alone is read
+        self.free = np.flatnonzero([o.free and not o.zero for o in seen])
         self.free_clock = Clock.joined([seen[k].clock for k in self.free])
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc

@@ -233,7 +233,7 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
     same, driven = w.touching, w.touching * np.sign(part.clock.voltage_V)
     for name, signed, count, shared in (
         ("position", same, 7, True), ("position, each sheet", same, 5, False),
-        ("polarity", driven, 3, True), ("zero", same, 1, True),
+        ("polarity", driven, 3, True), ("zero", np.ones_like(same), 1, True),
     ):  # fmt: skip
         for j in range(count):
             one = wave(j, 2e-4)

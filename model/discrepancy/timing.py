@@ -41,6 +41,7 @@ class Session:
     last_s: float
     runs: list[RunKey]  # in the order of the table; empty: times are known
     worked_s: dict[RunKey, float]  # under voltage before each run
+    driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
 
     @staticmethod
     def of(conditions: Sequence[Condition]) -> Session:
@@ -50,7 +51,7 @@ class Session:
         known = [t for t in times if t is not None]
         first, last = (min(known), max(known)) if known else (0.0, 0.0)
         runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
-        return Session(first, last, runs, _worked(held))
+        return Session(first, last, runs, *_worked(held))
 
     def share(self, condition: Condition, reading: Reading) -> float:
         """0 to 1 over the session; 0.5 where only this reading's time is not known."""
@@ -71,6 +72,7 @@ class Timing:
     ratio: float  # |EIBM(-)/EIBM(+)|
     rise_s: float
     worked_s: float  # under voltage before the run
+    driven_s: float = 0.0  # ... since the sheet was last wetted
 
     def of(self, readings: list[Reading], session: list[float]) -> Clock:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
@@ -95,29 +97,42 @@ class Timing:
         shape = index.shape
         pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
         driven = PULSE_S * np.maximum(pulse, 0.0)
+        dried = self.driven_s + driven
         before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
         opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
         return Clock(
             np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
-            wetted, driven, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
+            wetted, dried, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
         )  # fmt: skip
 
 
-def _worked(conditions: Sequence[Condition]) -> dict[RunKey, float]:
-    """Time under voltage before each run, in s; runs go by their times, else by the table."""
-    begun, pulses = dict[RunKey, float](), dict[RunKey, int]()
+def _worked(
+    conditions: Sequence[Condition],
+) -> tuple[dict[RunKey, float], dict[RunKey, float]]:
+    """Time under voltage before each run, and since the last wetting, in s.
+
+    Runs go by their times, else by the table. Where nobody wrote down when the sheet was wetted it
+    was just before each run.
+    """
+    begun, wetted, pulses = dict[RunKey, float](), dict[RunKey, float](), dict[RunKey, int]()
     first = first_pulses(conditions)
     for c in conditions:
         key = run_key(c)
-        times = [r.session_s for r in c.readings if r.session_s is not None]
-        begun[key] = min([begun.get(key, np.inf), *times])
+        for r in c.readings:
+            if r.session_s is not None:
+                begun[key] = min(begun.get(key, np.inf), r.session_s)
+                since = 0.0 if r.wetted_s is None else r.wetted_s
+                wetted[key] = min(wetted.get(key, np.inf), r.session_s - since)
+        begun.setdefault(key, np.inf)
         last = max((r.index for r in c.readings if c.voltage_V), default=-1)
         pulses[key] = max(pulses.get(key, 0), 1 + last - first.get(key, 0))
-    result, total = dict[RunKey, float](), 0.0
-    for key in sorted(begun, key=begun.__getitem__):
-        result[key] = total
-        total += PULSE_S * pulses[key]
-    return result
+    order = sorted(begun, key=begun.__getitem__)
+    worked, driven = dict[RunKey, float](), dict[RunKey, float]()
+    for i, key in enumerate(order):
+        worked[key] = PULSE_S * sum(pulses[one] for one in order[:i])
+        same = [one for one in order[:i] if begun[one] > wetted.get(key, np.inf)]
+        driven[key] = PULSE_S * sum(pulses[one] for one in same)
+    return worked, driven
 
 
 def first_pulses(conditions: Sequence[Condition]) -> dict[RunKey, int]:

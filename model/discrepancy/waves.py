@@ -171,7 +171,7 @@ def _curves(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
 
 def _with_rest(look: Look) -> Iterator[tuple[Seen, Seen | None]]:
     """Conditions that are repeated more often than there are trends, with their run's at 0 V."""
-    rest = {one.run: one for one in look.seen if not one.voltage_V}
+    rest = {one.run: one for one in look.seen if not one.voltage_V and not one.zero}
     for one in look.seen:
         if not one.free and len(one.kept_N) > TRENDS:
             yield one, rest.get(one.run)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -72,6 +72,7 @@ class Visit:
     turn: int = 0  # counts visits with the same configuration, position and mounting
     odd: Scatter | None = None  # set-up gone wrong: instead of the scatter that is drawn
     turned_over: bool = False  # the rig
+    load_cell_alone: bool = False  # its zero, the sheet lifted out: at 0 V only
 
 
 @dataclass(frozen=True)
@@ -142,6 +143,8 @@ class _Runner:
         start_s = 0.0
         for number, visit in enumerate(visits):
             train = free_train if visit.position_m is None else self._train
+            if visit.load_cell_alone:
+                train = replace(self._train, discarded=0, kept=0)
             scatter = visit.odd or Scatter.draw(self._settings, number)
             setup = Setup(
                 self._settings, visit.configuration, visit.position_m, scatter, visit.turned_over

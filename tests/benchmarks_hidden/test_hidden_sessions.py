@@ -75,6 +75,21 @@ def test_extras_are_measured_where_they_are_asked_for() -> None:
 
 
 @pytest.mark.slow
+def test_before_each_position_the_load_cell_is_read_alone_where_that_is_asked_for() -> None:
+    plain, found = (
+        hidden_session(case(seed=4, extras=Extras(no_touch_zero=zeros))).measurements
+        for zeros in (False, True)
+    )
+    alone = [c for c in found.conditions if c.position_m is None]
+    assert len(alone) == 14 == len({(c.configuration, c.run) for c in alone})
+    for c in alone:
+        assert (c.voltage_V, c.curve, {r.kind for r in c.readings}) == (0.0, None, {"no_contact"})
+        assert len(c.readings) == 10
+        assert abs(np.mean([r.force_N for r in c.readings])) < 1e-4  # nothing touches it
+    assert len(found.conditions) == len(plain.conditions) + 14
+
+
+@pytest.mark.slow
 def test_scatter_outliers_and_correlation_are_as_asked_for() -> None:
     usual, none, outlier, wandering = (
         hidden_session(case(seed=6, **options))

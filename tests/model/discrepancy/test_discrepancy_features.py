@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from model import ModelError, TimeSeries
+from model import Condition, Measurements, ModelError, Reading, TimeSeries
 from model.discrepancy.features import look, trends
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.pulses import BINS_S, parts_of_pulses
 from tests.model.discrepancy.sessions import (
     base_fit,
+    fitted,
     means_of,
     session,
     without_first_pulses,
@@ -180,6 +182,71 @@ def test_free_shapes_are_as_old_as_their_sheet_s_first_position(measure):
         clocks = [s.clock for s in look(made_here, name).seen if s.free]
         assert [float(clock.session[0]) for clock in clocks] == pytest.approx([share] * 3)
         assert all(clock.pulse[0] > 2.0 for clock in clocks if clock.voltage_V[0])  # not the first
+
+
+def alone(m: Measurements, values_mN: Sequence[float], **condition: object) -> Measurements:
+    """With readings of the load cell without contact."""
+    readings = tuple(
+        Reading(i, "no_contact", 1e-3 * v, 0.6 * i, 0.6 * i) for i, v in enumerate(values_mN)
+    )
+    added = replace(Condition("long", None, 0.0, readings, run=5), **condition)
+    return replace(m, conditions=(*m.conditions, added))
+
+
+def test_without_contact_the_load_cell_shows_its_zero():
+    m = session()
+    found = alone(m, [0.01, 0.02, 0.03])
+    plain, seen = (look(one, "long").seen for one in (m, found))
+    assert len(seen) == len(plain) + 1
+    zero = seen[-1]
+    assert zero.zero
+    assert zero.free
+    np.testing.assert_allclose(zero.force_N, [1e-5, 2e-5, 3e-5])
+    problem = prepare(found, Options()).problem
+    part, scene = problem.study.part(0), problem.study.scenes[0]
+    k = len(seen) - 1
+    assert k not in scene.free  # it is no shape
+    fit = fitted(found)
+    row = part.trend_rows[(part.trend_of == k) & part.is_mean]
+    assert fit.linear.residual[row] == pytest.approx(2e-5)  # no force is expected
+
+
+@pytest.mark.parametrize(
+    ("values_mN", "condition"), [
+        ([0.0, 0.0, 0.0], {}), ([0.01], {}), ([], {}), ([0.01, 0.02], {"voltage_V": 2.0}),
+    ],
+)  # fmt: skip
+def test_what_is_no_zero_of_the_load_cell_is_left_out(values_mN, condition):
+    m = session()
+    assert len(look(alone(m, values_mN, **condition), "long").seen) == len(look(m, "long").seen)
+
+
+def test_a_zero_taken_at_a_position_belongs_to_the_run_there():
+    m = session()
+    c = m.conditions[0]
+    more = tuple(Reading(40 + i, "no_contact", 1e-5 * i) for i in range(3))
+    with_zero = replace(m, conditions=(replace(c, readings=c.readings + more), *m.conditions[1:]))
+    plain, seen = (look(one, "long").seen for one in (m, with_zero))
+    assert [s.zero for s in seen] == [False] * len(plain) + [True]
+    assert seen[-1].run == seen[0].run
+    np.testing.assert_array_equal(seen[0].force_N, plain[0].force_N)
+
+
+def test_a_sheet_that_is_not_wetted_again_goes_on_drying():
+    """What is under voltage counts from the last wetting, not from the run's first pulse."""
+    m = session()
+    second = next(c for c in m.conditions if c.configuration == "long" and c.position_m == 0.005)
+    wet_s = min(r.session_s - r.wetted_s for c in m.conditions for r in c.readings)
+    once = replace(m, conditions=tuple(
+        replace(c, readings=tuple(replace(r, wetted_s=r.session_s - wet_s) for r in c.readings))
+        for c in m.conditions
+    ))  # fmt: skip
+    usual, dry = (
+        next(s for s in look(one, "long").seen if s.run[1] == second.position_m and s.voltage_V > 0)
+        for one in (m, once)
+    )
+    np.testing.assert_allclose(usual.clock.driven_s, 0.6 * usual.clock.pulse)
+    np.testing.assert_allclose(dry.clock.driven_s, 22 * 0.6 + 0.6 * dry.clock.pulse)
 
 
 def test_a_position_approached_from_above_is_a_run_of_its_own():

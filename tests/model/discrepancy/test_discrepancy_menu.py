@@ -68,6 +68,28 @@ def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
             np.testing.assert_allclose(np.diff(seen.clock.driven_s), 1.2)
 
 
+def test_free_shapes_are_taken_when_measured_ones_are():
+    """Amid pulses, not in the first one after 0 V, of which a lag or the first pulses say much."""
+    added = [s for s in ENTRIES["free_shapes"].add(look(session(), "long")) if s.voltage_V]
+    free = session(Case(seed=1, extras=Extras(free_shapes=True)))
+    measured = [s for s in look(free, "long").seen if s.free and not s.zero and s.voltage_V]
+    for one in added:
+        like = next(s for s in measured if s.voltage_V == one.voltage_V).clock
+        for name in ("pulse", "run_s", "driven_s", "wetted_s"):
+            assert getattr(one.clock, name) == getattr(like, name), name
+        assert one.clock.opposite == pytest.approx(-1.0)
+
+
+@pytest.mark.slow
+def test_the_load_cell_s_zero_tells_an_offset_from_a_meniscus():
+    fit = base_fit()
+    pair = [effect("force_offset"), effect("surface_tension")]
+    values = [dict(candidates(fit, [e])[0].values) for e in pair]
+    found = next_measurement(fit, pair, values, [0.3, 0.3])
+    assert found.extra == "no_touch_zero"
+    assert found.expected > 1.5 * found.separation
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("other", ["initial_curvature", "force_offset"])
 def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
