@@ -1,4 +1,4 @@
-"""The further measurement that a diagnosis asks for, made on the same sheet and rig."""
+"""The further measurements that a diagnosis asks for, made on the same sheet and rig."""
 
 from __future__ import annotations
 
@@ -16,27 +16,26 @@ _DAY = 2**31  # from the seed of a session, below this, to that of its further o
 
 
 def with_further(
-    first: Hidden, bare: Measurements, extra: str, exclude: Sequence[str] = ()
+    first: Hidden, bare: Measurements, extras: Sequence[str], exclude: Sequence[str] = ()
 ) -> tuple[Measurements, Visible]:
-    """Both sessions taken together, and what can be seen in them.
+    """All sessions taken together, and what can be seen in them.
 
-    `extra` is an entry of the menu; `bare` the first session with nothing hidden. Set-ups and noise
-    are those of another day, the hidden effect is the same. It is recorded whole, whatever there is
-    of the first one.
+    `extras` are entries of the menu, each measured on a day of its own; `bare` is the first session
+    with nothing hidden. Set-ups and noise are those of another day, the hidden effect is the same.
+    They are recorded whole, whatever there is of the first one.
     """
-    case = replace(
-        first.case,
-        seed=first.case.seed + _DAY,
-        further=extra,
-        extras=Extras(),
-        outlier=False,
-        streams="all",
-    )
-    both = _joined(first.measurements, hidden_session(case).measurements)
-    plain = _joined(bare, hidden_session(case.bare).measurements)
-    yardstick = Yardstick(plain, case.symmetric)
-    return both, yardstick.visible(both, [both], first.truth.names, exclude)
+    cases = [
+        replace(
+            first.case, seed=first.case.seed + day * _DAY, further=extra, extras=Extras(),
+            outlier=False, streams="all",
+        )
+        for day, extra in enumerate(extras, 1)
+    ]  # fmt: skip
+    whole = _joined([first.measurements, *(hidden_session(c).measurements for c in cases)])
+    plain = _joined([bare, *(hidden_session(c.bare).measurements for c in cases)])
+    yardstick = Yardstick(plain, first.case.symmetric)
+    return whole, yardstick.visible(whole, [whole], first.truth.names, exclude)
 
 
-def _joined(first: Measurements, second: Measurements) -> Measurements:
-    return together([(Path("first"), first), (Path("second"), second)])
+def _joined(sessions: Sequence[Measurements]) -> Measurements:
+    return together([(Path(f"session {i}"), one) for i, one in enumerate(sessions)])

@@ -49,13 +49,13 @@ class Unseen:
 
 @dataclass(frozen=True)
 class Further:
-    """A further measurement that was made because the first session did not allow a verdict."""
+    """What was measured further because the first session did not allow a verdict."""
 
-    extra: str  # entry of the menu
+    extra: str  # entries of the menu, one after the other
     said: list[str]  # named from the first session alone
     reported: list[str]  # ... and what these may be confused with
-    nearest: float  # distance in sigmas of the next effect of the catalogue, then
-    expected: float  # sigmas promised between the two that looked alike
+    nearest: float  # sigmas by which the next effect of the catalogue was farther away, then
+    expected: float  # sigmas promised between the two that looked alike, at first
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Record:
 
     @property
     def nearest(self) -> float:
-        """Distance of the next effect of the catalogue, in sigmas."""
+        """By how many sigmas the catalogue's next effect is farther away than the right one."""
         return min(self.near.values(), default=float("inf"))
 
     def to_json(self) -> str:

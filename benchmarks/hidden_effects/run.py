@@ -24,6 +24,7 @@ from benchmarks.hidden_effects.sessions import Hidden, hidden_session
 from benchmarks.hidden_effects.sizes import curve_gap_mm, force_gap_mN, size_for, size_for_gap
 from benchmarks.hidden_effects.suite import Task, as_in_catalogue
 from benchmarks.hidden_effects.visible import Visible, Yardstick
+from labrig.experiment.closed_loop import MOST_ROUNDS, to_measure
 from model import Measurements
 from model.discrepancy import DiagnoseOptions, Diagnosis, Named, diagnose
 
@@ -100,33 +101,38 @@ def record(task: Task, baselines: Baselines | None = None) -> Record:
         return replace(kept, error=f"{type(error).__name__}: {error}")
     kept = _answered(kept, found)
     kept = replace(kept, seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu)
-    if task.family == "ambiguous" and found.verdict == "indistinguishable":
+    if task.family == "ambiguous":
         kept = _measured_further(one, found, kept)
     return kept if baselines is None else replace(kept, baselines=baselines(one))
 
 
-def _measured_further(one: Made, found: Diagnosis, kept: Record) -> Record:
-    """What both sessions together say; as it was where nothing is proposed."""
-    proposed = found.next_measurement
-    if proposed is None:
-        return kept
-    further = Further(
-        proposed.extra, list(kept.said), sorted(kept.reported), kept.nearest, proposed.expected
-    )
-    try:
-        both, visible = with_further(one.hidden, one.bare, proposed.extra, one.task.exclude)
-        again = diagnose(both, options_of(one.task))
-    except Exception as error:  # noqa: BLE001 - whatever it is, the case has failed
-        return replace(kept, further=further, error=f"{type(error).__name__}: {error}")
-    truth = [
-        replace(t, d=d, alone=alone)
-        for t, d, alone in zip(kept.truth, visible.d, visible.alone, strict=True)
-    ]
-    kept = replace(
-        kept, truth=truth, near=dict(visible.near), left=dict(visible.left),
-        left_tolerant=dict(visible.left_tolerant), further=further,
-    )  # fmt: skip
-    return _answered(kept, again)
+def _measured_further(one: Made, found: Diagnosis, first: Record) -> Record:
+    """What all sessions together say, measured one after the other as `run --diagnose` does.
+
+    As it was where nothing is proposed.
+    """
+    now, extras, expected = first, list[str](), 0.0
+    while (wanted := to_measure(found)[0]) and len(extras) < MOST_ROUNDS:
+        extras.append(wanted.extra)
+        expected = expected or wanted.expected
+        further = Further(
+            ", ".join(extras), list(first.said), sorted(first.reported), first.nearest, expected
+        )
+        try:
+            whole, visible = with_further(one.hidden, one.bare, extras, one.task.exclude)
+            found = diagnose(whole, options_of(one.task))
+        except Exception as error:  # noqa: BLE001 - whatever it is, the case has failed
+            return replace(now, further=further, error=f"{type(error).__name__}: {error}")
+        truth = [
+            replace(t, d=d, alone=alone)
+            for t, d, alone in zip(first.truth, visible.d, visible.alone, strict=True)
+        ]
+        seen = replace(
+            first, truth=truth, near=dict(visible.near), left=dict(visible.left),
+            left_tolerant=dict(visible.left_tolerant), further=further,
+        )  # fmt: skip
+        now = _answered(seen, found)
+    return now
 
 
 def _not_made(task: Task, why: str) -> Record:

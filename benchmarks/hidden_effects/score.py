@@ -105,8 +105,8 @@ def named_in_its_class(r: Record) -> bool:
 
 
 def told_apart(r: Record) -> bool:
-    """The true effect alone, no other that it may be confused with."""
-    return exactly(r) and r.reported == {*r.names}
+    """The true effect named, and no class."""
+    return exactly(r) and r.verdict == "effect_named"
 
 
 def right_after_further(r: Record) -> bool:

@@ -7,7 +7,10 @@ the inverse covariance of noise and set-up scatter (as estimated where nothing i
 base model's columns,
     P = W - W X (X'WX)^-1 X'W,    d^2 = s'P s
 is the detectability: the length of what B and EIBM cannot take up, in standard deviations. Effects
-of the catalogue are compared with s itself, at the size at which each comes nearest to it.
+of the catalogue are compared with s itself, at the size at which each comes nearest to it. Where
+the form is not the catalogue's, the right entry is some way off, too: another one is as far from
+being the answer as it explains less,
+    near^2 = (distance of the other)^2 - (distance of the right entry)^2
 """
 
 from __future__ import annotations
@@ -41,7 +44,8 @@ class Visible:
 
     d: tuple[float, ...]  # of each hidden effect, with the base refitted, and the others
     alone: tuple[float, ...]  # with the base refitted
-    # distance in sigmas from each further effect of the catalogue, of whichever hidden is nearer
+    # by how many sigmas each further effect of the catalogue is farther away than the right entry,
+    # of whichever hidden one it looks more like
     near: Mapping[str, float]
     # least share of d^2 that an effect of the catalogue leaves, as written, and its form tolerated
     left: Mapping[str, float]
@@ -127,7 +131,7 @@ def _compared(
     """Signatures (N, n) with one another and with the catalogue, the base as it is fitted."""
     A = _products(fitted, S)
     d = [float(np.sqrt(max(_without(_first(A, i), 1)[0, 0], 0.0))) for i in range(len(names))]
-    near: dict[str, float] = {}
+    far: list[dict[str, float]] = [{} for _ in d]  # least squared distance of each entry
     left: dict[str, float] = {}
     tolerant: dict[str, float] = {}
     for one in candidates(fitted, effects):
@@ -137,13 +141,24 @@ def _compared(
             exact, free = _apart(
                 _without(_products(fitted, columns), 1 + one.columns.shape[1]), one
             )
-            if one.name not in names:
-                near[one.name] = min(near.get(one.name, np.inf), float(np.sqrt(exact)))
+            far[i][one.name] = min(far[i].get(one.name, np.inf), exact)
             for shares, rest in ((left, exact), (tolerant, free)):
                 share = rest / max(length**2, 1e-12)
                 shares[one.name] = min(shares.get(one.name, 1.0), share)
     alone = tuple(np.sqrt(np.maximum(np.diag(A), 0.0)).tolist())
-    return Visible(tuple(d), alone, near, left, tolerant)
+    return Visible(tuple(d), alone, _farther(far, names), left, tolerant)
+
+
+def _farther(far: Sequence[Mapping[str, float]], names: Sequence[str]) -> dict[str, float]:
+    """By how many sigmas each other entry is farther away than the right one."""
+    near: dict[str, float] = {}
+    for name, distances in zip(names, far, strict=True):
+        own = distances.get(name, 0.0)  # none of its own: outside the catalogue, or taken out of it
+        for other, distance in distances.items():
+            if other not in names:
+                away = float(np.sqrt(max(distance - own, 0.0)))
+                near[other] = min(near.get(other, np.inf), away)
+    return near
 
 
 def _apart(A: FloatArray, one: Candidate) -> tuple[float, float]:

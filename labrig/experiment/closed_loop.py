@@ -16,6 +16,7 @@ from labrig.errors import ExitCode
 from model.discrepancy import Diagnosis, Next
 
 MOST_ROUNDS = 3
+HELPS = 0.5  # sigmas by which a measurement must set the candidates farther apart
 
 
 class Rig(Protocol):
@@ -43,14 +44,12 @@ class Ended:
 
 def closed_loop(first: Path, rig: Rig, tell: Callable[[str], None]) -> Ended:
     """Go on from a recorded session until something is named or nothing helps."""
-    sessions, done = [first], set[str]()
+    sessions = [first]
     found = rig.diagnose(sessions)
     for number in range(2, MOST_ROUNDS + 2):
-        why = _enough(found, done)
-        if why:
+        proposed, why = to_measure(found)
+        if proposed is None:
             return Ended(tuple(sessions), found, why)
-        proposed = found.next_measurement
-        assert proposed is not None  # noqa: S101 - `_enough` has looked
         if not rig.agree(proposed):
             return Ended(tuple(sessions), found, "the proposed measurement was not made")
         output = further_session(first, number)
@@ -58,22 +57,20 @@ def closed_loop(first: Path, rig: Rig, tell: Callable[[str], None]) -> Ended:
         if code is not ExitCode.DONE:
             return Ended(tuple(sessions), found, f"{output} was not completed", code)
         sessions.append(output)
-        done.add(proposed.extra)
         tell(f"diagnosing {', '.join(map(str, sessions))} together")
         found = rig.diagnose(sessions)
-    why = _enough(found, done) or f"{MOST_ROUNDS} further measurements were made"
+    why = to_measure(found)[1] or f"{MOST_ROUNDS} further measurements were made"
     return Ended(tuple(sessions), found, why)
 
 
-def _enough(found: Diagnosis, done: set[str]) -> str:
-    """Why to stop; empty: go on."""
+def to_measure(found: Diagnosis) -> tuple[Next | None, str]:
+    """What to measure now, or None and why not."""
+    proposed = found.next_measurement
     if found.verdict != "indistinguishable":
-        return "the data allow a verdict"
-    if found.next_measurement is None:
-        return "nothing on the menu would separate the candidates"
-    if found.next_measurement.extra in done:
-        return "what would help most has been measured already"
-    return ""
+        return None, "the data allow a verdict"
+    if proposed is None or proposed.expected < proposed.separation + HELPS:
+        return None, "nothing on the menu would separate the candidates"
+    return proposed, ""
 
 
 def further_session(first: Path, number: int) -> Path:

@@ -109,20 +109,26 @@ def test_after_a_further_measurement_the_truth_is_wanted_or_the_class_that_is_le
     near = {"clamp_angle": 2.0}
     wrong = [
         replace(plain, named=[said("clamp_angle")], key="another"),
-        replace(plain, named=[said("gravity", 0.7, "clamp_angle")], key="class, though clear"),
+        replace(
+            plain,
+            named=[said("gravity", 0.7, "clamp_angle")],
+            verdict="indistinguishable",
+            key="class, though clear",
+        ),
         replace(plain, named=[said("clamp_angle")], near=near, key="without the truth"),
         replace(plain, named=[], verdict="nothing_missing", key="nothing"),
     ]
     right = [
         plain,
         replace(plain, near=near, named=[said("clamp_angle", 0.6, "gravity")]),
+        replace(plain, named=[said("gravity", 0.9, "clamp_angle")], key="named, next to another"),
     ]
     unasked = replace(plain, further=None, named=[said("clamp_angle")])
     found = row([*wrong, *right, unasked], "ambiguous, after")
-    assert found.count == 6
+    assert found.count == 7
     assert found.failed == [r.key for r in wrong]
     clear = row([*wrong, *right, unasked], "the same, where it leaves")
-    assert (clear.count, clear.failed) == (4, [wrong[0].key, wrong[1].key, wrong[3].key])
+    assert (clear.count, clear.failed) == (5, [wrong[0].key, wrong[1].key, wrong[3].key])
     assert "after turned_over (before: clamp_angle, gravity, next 1.0)" in failures([found], wrong)
 
 

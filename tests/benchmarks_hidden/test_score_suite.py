@@ -98,6 +98,20 @@ def test_d_grows_with_the_size_and_an_effect_is_its_own_best_description() -> No
     assert seen.d == seen.alone
 
 
+def test_another_effect_is_as_far_away_as_it_explains_less_than_the_right_entry() -> None:
+    """A form that is not the catalogue's is some way off every entry."""
+    odd = hidden_session(case("nonuniform_eibm", "root", seed=5)).measurements
+    seen = yardstick().visible(odd, [odd], ["nonuniform_eibm"])
+    (d,) = seen.d
+    own, other = (d**2 * seen.left[name] for name in ("nonuniform_eibm", "nonuniform_stiffness"))
+    assert own > 1.0
+    assert seen.near["nonuniform_stiffness"] ** 2 == pytest.approx(other - own)
+    assert "nonuniform_eibm" not in seen.near
+    # what comes nearer than the right entry cannot be told from it
+    taken = yardstick().visible(odd, [odd], ["gravity"])
+    assert taken.near["nonuniform_eibm"] == 0.0
+
+
 def test_what_the_base_model_can_take_up_is_not_there_to_be_seen() -> None:
     lost = case("back_relaxation", "single", 0.25, seed=5, streams="means")  # a quarter of it
     weaker, bare = (hidden_session(c).measurements for c in (lost, case(seed=5, streams="means")))

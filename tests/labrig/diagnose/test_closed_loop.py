@@ -68,11 +68,18 @@ def test_it_ends_when_nothing_on_the_menu_helps():
     assert rig.measured == []
 
 
-def test_it_does_not_measure_the_same_thing_twice():
-    rig = Pretended(proposing("free_shapes"))
-    ended = closed_loop(FIRST, rig, lambda _: None)
-    assert len(rig.measured) == 1
-    assert "measured already" in ended.why
+def test_what_hardly_helps_is_not_measured():
+    one = proposing("free_shapes")
+    little = replace(one.next_measurement, separation=1.3, expected=1.6)
+    rig = Pretended(replace(one, next_measurement=little))
+    assert "nothing on the menu" in closed_loop(FIRST, rig, lambda _: None).why
+    assert rig.measured == []
+
+
+def test_the_same_is_measured_again_where_that_helps_most():
+    rig = Pretended(proposing("free_shapes"), proposing("free_shapes"), made.found())
+    closed_loop(FIRST, rig, lambda _: None)
+    assert [extra for extra, _ in rig.measured] == ["free_shapes", "free_shapes"]
 
 
 def test_it_ends_after_a_few_rounds_whatever_comes():
