@@ -227,7 +227,7 @@ def _applied(
 
 def _formed(before: Beam, after: Beam, profile: Profile) -> Beam:
     """An effect's change times the factors of the form that was inferred."""
-    if profile.along == "time":
+    if profile.along in ("force", "time"):
         return after
     by_place = profile.along == "s"
     factor = profile(before.s_m) if by_place else profile(np.nan_to_num(before.stated_m))
@@ -243,11 +243,16 @@ def _with_unknown(beam: Beam, one: ActiveEffect) -> Beam:
     """The term of an unknown effect, added at its slot."""
     profile = one.profile
     assert profile is not None  # noqa: S101 - see `unknowns`
-    if one.slot == "position" and profile.along == "position":
-        return replace(beam, shift_m=beam.shift_m + 1e-3 * profile(np.nan_to_num(beam.stated_m)))
+    share = profile.share(beam.voltage_V)
+    if profile.along == "position":
+        on_arc = share * profile(np.nan_to_num(beam.stated_m))
+        if one.slot == "position":
+            return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
+        if one.slot == "eibm":
+            return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
     if profile.along != "s":
         return beam
-    term = profile(beam.s_m)
+    term = share[:, None] * profile(beam.s_m)
     if one.slot == "rest_curvature":
         return replace(beam, rest=beam.rest + term)
     if one.slot == "eibm":

@@ -43,8 +43,18 @@ def load_cell_N(
             total += mean * _factor(one.profile, position_m)
     for other in unknowns(effects, name):
         if other.slot == "load_cell" and other.profile is not None:
-            total += 1e-3 * _factor(other.profile, position_m)
+            total += _strange_N(
+                other.profile, position_m, found.force_N[rows[voltage_V]], voltage_V
+            )
     return total
+
+
+def _strange_N(profile: Profile, position_m: float, force_N: float, voltage_V: float) -> float:
+    """What an unknown effect of the load cell adds; what goes with time is not known here."""
+    if profile.along not in ("position", "force"):
+        return 0.0
+    at = np.array([position_m if profile.along == "position" else force_N])
+    return 1e-3 * float(profile(at)[0] * profile.share(np.array([voltage_V]))[0])
 
 
 def _factor(profile: Profile | None, position_m: float) -> float:

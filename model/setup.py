@@ -15,7 +15,8 @@ from model.field import Field
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.parameter import Parameter, finite
 
-Coordinate = Literal["s", "position", "time"]
+Coordinate = Literal["s", "position", "force", "time"]
+Under = Literal["", "voltage", "polarity"]
 
 
 @dataclass(frozen=True)
@@ -43,23 +44,30 @@ class Setup:
 class Profile:
     """Numbers along a coordinate: straight lines between nodes, constant beyond the outer ones."""
 
-    along: Coordinate  # s: m from the clamp; position: m on the arc; time: s
+    along: Coordinate  # s: m from the clamp; position: m on the arc; force: N; time: s
     at: tuple[float, ...]
     values: tuple[float, ...]
     sigma: tuple[float, ...]
     unit: str  # of the values; empty: factors
+    under: Under = ""  # voltage: not at 0 V; polarity: the other way at the other polarity
 
     def __call__(self, at: FloatArray) -> FloatArray:
         """Values there."""
         result: FloatArray = np.interp(at, self.at, self.values)
         return result
 
+    def share(self, voltage_V: FloatArray) -> FloatArray:
+        """1, 0 or -1: which way it acts at these voltages."""
+        sign = np.sign(voltage_V)
+        return {"": np.ones_like(sign), "voltage": np.abs(sign), "polarity": sign}[self.under]
+
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
-        return {
+        result = {
             "along": self.along, "at": list(self.at), "value": list(self.values),
             "sigma": list(self.sigma), "unit": self.unit,
         }  # fmt: skip
+        return {**result, "under": self.under} if self.under else result
 
     @staticmethod
     def from_dict(data: object, where: str) -> Profile:
@@ -79,9 +87,13 @@ class Profile:
             raise ModelError(f"{where}: at, value and sigma must be equally long")
         if any(b <= a for a, b in zip(rows["at"], rows["at"][1:], strict=False)):
             raise ModelError(f"{where}.at: the places must ascend")
+        under = data.get("under", "")
+        if under not in get_args(Under):
+            raise ModelError(f"{where}.under: one of voltage, polarity is wanted, or none")
         return Profile(
-            data["along"], rows["at"], rows["value"], rows["sigma"], str(data.get("unit", ""))
-        )
+            data["along"], rows["at"], rows["value"], rows["sigma"], str(data.get("unit", "")),
+            under,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ from model.discrepancy.point import Step
 from model.discrepancy.ranking import Contender
 from model.discrepancy.result import FormCurve, Unknown
 from model.discrepancy.settle import Fitted
-from model.discrepancy.slots import TIMES, Shape, shapes, unit_of
+from model.discrepancy.slots import TIMES, Shape, force_range_N, shapes, unit_of
 from model.discrepancy.tolerance import FORM, cosine, waves_along
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.noise import weigh
-from model.setup import ActiveEffect, Profile
+from model.setup import ActiveEffect, Profile, Under
 
 POINTS = 51
 Key = tuple[str, str, str]  # configuration, part, along
@@ -46,10 +46,12 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     unit, factor = unit_of(slot, part)
     values = factor * by @ beta[use]
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
-    span, at_unit = _span(fitted, name, part, along)
+    start, end, at_unit = _span(fitted, name, part, along)
+    under: Under = part if part in ("voltage", "polarity") else ""  # type: ignore[assignment]
     return Unknown(
-        slot, name, t * span, values, band, unit, along, _depends(slot, part, along), at_unit
-    )
+        slot, name, start + t * (end - start), values, band, unit, along,
+        _depends(slot, part, along), at_unit, under,
+    )  # fmt: skip
 
 
 def _strongest(fitted: Fitted, found: list[Shape], columns: FloatArray, beta: FloatArray) -> Key:
@@ -96,18 +98,21 @@ def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
     )  # fmt: skip
 
 
-def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, str]:
-    """The coordinate's end, and its unit."""
+def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, float, str]:
+    """The coordinate's beginning and end, and its unit."""
     scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
     if along == "position":
         every = np.concatenate([one.stated_m for one in fitted.problem.study.scenes])
-        return float(np.nanmax(every)) * 1e3, "mm"
+        return 0.0, float(np.nanmax(every)) * 1e3, "mm"
+    if along == "force":
+        low, high = force_range_N(fitted.problem.study)
+        return low * 1e3, high * 1e3, "mN"
     if along != "time":
-        return scene.length * 1e3, "mm"
+        return 0.0, scene.length * 1e3, "mm"
     during, wave = part.rpartition(", ")[2], fitted.problem.study.wave
     if during == "period" and wave is not None:
-        return wave.period_s, f"s into the period of {wave.period_s:.3g} s"
-    return TIMES.get(during, TIMES["session"])
+        return 0.0, wave.period_s, f"s into the period of {wave.period_s:.3g} s"
+    return 0.0, *TIMES.get(during, TIMES["session"])
 
 
 def _depends(slot: Slot, part: str, along: str) -> str:
@@ -124,6 +129,8 @@ def _depends(slot: Slot, part: str, along: str) -> str:
     if along == "time":
         during = part.rpartition(", ")[2]
         return f"{said}, in the course of {'each' if during != 'session' else 'the'} {during}"
+    said += ", a function of the force" if along == "force" else ""
+    said += ", only under voltage" if part == "voltage" else ""
     return said + (", the other way at the other polarity" if part == "polarity" else "")
 
 
@@ -132,9 +139,9 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
     along = "s" if one.along in ("s", "place") else one.along
     scale = 1.0 if along == "time" else 1e-3
     profile = Profile(
-        along if along in ("s", "position", "time") else "s",  # type: ignore[arg-type]
+        along,  # type: ignore[arg-type]
         tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
-        one.unit,
+        one.unit, one.under,
     )  # fmt: skip
     lens = one.slot == "camera" and along == "s"  # which sees all configurations
     names = () if lens else (one.configuration,)

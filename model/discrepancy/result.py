@@ -11,6 +11,7 @@ import numpy as np
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.parameter import Parameter
+from model.setup import Under
 from model.sheet_model import SheetModel
 
 Verdict = Literal[
@@ -51,13 +52,14 @@ class Unknown:
 
     slot: Slot
     configuration: str
-    s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, or in time
+    s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
     profile: FloatArray
     band: FloatArray  # standard uncertainty
     unit: str
-    along: str  # "s", "position", "time"
+    along: str  # "s", "place", "position", "force", "time"
     depends: str  # on voltage, position and time: one sentence
     at_unit: str = "mm"  # of the coordinate
+    under: Under = ""  # which voltages it acts at, and which way
 
     @property
     def peak_mm(self) -> float:

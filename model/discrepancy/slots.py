@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from model.discrepancy.point import State, Step, Study
 from model.discrepancy.score import Candidate
@@ -21,7 +22,9 @@ from model.effects.interface import SLOTS, Slot
 from model.measurements import FloatArray
 
 WAVES = 9
-EVEN, FORCE_N = 0.3, 2e-3
+EVEN, FORCE_N, LEAST_RANGE_N = 0.3, 2e-3, 1e-6
+UNDER_VOLTAGE = 3  # shapes along the sheet of what is there under voltage only
+TURN_RAD = 0.3  # counted in tenths, as the relative changes are
 REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 5e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
 # units in which a slot's profile is told, and what its waves count in them
@@ -31,7 +34,11 @@ UNITS: dict[Slot, tuple[str, float]] = {
     "position": ("mm", 1e3), "load_cell": ("mN", 1e3), "camera": ("mm", 1e3),
     "time": ("relative", 1.0),
 }  # fmt: skip
-OWN_UNITS = {"force, run": ("mN", FORCE_N * 1e3), "age": ("relative", 1.0)}  # of these parts
+OWN_UNITS = {
+    "force, run": ("mN", FORCE_N * 1e3),
+    "age": ("relative", 1.0),
+    "clamp, session": ("rad", TURN_RAD),
+}  # of these parts
 # parts of one shape that another part has, too: by itself what is constant costs least
 ALONE = ("clamp", "zero")
 # how long that takes along which a shape of time goes, with its unit
@@ -116,6 +123,17 @@ def wave(j: int, size: float = 1.0) -> Function:
     return value
 
 
+def polynomial(degree: int, size: float) -> Function:
+    """Legendre's, of a coordinate 0 .. 1, of unit mean square; higher ones are smaller."""
+    share = size / (1.0 + 0.4 * degree)
+
+    def value(t: FloatArray) -> FloatArray:
+        number = [0.0] * degree + [np.sqrt(2.0 * degree + 1.0)]
+        return np.asarray(share * legendre.legval(2.0 * t - 1.0, number))
+
+    return value
+
+
 def dying(after: float, size: float) -> Function:
     """What is large at 0 of a coordinate 0 .. 1, and `after` as much smaller as exp(1)."""
 
@@ -150,11 +168,25 @@ def _rest_curvature(study: Study, c: int, state: State) -> Making:
     )
     # a kink at the clamp is a rest curvature, too
     scene, none = study.scenes[c], study.no_step(c)
-    beam = np.zeros_like(none.beam)
-    beam[:, -1] = KINK_RAD
-    beam[:, 2 * scene.count + 1] = beam[:, 2 * scene.count + 3] = -KINK_RAD
+    beam = _clamp(study, c, np.full(scene.K, KINK_RAD))
     for part in ("s", "clamp"):
         yield Made(part, "s", _kink(scene.length), replace(none, beam=beam))
+
+
+def _clamp(study: Study, c: int, angle_rad: FloatArray) -> FloatArray:
+    """Step of the beam by the direction of each condition's clamp (K,): (K, Q)."""
+    scene, beam = study.scenes[c], study.no_step(c).beam
+    beam[:, -1] = angle_rad
+    beam[:, 2 * scene.count + 1] = beam[:, 2 * scene.count + 3] = -angle_rad
+    return beam
+
+
+def _taken(study: Study, c: int) -> FloatArray:
+    """When each condition was measured, 0 .. 1 over the session: (K,)."""
+    scene, part = study.scenes[c], study.part(c)
+    when = part.mean(part.clock.session)
+    when[scene.free] = scene.free_clock.session
+    return when
 
 
 def _kink(length_m: float) -> Function:
@@ -170,6 +202,12 @@ def _kink(length_m: float) -> Function:
 
 def _eibm(study: Study, c: int, state: State) -> Making:
     yield from _along(study, c, lambda shape: state.beam.eibm * shape, first=1)
+    scene, none, u = study.scenes[c], study.no_step(c), _on_arc(study, c)
+    for j in range(1, 5):
+        one = wave(j, 0.1)
+        beam = np.zeros_like(none.beam)
+        beam[:, : scene.count] = one(u)[:, None] * state.beam.eibm * state.beam.soft
+        yield Made("position", "position", one, replace(none, beam=beam))
 
 
 def _even_moment(study: Study, c: int, state: State) -> Making:
@@ -198,6 +236,9 @@ def _compliance(study: Study, c: int, state: State) -> Making:
         beam = np.zeros_like(none.beam)
         beam[:, :G], beam[:, G : 2 * G] = total * shape, shape
         yield Made("s", "s", one, replace(none, beam=beam))
+        if j < UNDER_VOLTAGE:
+            driven = replace(none, beam=beam * (scene.voltage_V != 0.0)[:, None])
+            yield Made("voltage", "s", one, driven)
     bent = state.solved.held.curvature - scene.rest(scene.s_m)
     for power in (1, 2):
         beam = np.zeros_like(none.beam)
@@ -233,16 +274,18 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
     same, driven = w.touching, w.touching * np.sign(part.clock.voltage_V)
     for name, signed, count, shared in (
         ("position", same, 7, True), ("position, each sheet", same, 5, False),
-        ("polarity", driven, 3, True), ("zero", np.ones_like(same), 1, True),
+        ("polarity", driven, 3, True), ("voltage", np.abs(driven), 3, True),
+        ("zero", np.ones_like(same), 1, True),
     ):  # fmt: skip
         for j in range(count):
             one = wave(j, 2e-4)
             step = replace(none, force_N=one(on_arc) * signed)
             yield Made(name, "position", one, step, shared)
-    scale = max(float(np.std(w.force_N)), 1e-6)
-    for power in (2, 3):
-        force = 2e-4 * (w.force_N / scale) ** power / power**2
-        yield Made("force", "force", None, replace(none, force_N=force), shared=True)
+    low, high = force_range_N(study)
+    for degree in range(2, 6):  # in proportion to the force is what B is, too
+        one = polynomial(degree, 2e-4)
+        step = replace(none, force_N=one((w.force_N - low) / (high - low)) * w.touching)
+        yield Made("force", "force", one, step, shared=True)
     if np.ptp(part.clock.session) > 0.0:
         for j in range(1, 9):
             one = wave(j, 2e-4)
@@ -254,6 +297,13 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
             one = scaled(FORCE_N, again)
             step = replace(none, force_N=one(phase))
             yield Made("force, period", "time", one, step, shared=True)
+
+
+def force_range_N(study: Study) -> tuple[float, float]:
+    """The smallest and the largest force that was measured."""
+    measured = np.concatenate([part.measured_N for part in study.layout.parts])
+    low, high = float(measured.min()), float(measured.max())
+    return low, max(high, low + LEAST_RANGE_N)
 
 
 def _camera(study: Study, c: int, state: State) -> Making:
@@ -289,6 +339,9 @@ def _time(study: Study, c: int, state: State) -> Making:
             if name == "run_s":
                 changes += [("force", replace(none, force_N=FORCE_N * one(t))),
                             ("stress", replace(none, force_N=at_zero * one(t)))]  # fmt: skip
+            else:
+                turned = _clamp(study, c, TURN_RAD * one(_taken(study, c)))
+                changes.append(("clamp", replace(none, beam=turned)))
             for what, step in changes:
                 yield Made(f"{what}, {name.removesuffix('_s')}", "time", one, step, shared=True)
     t = np.clip(part.clock.driven_s / TIMES["train"][0], 0.0, 1.0)

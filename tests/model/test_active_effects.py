@@ -185,6 +185,40 @@ def test_an_unknown_term_acts_at_its_slot(truth: SheetModel):
     ).F_N
 
 
+@pytest.mark.parametrize(
+    ("under", "added_mN"), [("", (0.2, 0.2, 0.2)), ("voltage", (0.0, 0.2, 0.2)),
+                            ("polarity", (0.0, 0.2, -0.2))],
+)  # fmt: skip
+def test_an_unknown_force_acts_at_the_voltages_it_depends_on(
+    truth: SheetModel, under: str, added_mN: tuple[float, ...]
+):
+    profile = replace(along(0.2, 0.2, along="position"), under=under)
+    cell = truth.with_effects(unknown("load_cell", profile))
+    for voltage, wanted in zip((0.0, 2.0, -2.0), added_mN, strict=True):
+        forces = [predict(m, "long", POSITION_M, voltage).F_N for m in (cell, truth)]
+        assert 1e3 * (forces[0] - forces[1]) == pytest.approx(wanted, abs=1e-9)
+
+
+def test_an_unknown_force_may_be_a_function_of_the_force(truth: SheetModel):
+    plain = predict(truth, "long", POSITION_M, 2.0).F_N
+    profile = Profile("force", (0.0, 2.0 * plain), (0.0, 0.4), (0.0, 0.0), "mN")
+    bent = truth.with_effects(unknown("load_cell", profile))
+    assert pytest.approx(plain + 0.2e-3) == predict(bent, "long", POSITION_M, 2.0).F_N
+
+
+def test_an_unknown_force_in_the_course_of_time_is_in_no_single_prediction(truth: SheetModel):
+    drift = truth.with_effects(unknown("load_cell", along(0.2, 0.2, along="time")))
+    forces = [predict(m, "long", POSITION_M, 2.0).F_N for m in (drift, truth)]
+    assert forces[0] == forces[1]
+
+
+def test_an_unknown_change_of_the_eibm_may_go_with_the_position(truth: SheetModel):
+    less = with_eibm_times(truth, 0.9)
+    here = truth.with_effects(unknown("eibm", along(-0.1, -0.1, along="position")))
+    forces = [predict(m, "long", POSITION_M, 2.0).F_N for m in (here, less)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+
+
 def test_an_unknown_age_of_pictures_bends_shapes_but_not_forces(truth: SheetModel):
     late = truth.with_effects(unknown("camera", along(-0.1, -0.1, along="position")))
     less = with_eibm_times(truth, 0.9)
@@ -247,7 +281,7 @@ def test_an_effect_that_makes_no_sense_is_refused_with_its_name(truth: SheetMode
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"profile": {"along": "up"}}, "one of s, position, time"),
+        ({"profile": {"along": "up"}}, "one of s, position, force, time"),
         ({"profile": {"along": "s", "at": [0.0, 0.0], "value": [1, 1], "sigma": [0, 0]}}, "ascend"),
         ({"profile": {"along": "s", "at": [0.0], "value": [1, 1], "sigma": [0]}}, "equally long"),
         ({"by_configuration": 3}, "by_configuration: a table"),

@@ -10,7 +10,7 @@ import pytest
 from model.discrepancy import ranking
 from model.discrepancy.point import Step
 from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.profile import unknown_of
+from model.discrepancy.profile import unknown_effect, unknown_of
 from model.discrepancy.ranking import Contender
 from model.discrepancy.score import Score
 from model.discrepancy.slots import _MAKERS, shapes, unknowns
@@ -29,6 +29,7 @@ from model.discrepancy.tolerance import (
 )
 from model.effects import SLOTS, catalogue, effect
 from model.effects.conformance import plausible
+from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 
 
@@ -151,7 +152,7 @@ ALLOWED = {
     "position": {"contact"},
     "load_cell": {"force_N"},
     "camera": {"points_m", "frame_eibm"},
-    "time": {"eibm", "stiffness", "force_N", "bin_eibm"},
+    "time": {"eibm", "stiffness", "force_N", "bin_eibm", "contact"},  # a clamp that slips
 }
 
 
@@ -210,7 +211,8 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
     base = base_fit()
     found = [(c.name, c.part) for c in unknowns(base) if c.slot in ("position", "eibm")]
     assert found == [
-        ("unknown:eibm", ""), ("unknown:position", ""), ("unknown:position", "position"),
+        ("unknown:eibm", ""), ("unknown:eibm", "s"), ("unknown:eibm", "position"),
+        ("unknown:position", ""), ("unknown:position", "position"),
         ("unknown:position", "polarity"), ("unknown:position", "zero"),
     ]  # fmt: skip
     whole, *parts = [c.columns for c in unknowns(base) if c.slot == "position"]
@@ -273,7 +275,65 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
             assert told.depends.endswith(during)
         else:
             assert (told.s_mm[-1], told.at_unit) == (pytest.approx(30.0), "mm")
-        assert (told.unit == "mN") == (one.part == "force, run")
+        units = {"force, run": "mN", "clamp, session": "rad"}
+        assert told.unit == units.get(one.part, "mm" if one.slot == "position" else "relative")
+
+
+def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
+    base = base_fit()
+    one = next(c for c in unknowns(base) if (c.slot, c.part) == ("load_cell", "force"))
+    told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+    measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
+    assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
+    assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])
+    assert told.depends.endswith("a function of the force")
+    assert unknown_effect(told).profile(told.s_mm * 1e-3) == pytest.approx(told.profile)
+
+
+@pytest.mark.parametrize("power", [2, 3])
+def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: int):
+    """Beside a wrong gain, which is B, and a wrong zero."""
+    base = base_fit()
+    study = base.problem.study
+
+    def added(power: int) -> FloatArray:
+        steps = [
+            (c, state, 1e-4 * (state.weighed.force_N / 1e-3) ** power)
+            for c, state in enumerate(base.linear.states)
+        ]
+        return sum(
+            study.rows_of(c, state, replace(study.no_step(c), force_N=force))
+            for c, state, force in steps
+        )
+
+    own = [shape.rows for shape in shapes(base, "load_cell", "force")]
+    known = np.stack([added(0), added(1), *own], axis=1)
+    rows = added(power)
+    left = rows - known @ np.linalg.lstsq(known, rows, rcond=None)[0]
+    assert np.linalg.norm(left) < 1e-6 * np.linalg.norm(rows)
+
+
+@pytest.mark.parametrize("slot", ["load_cell", "compliance"])
+def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(slot):
+    base = base_fit()
+    study, state = base.problem.study, base.linear.states[0]
+    part, volts = study.part(0), study.scenes[0].voltage_V
+    for one in _MAKERS[slot](study, 0, state):
+        if one.part != "voltage":
+            continue
+        acts = part.mean(one.step.force_N) if slot == "load_cell" else one.step.beam[:, -10]
+        assert not np.any(acts[volts == 0.0])
+        np.testing.assert_allclose(acts[volts == 2.0], acts[volts == -2.0])
+    names = [s.part for s in shapes(base, slot)]
+    assert "voltage" in names
+
+
+def test_a_clamp_may_turn_while_the_session_goes_on():
+    base = base_fit()
+    turns = shapes(base, "time", "clamp, session")
+    assert len(turns) == 8
+    part = base.problem.study.layout.parts[0]
+    assert all(np.any(s.rows[part.mode_rows]) for s in turns)  # shapes turn with it
 
 
 def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
