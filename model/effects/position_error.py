@@ -4,24 +4,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from model.effects._values import MILLI
 from model.effects.interface import Beam, Effect, Held, Knob, Values
+
+FAR_M = 0.03  # the paper's farthest position
 
 
 @dataclass(frozen=True)
 class PositionError(Effect):
-    """All contacts farther along the arc by the same length."""
+    """All contacts farther along the arc by the same length, or in proportion to the position."""
 
     def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
         """See `Effect.beam`."""
         del held
-        return replace(beam, shift_m=beam.shift_m + p["offset_mm"] * MILLI)
+        far = np.nan_to_num(beam.stated_m) / FAR_M
+        share = 2.0 * far - 1.0 if p["scale"] > 1.5 else far if p["scale"] > 0.5 else 1.0
+        return replace(beam, shift_m=beam.shift_m + p["offset_mm"] * MILLI * share)
 
 
 EFFECT = PositionError(
     name="position_error",
-    meaning="The load cell stands farther along the arc than stated, everywhere by one length.",
-    form="p = stated p + c",
+    meaning=(
+        "The load cell stands farther along the arc than stated, by one length, or its scale is"
+        " wrong."
+    ),
+    form="p = stated p + c; or + c p/30 mm; or + c (p/15 mm - 1)",
     slot="position",
     signature=(
         "The held shapes are turned at the contact alike at all voltages, and the force is shifted"
@@ -29,7 +38,25 @@ EFFECT = PositionError(
     ),
     isolates="The contact's place in the picture; where the free sheet crosses the arc.",
     source="the paper, section 3.1: the load cell is repositioned by hand between experiments",
-    knobs=(Knob("offset_mm", "true less stated position along the arc", "mm", 0.3, -10.0, 10.0),),
+    knobs=(
+        Knob(
+            "offset_mm",
+            "true less stated position along the arc, at 30 mm",
+            "mm",
+            0.3,
+            -10.0,
+            10.0,
+        ),
+        Knob(
+            "scale",
+            "0: the same everywhere; 1: in proportion to the position; 2: none at 15 mm",
+            "",
+            0.0,
+            0.0,
+            2.0,
+            tried=(0.0, 1.0, 2.0),
+        ),
+    ),
     tolerance=("position",),
     of_the_rig=True,
 )

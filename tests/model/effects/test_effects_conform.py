@@ -45,7 +45,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "load_cell_misalignment": ("load_cell", ("angle_rad",), ()),
     "load_cell_hysteresis": ("load_cell", ("force_mN",), ("from_no_load", "reach_mN")),
     "load_cell_compliance": ("load_cell", ("compliance_mm_per_mN",), ()),
-    "position_error": ("position", ("offset_mm",), ()),
+    "position_error": ("position", ("offset_mm",), ("scale",)),
     "camera_scale": ("camera", ("relative_error",), ("axis",)),
     "camera_perspective": ("camera", ("relative_error",), ("direction_rad",)),
     "frame_delay": ("camera", ("delay_s",), ("through_zero",)),

@@ -250,9 +250,12 @@ def test_friction_changes_its_sign_with_the_side_of_approach():
     assert up < smooth < down < 0.0
 
 
-def test_a_position_error_is_another_position():
-    one, other = bench((10.0,), bend=25.0), bench((10.5,), bend=25.0)
-    _, held = one.settled(effect("position_error"), {"offset_mm": 0.5})
+@pytest.mark.parametrize(("scale", "there_mm"), [(0.0, 10.5), (1.0, 10.5 - 1.0 / 3.0),
+                                                (2.0, 10.0 - 0.5 / 3.0)])  # fmt: skip
+def test_a_position_error_is_another_position(scale: float, there_mm: float):
+    """By one length, in proportion to the position, or to how far it is from 15 mm."""
+    one, other = bench((10.0,), bend=25.0), bench((there_mm,), bend=25.0)
+    _, held = one.settled(effect("position_error"), {"offset_mm": 0.5, "scale": scale})
     assert held.force_N == pytest.approx(other.scene.solve(other.base).held.force_N, rel=1e-10)
 
 
