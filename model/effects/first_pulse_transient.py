@@ -49,5 +49,5 @@ EFFECT = FirstPulseTransient(
             low=0.05, high=0.75, log=True, tried=(0.3, 0.5, 0.7),
         ),
     ),
-    tolerance=("time",),
+    tolerance=("time", "voltage"),
 )  # fmt: skip
