@@ -195,7 +195,7 @@ class Effect:
         return ()
 
     def force(self, weighed: Weighed, p: Values) -> FloatArray | None:
-        """What is added to the force, N."""
+        """What is added to the force, N; to readings without contact, too."""
         return None
 
     def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray] | None:
