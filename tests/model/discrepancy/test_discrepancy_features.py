@@ -193,6 +193,7 @@ def alone(m: Measurements, values_mN: Sequence[float], **condition: object) -> M
     return replace(m, conditions=(*m.conditions, added))
 
 
+@pytest.mark.slow
 def test_without_contact_the_load_cell_shows_its_zero():
     m = session()
     found = alone(m, [0.01, 0.02, 0.03])

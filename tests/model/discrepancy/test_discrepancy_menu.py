@@ -68,6 +68,7 @@ def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
             np.testing.assert_allclose(np.diff(seen.clock.driven_s), 1.2)
 
 
+@pytest.mark.slow
 def test_free_shapes_are_taken_when_measured_ones_are():
     """Amid pulses, not in the first one after 0 V, of which a lag or the first pulses say much."""
     added = [s for s in ENTRIES["free_shapes"].add(look(session(), "long")) if s.voltage_V]
