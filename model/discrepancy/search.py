@@ -174,9 +174,9 @@ def _worth(turn: Turn, threshold: float) -> Contender | None:
         if not one.known or one.fitted is None:
             continue
         worth, share = apart(turn.before, one), form_share(one.fitted, -1)
-        if turn.before.found and share > LOOSE:
-            return None  # beside others a deviation is rather what is left of theirs
-        if share > MOST_FORM:
+        # beside others a deviation may be what is left of theirs: then the form itself must count
+        itself = (1.0 - share) * worth if turn.before.found else 0.0
+        if share > MOST_FORM and itself < threshold:
             continue
         asked = min(one.gain, worth) >= threshold and one.gain > rest - ALIKE
         return one if asked and supported(turn.before, one.fitted) else None

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from model.discrepancy import search as searching
 from model.discrepancy.decide import (
     HARDLY,
     TEMPER,
@@ -27,7 +29,7 @@ from model.discrepancy.outliers import (
 )
 from model.discrepancy.ranking import Contender
 from model.discrepancy.score import Candidate, Score, candidates
-from model.discrepancy.search import search
+from model.discrepancy.search import Turn, search
 from model.discrepancy.settle import settle
 from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.slots import unknowns
@@ -252,3 +254,15 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
     worse = replace(alone, tried=(best, replace(other, deviance=200.0)))
     sigma = with_shapes(best, [worse]).found[-1].sigma["long"]
     assert sigma["time_constant_s"] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("share", "worth", "named"), [(0.53, 100.0, True), (0.9, 100.0, True), (0.9, 20.0, False)]
+)
+def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, named):
+    """Half of what a lag seems to be may be a third effect that is not in the model yet."""
+    one = SimpleNamespace(known=True, fitted=base_fit(), gain=worth, name="charging_lag")
+    before = SimpleNamespace(found=(SimpleNamespace(effect=effect("gravity")),))
+    for name, value in (("form_share", share), ("apart", worth), ("supported", True)):
+        monkeypatch.setattr(searching, name, lambda *_, value=value: value)
+    assert (searching._worth(Turn(before, [one]), 6.0) is one) == named
