@@ -19,9 +19,14 @@ from model.discrepancy.tolerance import FORM, cosine, waves_along
 from model.effects.interface import Slot
 from model.measurements import FloatArray
 from model.noise import weigh
-from model.setup import ActiveEffect, Profile, Under
+from model.setup import ActiveEffect, Coordinate, Profile, Under
 
 POINTS = 51
+# of a free form's shapes, as a model file has them
+COORDINATES: dict[str, Coordinate] = {
+    "s": "s", "place": "s", "position": "position", "force": "force", "time": "time",
+}  # fmt: skip
+UNDER: dict[str, Under] = {"voltage": "voltage", "polarity": "polarity"}  # by part
 Key = tuple[str, str, str]  # configuration, part, along
 
 
@@ -47,10 +52,9 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     values = factor * by @ beta[use]
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     start, end, at_unit = _span(fitted, name, part, along)
-    under: Under = part if part in ("voltage", "polarity") else ""  # type: ignore[assignment]
     return Unknown(
         slot, name, start + t * (end - start), values, band, unit, along,
-        _depends(slot, part, along), at_unit, under,
+        _depends(slot, part, along), at_unit, UNDER.get(part, ""),
     )  # fmt: skip
 
 
@@ -136,10 +140,10 @@ def _depends(slot: Slot, part: str, along: str) -> str:
 
 def unknown_effect(one: Unknown) -> ActiveEffect:
     """As an empirical term of the model."""
-    along = "s" if one.along in ("s", "place") else one.along
+    along = COORDINATES[one.along]
     scale = 1.0 if along == "time" else 1e-3
     profile = Profile(
-        along,  # type: ignore[arg-type]
+        along,
         tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
         one.unit, one.under,
     )  # fmt: skip
