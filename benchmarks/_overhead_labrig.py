@@ -27,14 +27,14 @@ from drivers.interfaces import (
     ThreadHandle,
     VoltageWrite,
 )
-from drivers.safe import Safety, SafetyReport
+from drivers.safe_shutdown import Safety, SafetyReport
 from protocols import PulseTrain, SafetyLimits
-from protocols.devices import Devices
-from protocols.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
-from protocols.rules import Rules, Timing
-from protocols.schedule import PlannedRun, Purpose, Schedule
-from protocols.scheduler import Scheduler
-from protocols.stop import StopRequest
+from protocols.execution.devices import Devices
+from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
+from protocols.execution.rules import Rules, Timing
+from protocols.execution.scheduler import Scheduler
+from protocols.execution.stop import StopRequest
+from protocols.planning.schedule import PlannedRun, Purpose, Schedule
 
 CHANNELS = ("force", "current", "drive")
 

@@ -16,16 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from drivers.ni_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from labrig.errors import LabrigError
-from labrig.experiment.people import NobodyAsked
+from labrig.experiment.operator import NobodyAsked
 from labrig.experiment.plan import load_plan
 from labrig.experiment.rig import Rig
 from labrig.experiment.run import run_session
 from labrig.experiment.wiring import wire
-from protocols.events import Event, RunStarted
-from protocols.hub import EventHub
-from protocols.stop import StopRequest
+from protocols.execution.event_bus import EventHub
+from protocols.execution.events import Event, RunStarted
+from protocols.execution.stop import StopRequest
 
 FAST_HZ = 100_000.0
 _BARE_S = 60.0
@@ -41,7 +41,7 @@ class BareLoop:
         self._edges = self._times = np.empty(0)
 
     def follow(self, event: Event) -> None:
-        """See `protocols.hub`."""
+        """See `protocols.execution.event_bus`."""
         if isinstance(event, RunStarted) and self._process.stdin is not None:
             run = event.run
             self._edges = np.array([event.time_s + step.time_s for step in run.steps])

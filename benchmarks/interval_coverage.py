@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from model import Condition, Curve, FitOptions, Measurements, Reading, SheetGeometry
-from model.joint import joint_fit
-from model.observations import observe
+from model.identification.joint import joint_fit
+from model.identification.observations import observe
 from sim_hardware.world import WorldSettings, load_world
 from sim_hardware.world.reduced import ReducedSession, reduced_session
 

@@ -20,8 +20,8 @@ from typing import Any
 from benchmarks.model_equilibrium import cpu
 from benchmarks.overhead_per_reading import peers_python
 from benchmarks.report import Report, Table
-from model.field import Field
-from model.tip_load import tip_load
+from model.mechanics.field import Field
+from model.mechanics.tip_load import tip_load
 
 LOAD = 2.0
 _HERE = Path(__file__).parent

@@ -22,9 +22,9 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from benchmarks.report import Report, Table
-from model.beam import Problems, Status, nodes_for, problems, solve
-from model.field import Field
-from model.free import free_shape
+from model.mechanics.equilibrium import Problems, Status, nodes_for, problems, solve
+from model.mechanics.field import Field
+from model.mechanics.free_shape import free_shape
 
 R = 0.04
 CASES = {"long sheet": (0.05, 0.0, 0.0, 40.0), "short sheet": (0.0045, 0.04, 0.0, 80.0)}
@@ -32,8 +32,8 @@ STEPS = {"long sheet": 3.1, "short sheet": 2.6}  # Newton steps, counted in the 
 START = """
 import time; a = time.process_time()
 import model; b = time.process_time()
-from model.beam import problems, solve
-from model.field import Field
+from model.mechanics.equilibrium import problems, solve
+from model.mechanics.field import Field
 solve(problems(Field.constant(20.0, 0.05), 0.3, 0.04)).shapes([0.0, 0.01]); c = time.process_time()
 print(b - a, c - b)
 """

@@ -27,11 +27,11 @@ from model import (
     SheetModel,
     predict,
 )
-from model.field import Field
-from model.fit import fit
-from model.least_squares import gauss_newton
-from model.observations import observe
-from model.system import Layout, System
+from model.identification.fit import fit
+from model.identification.gauss_newton import gauss_newton
+from model.identification.observations import observe
+from model.identification.residual_vector import Layout, System
+from model.mechanics.field import Field
 
 B, REST, BENDS = 1.27e-6, 14.0, {2.0: 25.0, -2.0: -20.0}
 

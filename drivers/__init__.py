@@ -4,20 +4,20 @@ Nothing slow is imported here: vendor packages are, where they are used.
 """
 
 from drivers.amplifier import Amplifier, SheetDrive
-from drivers.camera import camera_for
-from drivers.camera_opencv import OpenCvCamera
-from drivers.dpm3 import Dpm3Meter
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection, NiDevice
+from drivers.boards.ni.interlock import NiInterlock
+from drivers.boards.ni.take_over import OutputPlace, take_over
+from drivers.cameras.choice import camera_for
+from drivers.cameras.opencv import OpenCvCamera
+from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
+from drivers.force_sensors.dpm3 import Dpm3Meter
+from drivers.force_sensors.load_cell import LoadCell, LoadCellCalibration, LoadCheck, LoadState
 from drivers.guard import Guard, GuardSettings
-from drivers.load_cell import LoadCell, LoadCellCalibration, LoadCheck, LoadState
-from drivers.load_cell_fit import CalibrationFit, fit_calibration
-from drivers.ni_connection import NiConnection, NiDevice
-from drivers.ni_input import InputChannel, NiSignalInput
-from drivers.ni_interlock import NiInterlock
-from drivers.ni_output import NiVoltageOutput
-from drivers.safe import Safety, SafetyReport, make_safe
-from drivers.stage_manual import ManualStage
-from drivers.stage_zaber import ZaberStage
-from drivers.take_over import OutputPlace, take_over
+from drivers.positioners.manual import ManualStage
+from drivers.positioners.zaber import ZaberStage
+from drivers.safe_shutdown import Safety, SafetyReport, make_safe
 
 __all__ = [
     "Amplifier",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from labrig.lazily import lazily
+from labrig.lazy_imports import lazily
 
 if TYPE_CHECKING:
     from labrig.analysis import analyze as analyze

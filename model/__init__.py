@@ -1,6 +1,7 @@
 """The mechanics of the sheet: equilibrium, identification, effects, discrepancy, design."""
 
-from model.fit import ConfigurationFit, Fit, fit
+from model.identification.fit import ConfigurationFit, Fit, fit
+from model.identification.options import FitOptions
 from model.measurements import (
     Condition,
     Curve,
@@ -10,10 +11,9 @@ from model.measurements import (
     SheetGeometry,
     TimeSeries,
 )
-from model.options import FitOptions
 from model.parameter import Parameter
-from model.predict import Prediction, predict, predict_free
-from model.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.prediction import Prediction, predict, predict_free
+from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 
 __all__ = [
     "Along",

@@ -1,18 +1,27 @@
 """What happens when: a schedule is plain data, and the scheduler runs one on a clock."""
 
-from protocols.asking import RecordedOperator
-from protocols.description import Plan, PlanRow, Timeline, describe, timeline
-from protocols.devices import Devices
-from protocols.encoding import run_from_dict, run_to_dict, schedule_from_dict, schedule_to_dict
 from protocols.errors import ScheduleError
-from protocols.hold import Hold
-from protocols.hub import EventHub, SubscriberError
-from protocols.lateness import Lateness, lateness_of, lateness_s
-from protocols.limits import SafetyLimits, check_schedule, time_under_voltage_s
-from protocols.planning import Extras, Place, make_schedule
-from protocols.pulse_train import PulseTrain
-from protocols.rules import Rules, Timing
-from protocols.schedule import (
+from protocols.execution.devices import Devices
+from protocols.execution.event_bus import EventHub, SubscriberError
+from protocols.execution.lateness import Lateness, lateness_of, lateness_s
+from protocols.execution.operator import RecordedOperator
+from protocols.execution.rules import Rules, Timing
+from protocols.execution.scheduler import Scheduler
+from protocols.execution.states import FinishReason, RunState, Status
+from protocols.execution.stop import StopLevel, StopRequest
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.staircase import Staircase
+from protocols.kinds.step_response import StepResponse
+from protocols.planning.description import Plan, PlanRow, Timeline, describe, timeline
+from protocols.planning.encoding import (
+    run_from_dict,
+    run_to_dict,
+    schedule_from_dict,
+    schedule_to_dict,
+)
+from protocols.planning.limits import SafetyLimits, check_schedule, time_under_voltage_s
+from protocols.planning.schedule import (
     PlannedReading,
     PlannedRun,
     Purpose,
@@ -20,11 +29,7 @@ from protocols.schedule import (
     Schedule,
     VoltageStep,
 )
-from protocols.scheduler import Scheduler
-from protocols.staircase import Staircase
-from protocols.states import FinishReason, RunState, Status
-from protocols.step_response import StepResponse
-from protocols.stop import StopLevel, StopRequest
+from protocols.planning.session_schedule import Extras, Place, make_schedule
 
 __all__ = [
     "Devices",

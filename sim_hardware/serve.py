@@ -17,9 +17,9 @@ from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 from drivers.interfaces import Clock, RealClock
-from sim_hardware.bench import Bench
 from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
-from sim_hardware.ni.device_server import DEFAULT_DEVICES
+from sim_hardware.ni.transport.device_server import DEFAULT_DEVICES
+from sim_hardware.simulated_rig import Bench
 
 if TYPE_CHECKING:
     from sim_hardware.serial_devices import SerialFaults

@@ -57,7 +57,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> None:
 def one_process() -> Iterator[None]:
     """Workers are processes already: each of them looks for curves in its own, unless asked."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("labrig.report.findings.workers", lambda: 1)
+        patch.setattr("labrig.report.data.findings.workers", lambda: 1)
         yield
 
 

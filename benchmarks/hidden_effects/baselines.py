@@ -16,17 +16,17 @@ import numpy as np
 from benchmarks.hidden_effects.baseline_gp import gaussian_process
 from benchmarks.hidden_effects.run import Made, options_of
 from benchmarks.hidden_effects.visible import known
-from model.discrepancy.decide import choices
-from model.discrepancy.gaps import variance
-from model.discrepancy.nulls import DEFAULT
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
 from model.discrepancy.prepare import Prepared, prepare
-from model.discrepancy.score import Candidate, Projected, candidates
-from model.discrepancy.search import search
-from model.discrepancy.settle import Fitted, settle
-from model.discrepancy.signatures import forms
+from model.discrepancy.search.evidence import Candidate, Projected, candidates
+from model.discrepancy.search.forward_selection import search
+from model.discrepancy.search.null_calibration import DEFAULT
+from model.discrepancy.search.signatures import forms
+from model.discrepancy.verdict.posterior import choices
+from model.discrepancy.verdict.prediction_error import variance
 from model.effects.interface import Effect
+from model.identification.mixed_model import Solution, weigh
 from model.measurements import FloatArray
-from model.noise import Solution, weigh
 
 NOT_THERE = -30.0  # ln of a scatter that is taken not to be there
 MOST = 8  # effects

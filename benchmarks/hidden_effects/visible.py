@@ -21,13 +21,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model import Measurements
-from model.discrepancy.features import look
-from model.discrepancy.linear import linearise
-from model.discrepancy.point import Study
+from model.discrepancy.data.data_vector import look
+from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.linearisation import linearise
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem, settle
+from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.row_noise import noise_of
-from model.discrepancy.score import Candidate, Projected, candidates
-from model.discrepancy.settle import Fitted, Problem, settle
+from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.effects.catalogue import catalogue
 from model.effects.interface import Effect
 from model.measurements import FloatArray

@@ -17,7 +17,7 @@ from labrig.cli.main import run as labrig
 from labrig.session import RunRecord, layout, open_session
 from labrig.session.journal import journal_path, read_journal
 from labrig.session.superblock import unlocked
-from protocols.events import Outcome
+from protocols.execution.events import Outcome
 
 LONGEST_S = 1.0  # until 0 V, a hang included
 STANDS_S = LONGEST_S + 0.6  # that a voltage may be left standing: a pulse, and until 0 V

@@ -12,12 +12,12 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.take_over import take_over
 from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.watch import Ending, Watch, parent_watch, words_of
 from drivers.interfaces import DeviceError, RealClock
-from drivers.ni_connection import NiConnection
-from drivers.safe import SafetyReport
-from drivers.take_over import take_over
+from drivers.safe_shutdown import SafetyReport
 
 _PERSIST_S = 8.0  # with boards that refuse, or do not answer
 _BETWEEN_TRIES_S = 0.2

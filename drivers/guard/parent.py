@@ -27,7 +27,7 @@ from drivers.guard.settings import (
     GuardSettings,
 )
 from drivers.interfaces import DeviceError, DeviceTimeoutError, RealClock
-from drivers.safe import Safety, SafetyReport
+from drivers.safe_shutdown import Safety, SafetyReport
 
 START_S = 30.0  # a busy computer imports slowly
 ACT_S = 30.0

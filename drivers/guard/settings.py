@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 
+from drivers.boards.ni.take_over import OutputPlace
 from drivers.interfaces import DeviceError
-from drivers.take_over import OutputPlace
 
 HEARTBEAT_S = 0.05
 HEARTBEAT_LIMIT_S = 0.4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivers.load_cell import LoadCellCalibration
+from drivers.force_sensors.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of, turns_of
 from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
@@ -15,7 +15,7 @@ from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
 from labrig.session import Session, open_session, store_measurements
 from model.measurements import Measurements, SheetGeometry, TimeSeries
-from protocols.schedule import Purpose
+from protocols.planning.schedule import Purpose
 
 
 def analyze(path: Path, progress: Progress | None = None, *, workers: int = 1) -> Measurements:

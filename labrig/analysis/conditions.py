@@ -9,7 +9,7 @@ from labrig.analysis.curves import ConditionCurves
 from labrig.analysis.forces import ForceReading
 from labrig.session import RunRecord, Session
 from model.measurements import Condition, Kind, Reading
-from protocols.schedule import PlannedRun, Purpose
+from protocols.planning.schedule import PlannedRun, Purpose
 
 Forces = Mapping[int, Sequence[ForceReading]]  # by run
 

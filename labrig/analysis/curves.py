@@ -16,7 +16,7 @@ from drivers.interfaces import FloatArray, GreyImage
 from labrig.session import RunRecord, Session, open_session
 from labrig.session.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
-from protocols.schedule import Purpose
+from protocols.planning.schedule import Purpose
 
 if TYPE_CHECKING:
     from labrig.vision import NeutralCurve, Optics, StripGeometry

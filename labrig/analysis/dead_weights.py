@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from drivers.load_cell import LoadCellCalibration
+from drivers.force_sensors.load_cell import LoadCellCalibration
 from labrig.analysis.forces import ForceReading
 from labrig.session import Session
-from protocols.schedule import Purpose
+from protocols.planning.schedule import Purpose
 
 SIGMAS = 3.0
 # A hung weight is good to about this part of itself: its hook, its angle, its label.

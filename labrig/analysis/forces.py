@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivers.force_sensors.load_cell import LoadCellCalibration
 from drivers.interfaces import FloatArray
-from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.edges import Edge, find_edges
 from labrig.session import RunRecord
-from protocols.filters import symmetric_mean, window
-from protocols.rules import Rules, bad_samples, wrong_drive
-from protocols.schedule import PlannedReading, ReadingKind
+from protocols.execution.filters import symmetric_mean, window
+from protocols.execution.rules import Rules, bad_samples, wrong_drive
+from protocols.planning.schedule import PlannedReading, ReadingKind
 
 FORCE, DRIVE = "force", "drive"
 

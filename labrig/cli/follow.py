@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.cli.screen import Advance, progress, warn
-from labrig.experiment.people import ConsoleOperator, NobodyAsked
+from labrig.experiment.operator import ConsoleOperator, NobodyAsked
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
@@ -19,7 +19,8 @@ from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
-from protocols.events import (
+from protocols.execution.event_bus import EventHub
+from protocols.execution.events import (
     Event,
     Outcome,
     OutputChanged,
@@ -30,8 +31,7 @@ from protocols.events import (
     SessionStopped,
     Warned,
 )
-from protocols.hub import EventHub
-from protocols.stop import StopLevel, StopRequest
+from protocols.execution.stop import StopLevel, StopRequest
 
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
 _AFTER_PULSE = "stopping after this pulse; Ctrl-C once more: at once"
@@ -147,7 +147,7 @@ class RunDisplay:
         self._invalid: list[str] = []  # why, of this run's readings
 
     def __call__(self, event: Event) -> None:
-        """See `protocols.hub`: called for each event."""
+        """See `protocols.execution.event_bus`: called for each event."""
         if self._running and not self._told_of_stop and self._stop.level is StopLevel.AFTER_PULSE:
             self._told_of_stop = True
             warn(_AFTER_PULSE)

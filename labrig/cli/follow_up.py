@@ -7,14 +7,14 @@ from pathlib import Path
 
 import typer
 
-from labrig.cli.diagnose import diagnosed, keep, of_sessions, print_diagnosis
+from labrig.cli.commands.diagnose import diagnosed, keep, of_sessions, print_diagnosis
 from labrig.cli.follow import run_and_follow
 from labrig.cli.screen import say, warn
 from labrig.errors import ExitCode
 from labrig.experiment.closed_loop import closed_loop
 from labrig.experiment.next_protocol import protocol_text
 from labrig.files import write_text
-from labrig.report.diagnosis_tables import next_told
+from labrig.report.diagnosis.tables import next_told
 from labrig.session import open_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli import (
+from labrig.cli.commands import (
     calibrate,
     curves,
     demo,

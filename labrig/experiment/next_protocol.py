@@ -18,7 +18,7 @@ from labrig.config import parse_protocol
 from labrig.config.base import parse_toml
 from labrig.errors import BadInputError
 from model.discrepancy import Diagnosis, Next
-from model.discrepancy.menu import LONGER
+from model.discrepancy.next_measurement.candidate_measurements import LONGER
 from model.measurements import Measurements
 from protocols import PulseTrain
 

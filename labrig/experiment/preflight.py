@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from drivers.force_sensors.load_cell import LoadState
 from drivers.interfaces import Camera, DeviceError, Frame
-from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import NOT_CALIBRATED, template_path
 from labrig.errors import NotReadyError
@@ -27,7 +27,7 @@ _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
-    from labrig.experiment.people import NobodyAsked
+    from labrig.experiment.operator import NobodyAsked
     from labrig.experiment.wiring import wire
 
     plan = plan_of(rig, protocol, sheet)

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from drivers.camera_opencv import OpenCvCamera
+from drivers.boards.ni.connection import NiConnection
+from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import Clock, Prompt
-from drivers.ni_connection import NiConnection
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig import DRIVE, Rig, boards
 from labrig.session import RunRecord, Session
-from protocols.events import Event, RunStarted, RunStopped
+from protocols.execution.events import Event, RunStarted, RunStopped
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera shows sign of life when no recorded frame is near
@@ -118,10 +118,10 @@ class Director:
             self.run, self._samples, self.frame_due_s = None, {}, np.empty(0)
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
-        """See `sim_hardware.bench.Bench`: what is done to a recording leaves it as it is."""
+        """Ignore the write: a recording stays as it is (see `sim_hardware.simulated_rig.Bench`)."""
 
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:  # noqa: ARG002
-        """See `sim_hardware.bench.Bench`. Between runs every input is at 0 V."""
+        """See `sim_hardware.simulated_rig.Bench`. Between runs every input is at 0 V."""
         samples = self._samples.get(self._names.get(channel, ""))
         if samples is None or samples.size == 0:
             return np.zeros(len(times))

@@ -21,7 +21,7 @@ from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig import Rig
 from labrig.session import RunRecord, Session
-from protocols import events as ev
+from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
 

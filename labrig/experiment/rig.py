@@ -7,15 +7,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from drivers.amplifier import Amplifier, SheetDrive
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.interlock import NiInterlock
+from drivers.force_sensors.load_cell import LoadCell, LoadCellCalibration
 from drivers.interfaces import Camera, Clock, DeviceError, Operator, Positioner
-from drivers.load_cell import LoadCell, LoadCellCalibration
-from drivers.ni_connection import NiConnection
-from drivers.ni_input import InputChannel, NiSignalInput
-from drivers.ni_interlock import NiInterlock
-from drivers.ni_output import NiVoltageOutput
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
-from protocols.devices import Devices
+from protocols.execution.devices import Devices
 
 DRIVE = "drive"  # the channel on which the sheet voltage is read back
 

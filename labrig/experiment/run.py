@@ -13,16 +13,16 @@ from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig import Rig, opened
-from labrig.experiment.watching import Watch, watched
-from labrig.experiment.way_out import WayOut, way_out
+from labrig.experiment.safe_shutdown import WayOut, way_out
+from labrig.experiment.watchdog import Watch, watched
 from labrig.session import SessionWriter
 from protocols import SafetyLimits
-from protocols.events import Event, Outcome, OutputState, RunStarted
-from protocols.hub import EventHub
-from protocols.rules import Rules
-from protocols.scheduler import Scheduler
-from protocols.states import Status
-from protocols.stop import StopRequest
+from protocols.execution.event_bus import EventHub
+from protocols.execution.events import Event, Outcome, OutputState, RunStarted
+from protocols.execution.rules import Rules
+from protocols.execution.scheduler import Scheduler
+from protocols.execution.states import Status
+from protocols.execution.stop import StopRequest
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivers.amplifier import Amplifier
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.take_over import OutputPlace, take_over
 from drivers.interfaces import DeviceError, RealClock
-from drivers.ni_connection import NiConnection
-from drivers.safe import Safety, SafetyReport
-from drivers.take_over import OutputPlace, take_over
+from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.config import ReplayConfig, RigConfig, load_rig
 
 

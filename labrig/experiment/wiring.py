@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from drivers.camera import camera_for
-from drivers.camera_opencv import OpenCvCamera
+from drivers.boards.ni.connection import NiConnection
+from drivers.cameras.choice import camera_for
+from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock
-from drivers.ni_connection import NiConnection
-from drivers.stage_manual import ManualStage
-from drivers.stage_zaber import ZaberStage
+from drivers.positioners.manual import ManualStage
+from drivers.positioners.zaber import ZaberStage
 from labrig.config import RigConfig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import Rig, boards, interlock_of
 from protocols import RecordedOperator
-from protocols.events import Event
+from protocols.execution.events import Event
 
 
 def _nobody(_event: Event) -> None:
@@ -97,7 +97,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     from sim_hardware.clock import VirtualClock
     from sim_hardware.faults import FaultyRig
     from sim_hardware.ni import NiDeviceServer
-    from sim_hardware.person import SimulatedPerson
+    from sim_hardware.operator import SimulatedPerson
     from sim_hardware.serial_devices import InMemorySerial
     from sim_hardware.serial_devices import ZaberStage as SimulatedStage
     from sim_hardware.world import World, WorldError, load_world

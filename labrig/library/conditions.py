@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.session import Session
-from protocols.schedule import ReadingKind
+from protocols.planning.schedule import ReadingKind
 
 Key = tuple[str, float | None, float]  # configuration, position in mm, voltage
 _COUNT = (ReadingKind.ZERO.value, ReadingKind.KEPT.value)

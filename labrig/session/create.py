@@ -17,8 +17,8 @@ from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.setup import Setup
 from protocols import run_to_dict, schedule_to_dict
-from protocols.events import Outcome, OutputState
-from protocols.schedule import PlannedRun
+from protocols.execution.events import Outcome, OutputState
+from protocols.planning.schedule import PlannedRun
 
 # Fast, and good enough for camera noise: 3 ms and about half of the size for a 640 x 480 frame.
 FRAME_COMPRESSION = 1

@@ -21,8 +21,8 @@ from labrig.session.setup import Setup
 from labrig.session.tables_in import read_tables
 from labrig.session.tables_out import write_tables
 from model.measurements import Measurements
-from protocols.events import Outcome
-from protocols.schedule import Schedule
+from protocols.execution.events import Outcome
+from protocols.planning.schedule import Schedule
 
 _TABLES = ("forces.csv", "curves.csv", "signals.csv")
 IMPORTED = "import"  # the name of the protocol of a session that was not recorded

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivers.safe import Safety, SafetyReport
+from drivers.safe_shutdown import Safety, SafetyReport
 
 _LONGEST = 65536
 

@@ -29,7 +29,7 @@ from labrig.session.session import open_session
 from labrig.session.setup import Setup
 from labrig.session.superblock import unlocked
 from labrig.session.verify import verify
-from protocols.events import Outcome, OutputState
+from protocols.execution.events import Outcome, OutputState
 
 _CRASHED = "The recording was cut short; this was recovered from what had reached the disk."
 

@@ -18,7 +18,7 @@ from labrig.session import layout
 from labrig.session.create import FRAME_COMPRESSION
 from labrig.session.layout import Array
 from labrig.session.setup import Setup
-from protocols import events as ev
+from protocols.execution import events as ev
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.reading import read_array, read_dataset, read_table
 from labrig.session.setup import Setup
-from protocols.schedule import PlannedRun
+from protocols.planning.schedule import PlannedRun
 
 
 @dataclass(frozen=True)

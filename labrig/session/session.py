@@ -15,8 +15,8 @@ from labrig.session import layout
 from labrig.session.opening import cut_short, open_file
 from labrig.session.reading import read_setup, read_table, read_text
 from labrig.session.run_record import RunRecord
-from protocols.events import Outcome, OutputState
-from protocols.schedule import Schedule
+from protocols.execution.events import Outcome, OutputState
+from protocols.planning.schedule import Schedule
 
 # Differ from one recording of the same virtual run to the next.
 VOLATILE = frozenset(

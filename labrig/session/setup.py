@@ -14,7 +14,7 @@ import numpy as np
 
 from labrig.errors import BadInputError
 from protocols import schedule_from_dict, schedule_to_dict
-from protocols.schedule import Schedule
+from protocols.planning.schedule import Schedule
 
 _MOST_HZ = 1e7
 _MOST_V = 1e3

@@ -15,7 +15,7 @@ from labrig.session import columns
 from labrig.session.csv_rows import Row, integer, one_of, read_rows, truth
 from labrig.session.curve_points import CurvePoints
 from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
-from labrig.session.doubts import doubts
+from labrig.session.plausibility import doubts
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
 
 NUMBER = "a number"

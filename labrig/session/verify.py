@@ -15,7 +15,7 @@ from labrig.session.reading import damage_told, dataset_names, read_dataset, rea
 from labrig.session.recorder import digest
 from labrig.session.run_record import RunRecord
 from labrig.session.session import Session
-from protocols.events import Outcome
+from protocols.execution.events import Outcome
 
 
 def verify(path: Path) -> list[Check]:

@@ -17,16 +17,16 @@ import numpy as np
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
-from labrig.session.backlog import Backlog, StalledError
 from labrig.session.create import create_file
 from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
 from labrig.session.setup import Setup
-from protocols import events as ev
-from protocols.events import Outcome, OutputState
-from protocols.schedule import Schedule
+from labrig.session.write_queue import Backlog, StalledError
+from protocols.execution import events as ev
+from protocols.execution.events import Outcome, OutputState
+from protocols.planning.schedule import Schedule
 
 FLUSH_S = 0.2  # of the file, so that a reader is never more than a quarter of a second behind
 PATIENCE_S = 5.0  # with a disk that does not answer

@@ -10,9 +10,10 @@ from typing import Any
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
+from labrig.vision.calibration.optics import Look, Optics, load_optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
-from labrig.vision.files import (
+from labrig.vision.image.files import (
     PICTURES,
     VIDEOS,
     load_strip,
@@ -22,8 +23,7 @@ from labrig.vision.files import (
     write_overlay,
     write_table,
 )
-from labrig.vision.optics import Look, Optics, load_optics
-from labrig.vision.tracker import Tracker
+from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
 NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]

@@ -12,7 +12,7 @@ from labrig.errors import BadInputError
 from model.measurements import Curve
 
 if TYPE_CHECKING:
-    from labrig.vision.wires import Wire
+    from labrig.vision.search.straight_lines import Wire
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -9,28 +9,34 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.check import judge
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.checks.acceptance import judge
+from labrig.vision.checks.apparent_width import excess_width_px, something_lies_along, spoilt_cells
+from labrig.vision.checks.lateral_bias import pulled_px
+from labrig.vision.checks.sheet_end import Tip
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.ends import Tip
-from labrig.vision.fit import fit_intensities, fit_points
-from labrig.vision.optics import Optics
-from labrig.vision.picture import Picture, PictureError, read_picture
-from labrig.vision.pulled import pulled_px
-from labrig.vision.reduced import (
+from labrig.vision.fit.context import Band
+from labrig.vision.fit.curve_fit import fit_intensities, fit_points
+from labrig.vision.fit.refinement import Candidate, Refiner
+from labrig.vision.fit.shape import Shape, make_shape
+from labrig.vision.image.downscaling import (
     reduced_optics,
     reduced_picture,
     reduction,
     scaled_curve,
     told,
 )
-from labrig.vision.refine import Candidate, Refiner
-from labrig.vision.report import blamed, report, with_wires
-from labrig.vision.setting import Band
-from labrig.vision.shape import Shape, make_shape
-from labrig.vision.thickness import visible_thickness_m
-from labrig.vision.trace import RidgeMaps, Trace, ridge_maps, trace_from_clamp
-from labrig.vision.width import excess_width_px, something_lies_along, spoilt_cells
-from labrig.vision.wires import BESIDE_PX, Wire, find_branches, find_wires, hidden_by
+from labrig.vision.image.image import Picture, PictureError, read_picture
+from labrig.vision.search.ridge_tracing import RidgeMaps, Trace, ridge_maps, trace_from_clamp
+from labrig.vision.search.straight_lines import (
+    BESIDE_PX,
+    Wire,
+    find_branches,
+    find_wires,
+    hidden_by,
+)
+from labrig.vision.search.thickness import visible_thickness_m
+from labrig.vision.uncertainty.metric_curve import blamed, report, with_wires
 
 FloatArray = npt.NDArray[np.float64]
 

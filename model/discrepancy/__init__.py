@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from model.discrepancy.diagnose import diagnose, next_measurement
 from model.discrepancy.prepare import Options as DiagnoseOptions
-from model.discrepancy.result import Diagnosis, Named, Next, Unknown
+from model.discrepancy.verdict.result import Diagnosis, Named, Next, Unknown
 
 __all__ = [
     "DiagnoseOptions",

@@ -8,15 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.finding import Finding
-from model.discrepancy.menu import next_measurement as from_menu
-from model.discrepancy.nulls import DEFAULT, null_gains, threshold
+from model.discrepancy.locations.slots import unknowns
+from model.discrepancy.next_measurement.candidate_measurements import next_measurement as from_menu
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, prepare, setups
-from model.discrepancy.result import Diagnosis, Next
-from model.discrepancy.score import candidates
-from model.discrepancy.search import search
-from model.discrepancy.signatures import forms, signatures
-from model.discrepancy.slots import unknowns
+from model.discrepancy.search.evidence import candidates
+from model.discrepancy.search.forward_selection import search
+from model.discrepancy.search.null_calibration import DEFAULT, null_gains, threshold
+from model.discrepancy.search.signatures import forms, signatures
+from model.discrepancy.verdict.finding import Finding
+from model.discrepancy.verdict.result import Diagnosis, Next
 from model.effects.catalogue import catalogue, effect
 from model.effects.interface import Effect
 from model.measurements import Measurements, ModelError

@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.base import bases_of, rest_of, start
-from model.discrepancy.features import Look, look
-from model.discrepancy.linear import Bases
-from model.discrepancy.point import Study
-from model.discrepancy.row_noise import noise_of
-from model.discrepancy.settle import Problem
-from model.discrepancy.tolerance import Found
+from model.discrepancy.data.data_vector import Look, look
+from model.discrepancy.likelihood.base_model import bases_of, rest_of, start
+from model.discrepancy.likelihood.form_error import Found
+from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.linearisation import Bases
+from model.discrepancy.likelihood.mixed_model_fit import Problem
+from model.discrepancy.likelihood.row_noise import noise_of
 from model.effects.catalogue import effect as effect_of
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
-from model.sheet_model import SheetModel
+from model.sheet.sheet_model import SheetModel
 
 FEWEST_SETUPS = 4
 NEAR_LN_B = 0.07

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from drivers.interfaces import Clock
-from sim_hardware.bench import Scene
 from sim_hardware.camera.faults import CameraFaults
 from sim_hardware.camera.stream import FrameStream
+from sim_hardware.simulated_rig import Scene
 
 # OpenCV's numbers of its properties, which do not change.
 POS_MSEC, FRAME_WIDTH, FRAME_HEIGHT, FPS, CONVERT_RGB, BUFFER_SIZE = 0, 3, 4, 5, 16, 38

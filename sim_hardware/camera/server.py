@@ -12,9 +12,9 @@ from collections import deque
 from fractions import Fraction
 
 from drivers.interfaces import Clock
-from sim_hardware.bench import Scene
 from sim_hardware.camera.faults import CameraFaults
 from sim_hardware.camera.stream import FrameStream, Image
+from sim_hardware.simulated_rig import Scene
 
 _POLL_S = 0.05
 _BUFFERED = 4  # frames kept for a client that is busy for a moment

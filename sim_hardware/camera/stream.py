@@ -7,8 +7,8 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.bench import Scene
 from sim_hardware.camera.faults import CameraFaults
+from sim_hardware.simulated_rig import Scene
 
 Image = npt.NDArray[np.uint8]
 

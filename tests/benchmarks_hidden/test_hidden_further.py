@@ -17,8 +17,8 @@ from benchmarks.hidden_effects.visits import FURTHER
 from labrig.config import parse_protocol
 from labrig.experiment.next_protocol import protocol_text
 from model.discrepancy import Next
-from model.discrepancy.menu import MENU
-from protocols.schedule import PlannedRun, Purpose
+from model.discrepancy.next_measurement.candidate_measurements import MENU
+from protocols.planning.schedule import PlannedRun, Purpose
 
 WEIGHT = case("gravity", size=0.01, seed=5)
 

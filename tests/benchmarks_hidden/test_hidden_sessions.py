@@ -15,7 +15,7 @@ from benchmarks.hidden_effects.sessions import prepared
 from labrig.config import load_sheet
 from labrig.session.tables_in import read_tables
 from model import FitOptions, Measurements
-from model.fit import Fit, fit
+from model.identification.fit import Fit, fit
 from sim_hardware.world import Visit, timed_session
 
 ALL_EXTRAS = Extras(free_shapes=True, remounts=2, random_order=True, reversed_approach=True)

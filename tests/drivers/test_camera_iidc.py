@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.camera_iidc import IidcCapture, iidc_guid
-from drivers.camera_opencv import OpenCvCamera
+from drivers.cameras.iidc import IidcCapture, iidc_guid
+from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import DeviceError, DeviceNotFoundError
 
 SOURCE = Path(__file__).with_name("fake_dc1394.c")

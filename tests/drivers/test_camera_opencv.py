@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
-from drivers import camera_capture
-from drivers.camera_capture import CONVERT_RGB, FPS, HEIGHT, WIDTH
-from drivers.camera_opencv import OpenCvCamera
+from drivers.cameras import capture as camera_capture
+from drivers.cameras.capture import CONVERT_RGB, FPS, HEIGHT, WIDTH
+from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import (
     Camera,
     DeviceError,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivers.camera_opencv import OpenCvCamera
+from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import DeviceError
 from sim_hardware.camera import CameraFaults, SimulatedCapture, from_frame
 from sim_hardware.clock import VirtualClock

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from drivers.dpm3 import GRAM_FORCE_N, Dpm3Meter
+from drivers.force_sensors.dpm3 import GRAM_FORCE_N, Dpm3Meter
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,

@@ -22,7 +22,7 @@ from drivers import (
     take_over,
 )
 from drivers.interfaces import DeviceError, RealClock
-from drivers.safe import Safety
+from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
 
 pytestmark = pytest.mark.slow

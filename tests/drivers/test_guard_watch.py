@@ -4,10 +4,10 @@ import queue
 
 import pytest
 
+from drivers.boards.ni.take_over import OutputPlace
 from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
 from drivers.guard.watch import Ending, Watch
 from drivers.interfaces import DeviceError
-from drivers.take_over import OutputPlace
 
 SETTINGS = GuardSettings(
     place=OutputPlace("127.0.0.1:1", "PCI6703/ao0", "PCI6034E/ai2"), time_under_voltage_s=30.0

@@ -6,10 +6,10 @@ from ctypes.util import find_library
 import pytest
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
-from drivers import ni_deadlines
+from drivers.boards.ni import deadlines as ni_deadlines
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.deadlines import QUICK_S, SLOW_S, deadline_s
 from drivers.interfaces import DeviceError, DeviceNotFoundError, DeviceTimeoutError
-from drivers.ni_connection import NiConnection
-from drivers.ni_deadlines import QUICK_S, SLOW_S, deadline_s
 
 
 @pytest.mark.parametrize(

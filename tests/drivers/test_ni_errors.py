@@ -2,6 +2,7 @@ import grpc
 import pytest
 from nidaqmx.errors import DaqError, DaqNotFoundError, RpcError
 
+from drivers.boards.ni.errors import DeviceReservedError, TaskGoneError, ni_errors
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,
@@ -9,7 +10,6 @@ from drivers.interfaces import (
     LimitError,
     LostSamplesError,
 )
-from drivers.ni_errors import DeviceReservedError, TaskGoneError, ni_errors
 
 WHERE = "the NI gRPC Device Server at rig:31763"
 

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from drivers import InputChannel, NiSignalInput, ni_deadlines, ni_input
+from drivers import InputChannel, NiSignalInput
+from drivers.boards.ni import analog_input as ni_input
+from drivers.boards.ni import deadlines as ni_deadlines
+from drivers.boards.ni.errors import DeviceReservedError, TaskGoneError
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,
@@ -11,7 +14,6 @@ from drivers.interfaces import (
     LostSamplesError,
     SignalInput,
 )
-from drivers.ni_errors import DeviceReservedError, TaskGoneError
 
 
 def test_channels_and_actual_ranges_are_told(ni_rig):

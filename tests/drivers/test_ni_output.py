@@ -5,7 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from drivers import Amplifier, NiVoltageOutput, SheetDrive, ni_deadlines, ni_output
+from drivers import Amplifier, NiVoltageOutput, SheetDrive
+from drivers.boards.ni import analog_output as ni_output
+from drivers.boards.ni import deadlines as ni_deadlines
+from drivers.boards.ni.errors import DeviceReservedError, TaskGoneError
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,
@@ -13,7 +16,6 @@ from drivers.interfaces import (
     LimitError,
     VoltageOutput,
 )
-from drivers.ni_errors import DeviceReservedError, TaskGoneError
 
 LSB_V = 20.0 / 65536  # of the 6703; the 6034E's at ±5 V is half of it
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivers.interfaces import DeviceError, LimitError, SampleClock, SignalBlock, VoltageWrite
-from drivers.safe import DEVICE_S, PATIENCE_S, Safety, SafetyReport, make_safe
+from drivers.safe_shutdown import DEVICE_S, PATIENCE_S, Safety, SafetyReport, make_safe
 from sim_hardware.clock import VirtualClock
 
 

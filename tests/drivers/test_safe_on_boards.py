@@ -4,7 +4,7 @@ import pytest
 
 from drivers import Amplifier, NiConnection, OutputPlace, SheetDrive, make_safe, take_over
 from drivers.interfaces import DeviceNotFoundError
-from drivers.safe import Safety
+from drivers.safe_shutdown import Safety
 
 GAIN = 10.0
 PLACE = OutputPlace("simulated", "PCI6703/ao0", "PCI6034E/ai2", limit_board_V=0.25)

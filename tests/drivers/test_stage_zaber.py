@@ -15,8 +15,8 @@ from drivers.interfaces import (
     Prompt,
     RealClock,
 )
-from drivers.stage_manual import ManualStage
-from drivers.stage_zaber import ZaberStage
+from drivers.positioners.manual import ManualStage
+from drivers.positioners.zaber import ZaberStage
 from sim_hardware import serial_devices as simulated
 from sim_hardware.clock import VirtualClock
 

@@ -12,7 +12,7 @@ import pytest
 
 from drivers import Guard, GuardSettings, NiConnection, OpenCvCamera, OutputPlace
 from drivers.interfaces import DeviceTimeoutError, RealClock
-from drivers.safe import Safety
+from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
 
 CLOCK = RealClock()
@@ -47,7 +47,7 @@ def test_a_guard_that_hangs_when_it_is_to_act_is_not_waited_for(place, monkeypat
 
 
 def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
-    monkeypatch.setattr("drivers.camera_opencv._JOIN_S", 0.1)
+    monkeypatch.setattr("drivers.cameras.opencv._JOIN_S", 0.1)
     never = threading.Event()
 
     class Stuck:

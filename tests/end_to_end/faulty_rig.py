@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from labrig.session import open_session
-from protocols.events import Outcome, OutputState
+from protocols.execution.events import Outcome, OutputState
 from sim_hardware.world import World
 from tests.end_to_end.small_rig import labrig, make_rig
 

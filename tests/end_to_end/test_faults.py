@@ -8,7 +8,7 @@ from typing import get_args
 
 import pytest
 
-from protocols.events import Outcome, OutputState
+from protocols.execution.events import Outcome, OutputState
 from sim_hardware.world.settings import FaultKind
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
 

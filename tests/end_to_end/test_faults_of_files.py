@@ -15,8 +15,8 @@ import pytest
 from labrig.cli.follow import RunDisplay
 from labrig.session import open_session, writer
 from labrig.session.journal import Journal
-from protocols.events import Event, Outcome, OutputState, ReadingTaken
-from protocols.hub import EventHub
+from protocols.execution.event_bus import EventHub
+from protocols.execution.events import Event, Outcome, OutputState, ReadingTaken
 from sim_hardware.world import World
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
 from tests.end_to_end.small_rig import labrig
@@ -183,7 +183,7 @@ def test_the_time_of_day_that_jumps_back_changes_no_measured_time(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     times = iter(["2026-11-21T12:00:00.000+00:00", "2026-11-21T11:00:00.000+00:00"])
-    monkeypatch.setattr("protocols.scheduler.utc_now", lambda: next(times))
+    monkeypatch.setattr("protocols.execution.scheduler.utc_now", lambda: next(times))
     left = rig.run()
     assert (left.code, left.invalid) == (0, [])
     with open_session(left.path) as session:

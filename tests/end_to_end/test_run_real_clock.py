@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from labrig.session import open_session
-from protocols.events import Outcome, OutputState
+from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, serving
 from tests.end_to_end.small_rig import labrig
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labrig.session import compare_sessions, open_session, verify
-from protocols.events import Outcome, OutputState
+from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.small_rig import ONE_POSITION, PROTOCOL, labrig, make_rig, run_rig
 
 pytestmark = pytest.mark.slow

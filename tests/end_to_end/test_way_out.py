@@ -11,21 +11,21 @@ from pathlib import Path
 import pytest
 
 from drivers.interfaces import DeviceError
-from drivers.safe import Safety, SafetyReport
-from labrig.experiment.people import NobodyAsked
+from drivers.safe_shutdown import Safety, SafetyReport
+from labrig.experiment.operator import NobodyAsked
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig import Rig, opened
-from labrig.experiment.way_out import way_out
+from labrig.experiment.safe_shutdown import way_out
 from labrig.experiment.wiring import wire
 from tests.end_to_end.small_rig import make_rig
 
 SCRIPT = """
 import atexit, os, sys
 from pathlib import Path
-from labrig.experiment.people import NobodyAsked
+from labrig.experiment.operator import NobodyAsked
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig import opened
-from labrig.experiment.way_out import way_out
+from labrig.experiment.safe_shutdown import way_out
 from labrig.experiment.wiring import wire
 
 rig = wire(plan_of(Path(sys.argv[1])), NobodyAsked(print))

@@ -10,15 +10,15 @@ import grpc
 import numpy as np
 import pytest
 
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.take_over import OutputPlace, take_over
 from drivers.interfaces import DeviceError
-from drivers.ni_connection import NiConnection
-from drivers.ni_input import InputChannel, NiSignalInput
-from drivers.ni_output import NiVoltageOutput
-from drivers.take_over import OutputPlace, take_over
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
-from sim_hardware.ni.channel import InProcessRpcError
 from sim_hardware.ni.rpc import CallError
+from sim_hardware.ni.transport.channel import InProcessRpcError
 from tests.fuzz.told import small_and_soon
 
 CASES = 60

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from drivers.dpm3 import Dpm3Meter
+from drivers.force_sensors.dpm3 import Dpm3Meter
 from drivers.interfaces import DeviceError, ThreadHandle
-from drivers.stage_zaber import RST_MICROSTEP_RAD, ZaberStage
+from drivers.positioners.zaber import RST_MICROSTEP_RAD, ZaberStage
 from tests.fuzz.told import small_and_soon
 
 CASES = 400

@@ -23,7 +23,7 @@ from model import (
     predict,
 )
 from protocols import Place, PulseTrain, Schedule, make_schedule
-from protocols import events as ev
+from protocols.execution import events as ev
 from tests.labrig.session.session_recording import record, session_events, settings
 
 POSITIONS_M = (0.0, 0.01, 0.02, 0.03)

@@ -12,7 +12,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.model_file import load_model
 from model import Along, Parameter, SheetModel, predict
-from model.fit import fit
+from model.identification.fit import fit
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
 
@@ -158,7 +158,7 @@ def uneven():
 
 @pytest.mark.slow
 def test_each_set_up_has_the_stiffness_it_was_made_with(uneven):
-    from model.by_run import by_run
+    from model.identification.mounting import by_run
 
     found = by_run(fit(uneven).joint)
     assert [one.position_m for one in found] == list(CHANGES)

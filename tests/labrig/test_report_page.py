@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.report.figures import NAMES
-from labrig.report.findings import Findings
-from labrig.report.fitted import Fitted
-from labrig.report.svg import inline
-from labrig.report.verdict import remarks
-from labrig.report.write import write_report
+from labrig.report.data.findings import Findings
+from labrig.report.data.fitted import Fitted
+from labrig.report.figures.all_figures import NAMES
+from labrig.report.page.summary import remarks
+from labrig.report.page.write import write_report
+from labrig.report.parts.svg import inline
 from labrig.session import export_session, import_session, open_session
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 

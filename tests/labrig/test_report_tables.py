@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labrig.report.chosen import force_line, mean_force, rest_position_m
-from labrig.report.fit_tables import residual_table, trust
-from labrig.report.fitted import fit_what_can_be
-from labrig.report.measured_tables import measurements_as_dict, measurements_tables
-from labrig.report.models import force_curve_N
-from labrig.report.observations import observations
-from labrig.report.paper_tables import compared_conditions, table_3, table_4, table_5, table_6
-from labrig.report.quality import scatter_and_drift
-from labrig.report.table import fixed, interval, number, with_sigma
+from labrig.report.data.fitted import fit_what_can_be
+from labrig.report.data.models import force_curve_N
+from labrig.report.data.quality import scatter_and_drift
+from labrig.report.data.selection import force_line, mean_force, rest_position_m
+from labrig.report.parts.table import fixed, interval, number, with_sigma
+from labrig.report.tables.fit import residual_table, trust
+from labrig.report.tables.measurements import measurements_as_dict, measurements_tables
+from labrig.report.tables.observations import observations
+from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from model import Condition, Reading, predict
 from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
 

@@ -20,7 +20,7 @@ from model import (
     SheetModel,
     predict,
 )
-from model.predict import predict_free
+from model.sheet.prediction import predict_free
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 LONG_B, SHORT_B = 1.27e-6, 8.5e-7

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from model import Along, ModelError, Parameter, SheetModel, predict, predict_free
+from model.design.force_map import force_map
 from model.effects import catalogue
-from model.force_map import force_map
-from model.setup import ActiveEffect, Profile
+from model.sheet.beam_problem import ActiveEffect, Profile
 
 POSITION_M = 0.01
 # they are 0 in the middle of a session, or at the sampling point, or a matter of the rise time

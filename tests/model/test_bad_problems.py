@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.beam import problems, solve
-from model.field import Field
-from model.reach import places_for_force
-from model.tip_load import tip_load
+from model.mechanics.contact_range import places_for_force
+from model.mechanics.equilibrium import problems, solve
+from model.mechanics.field import Field
+from model.mechanics.tip_load import tip_load
 
 R = 0.04
 PLAIN = Field.constant(10.0, 0.05)

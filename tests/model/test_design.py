@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from model import ModelError, Parameter, SheetModel
-from model.baselines import MODELS, compare
-from model.design import (
+from model.design.force_map import force_map, propagate, resized, section, varied
+from model.design.linear_models import controller, fit_linear, linearise, state_space, validity
+from model.design.sizing import least_area, linearity
+from model.design.working_section import (
     best_line,
     force_both_ways,
     largest_forces,
     shape_difference,
     shortest_sheet,
 )
-from model.force_map import force_map, propagate, resized, section, varied
-from model.linear import controller, fit_linear, linearise, state_space, validity
-from model.sizing import least_area, linearity
+from model.identification.baselines import MODELS, compare
 
 LOW, HIGH = 0.0, 0.03
 
@@ -87,8 +87,8 @@ def test_largest_forces_are_the_extremes_over_section_and_voltages(truth):
 
 def test_the_radial_force_of_a_straight_sheet_pulls_inward_on_the_object_it_bends_round():
     """Pushed to positive positions a straight sheet leans out, so that its normal points inward."""
-    from model.beam import problems, solve
-    from model.field import Field
+    from model.mechanics.equilibrium import problems, solve
+    from model.mechanics.field import Field
 
     found = solve(problems(Field.constant(0.0, 0.05), 0.5, 0.04))
     outward = found.nu * np.array([-np.sin(found.phi_hat_rad), np.cos(found.phi_hat_rad)])
@@ -209,8 +209,8 @@ def test_simple_models_do_for_the_short_sheet_and_not_for_the_long_one(measure):
 
 
 def test_simple_models_agree_with_the_full_one_at_small_deflections(measure, truth):
-    from model.field import Field
-    from model.observations import observe
+    from model.identification.observations import observe
+    from model.mechanics.field import Field
 
     observed = observe(measure(), "long")
     nearly_straight = Field.constant(0.3, 0.05)

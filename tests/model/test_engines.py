@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.beam import problems, solve
-from model.field import Field
+from model.mechanics.equilibrium import problems, solve
+from model.mechanics.field import Field
 
 R = 0.04
 
@@ -31,10 +31,10 @@ def test_threads_share_a_batch_and_change_nothing():
 def test_without_numba_the_numpy_engine_is_used(monkeypatch):
     few = batch(3)
     compiled = solve(few)
-    monkeypatch.setitem(sys.modules, "model._kernel", None)
+    monkeypatch.setitem(sys.modules, "model.mechanics.kernel", None)
     import model
 
-    monkeypatch.delattr(model, "_kernel", raising=False)
+    monkeypatch.delattr(model.mechanics, "kernel", raising=False)
     plain = solve(few)
     np.testing.assert_allclose(plain.nu, compiled.nu, atol=1e-9 / R**2)
     with pytest.raises(ModelError, match="numba"):

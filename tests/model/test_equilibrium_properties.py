@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_bvp
 
-from model.beam import Directions, Status, problems, solve
-from model.field import Field
-from model.free import free_shape
+from model.mechanics.equilibrium import Directions, Status, problems, solve
+from model.mechanics.field import Field
+from model.mechanics.free_shape import free_shape
 
 R = 0.04
 real = st.floats

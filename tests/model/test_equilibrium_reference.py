@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.beam import Status, problems, solve
-from model.field import Field
-from model.free import free_shape
-from model.tip_load import tip_load
+from model.mechanics.equilibrium import Status, problems, solve
+from model.mechanics.field import Field
+from model.mechanics.free_shape import free_shape
+from model.mechanics.tip_load import tip_load
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 R = 0.04

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from model import Along, ConfiguredSheet, FitOptions, Parameter, SheetModel, fit
-from model.beam import problems
-from model.field import Field
-from model.observations import observe
-from model.paper import identify
-from model.reach import places_for_force
-from model.residuals import against
+from model.identification.observations import observe
+from model.identification.paper import identify
+from model.identification.residuals import against
+from model.mechanics.contact_range import places_for_force
+from model.mechanics.equilibrium import problems
+from model.mechanics.field import Field
 
 LONG_B, SHORT_B = 1.27e-6, 8.5e-7
 

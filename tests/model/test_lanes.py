@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.beam import Problems, Status, problems, solve
-from model.field import Field
-from model.tip_load import tip_load
+from model.mechanics.equilibrium import Problems, Status, problems, solve
+from model.mechanics.field import Field
+from model.mechanics.tip_load import tip_load
 
 R = 0.04
 

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from model.noise import Data, deviance, effects, estimate, freedom, spread, weigh
+from model.identification.mixed_model import (
+    Data,
+    deviance,
+    effects,
+    estimate,
+    freedom,
+    spread,
+    weigh,
+)
 
 
 def made(random, runs=40, u=0.3, tau=0.1):

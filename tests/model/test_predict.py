@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from model import Along, ConfiguredSheet, ModelError, Parameter, SheetModel, predict
-from model.beam import problems, solve
-from model.field import Field
-from model.reach import limit_m, other_solutions, places_for_force, stable
-from model.setup import ActiveEffect
+from model.mechanics.contact_range import limit_m, other_solutions, places_for_force, stable
+from model.mechanics.equilibrium import problems, solve
+from model.mechanics.field import Field
+from model.sheet.beam_problem import ActiveEffect
 
 R = 0.04
 
@@ -201,8 +201,8 @@ def test_places_along_the_sheet_must_ascend():
 
 
 def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel):
-    from model.setup import Setup
-    from model.solved import free_curvature
+    from model.sheet.beam_problem import Setup
+    from model.sheet.solution import free_curvature
 
     one: ConfiguredSheet = truth.sheet("long")
     soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, 3.0]), 0.05)

@@ -21,8 +21,8 @@ from protocols import (
     StepResponse,
     make_schedule,
 )
-from protocols.events import Outcome, OutputState
-from protocols.stop import StopLevel
+from protocols.execution.events import Outcome, OutputState
+from protocols.execution.stop import StopLevel
 from tests.properties.witness import HALF_STEP_V, LIMITS, WitnessedRig
 
 RUN = settings(

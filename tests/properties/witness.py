@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from drivers.amplifier import Amplifier, SheetDrive
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
 from drivers.interfaces import FloatArray, Prompt
-from drivers.ni_connection import NiConnection
-from drivers.ni_input import InputChannel, NiSignalInput
-from drivers.ni_output import NiVoltageOutput
-from drivers.safe import make_safe
+from drivers.safe_shutdown import make_safe
 from protocols import Devices, SafetyLimits, Scheduler, StopRequest
-from protocols.events import Event
+from protocols.execution.events import Event
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import NiDeviceServer
 

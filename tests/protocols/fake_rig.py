@@ -18,7 +18,7 @@ from drivers.interfaces import (
     ThreadHandle,
     VoltageWrite,
 )
-from drivers.safe import SafetyReport, make_safe
+from drivers.safe_shutdown import SafetyReport, make_safe
 from protocols import (
     Devices,
     Place,
@@ -29,7 +29,7 @@ from protocols import (
     StopRequest,
     make_schedule,
 )
-from protocols.events import Event
+from protocols.execution.events import Event
 
 LIMITS = SafetyLimits(sheet_voltage_V=2.5, time_under_voltage_s=30.0)
 SHORT_TRAIN = PulseTrain(zero_readings=2, pulses_discarded=1, readings_per_voltage=1, pulse_s=0.6)

@@ -14,7 +14,7 @@ from protocols import (
     make_schedule,
     timeline,
 )
-from protocols.events import VoltageSet, Warned
+from protocols.execution.events import VoltageSet, Warned
 
 
 def test_the_papers_position_in_numbers():

@@ -8,7 +8,7 @@ from fake_rig import FakeRig, short_schedule
 
 from drivers.interfaces import OverloadError
 from protocols import EventHub, FinishReason, RunState, Timing
-from protocols.events import (
+from protocols.execution.events import (
     Outcome,
     OutputChanged,
     OutputState,

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocols.filters import symmetric_mean, window
+from protocols.execution.filters import symmetric_mean, window
 
 INDEX = np.arange(1000.0)
 

@@ -5,8 +5,8 @@ import threading
 import pytest
 
 from protocols import EventHub, SubscriberError
-from protocols.events import SessionStarted, Warned
-from protocols.hub import WATCHER_QUEUE
+from protocols.execution.event_bus import WATCHER_QUEUE
+from protocols.execution.events import SessionStarted, Warned
 
 EVENT = SessionStarted(1.0, "")
 

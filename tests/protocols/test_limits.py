@@ -6,7 +6,7 @@ import pytest
 from fake_rig import LIMITS, FakeRig, short_schedule
 
 from protocols import Place, PulseTrain, SafetyLimits, ScheduleError, check_schedule, make_schedule
-from protocols.schedule import VoltageStep
+from protocols.planning.schedule import VoltageStep
 
 
 def changed(**run_changes):

@@ -14,7 +14,7 @@ from protocols import (
     make_schedule,
     time_under_voltage_s,
 )
-from protocols.events import Outcome, ReadingTaken, VoltageSet
+from protocols.execution.events import Outcome, ReadingTaken, VoltageSet
 
 POSITIONS_M = (0.0, 0.005, 0.010, 0.015, 0.020, 0.025, 0.030)
 PLACES = [Place("long", POSITIONS_M), Place("short", POSITIONS_M)]

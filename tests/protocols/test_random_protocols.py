@@ -24,7 +24,7 @@ from protocols import (
     time_under_voltage_s,
     timeline,
 )
-from protocols.events import Outcome, ReadingTaken, VoltageSet
+from protocols.execution.events import Outcome, ReadingTaken, VoltageSet
 
 volts = st.floats(-2.5, 2.5).map(lambda v: round(v, 3))
 counts = st.integers(0, 4)

@@ -20,7 +20,7 @@ from protocols import (
     Timing,
     make_schedule,
 )
-from protocols.events import (
+from protocols.execution.events import (
     FramesArrived,
     OperatorAnswered,
     OperatorAsked,

@@ -4,7 +4,7 @@ import pytest
 from fake_rig import FakeRig, short_schedule
 
 from protocols import FinishReason, Place, PulseTrain, RunState, StopLevel, make_schedule
-from protocols.events import (
+from protocols.execution.events import (
     Outcome,
     OutputState,
     ReadingTaken,

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from drivers.interfaces import Clock, Prompt, ThreadHandle
-from sim_hardware.bench import Bench, Scene
-from sim_hardware.person import SimulatedPerson
+from sim_hardware.operator import SimulatedPerson
+from sim_hardware.simulated_rig import Bench, Scene
 from sim_hardware.world import CellFault, World, WorldError, WorldSettings, load_world
 
 QUIET = {

@@ -18,7 +18,7 @@ def _work_of(order: Order) -> Callable[[Host], tuple[int, str]]:
 
         return run
     if order.kind == "preflight":
-        from labrig.panel.job.looking import look
+        from labrig.panel.job.preflight import look
 
         return look
     if order.kind == "weighing":

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from drivers.interfaces import Camera, Clock, DeviceError
 from labrig.errors import BadInputError, ExitCode, NotReadyError
-from labrig.experiment.people import NobodyAsked
+from labrig.experiment.operator import NobodyAsked
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.wiring import wire
 from labrig.panel.job.host import Host
-from labrig.panel.pictures import raw_picture
+from labrig.panel.live.frames import raw_picture
 
 EVERY_S = 0.1
 _FRAMES = 1.5  # a window of so many frame periods holds at least one frame

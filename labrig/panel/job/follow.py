@@ -8,18 +8,18 @@ import numpy as np
 
 from drivers.interfaces import Frame
 from labrig.experiment.rig import DRIVE, Rig
-from labrig.panel.feed import Feed
 from labrig.panel.job.preview import Preview
-from labrig.panel.messages import Scribe
-from labrig.panel.pictures import raw_picture
-from labrig.panel.strip import Envelope
-from protocols import events as ev
-from protocols.scheduler import Scheduler
-from protocols.states import RunState
+from labrig.panel.live.event_stream import Feed
+from labrig.panel.live.frames import raw_picture
+from labrig.panel.live.messages import Scribe
+from labrig.panel.live.strip_chart import Envelope
+from protocols.execution import events as ev
+from protocols.execution.scheduler import Scheduler
+from protocols.execution.states import RunState
 
 
 class Follower:
-    """A watcher of `protocols.hub`. `asks_itself`: prompts are told by the one who asks them."""
+    """Subscribe to a run's events. `asks_itself`: whoever asks a prompt publishes it."""
 
     def __init__(self, feed: Feed, scribe: Scribe, *, asks_itself: bool) -> None:
         self._feed = feed
@@ -42,7 +42,7 @@ class Follower:
         self._rig, self._preview = rig, preview
 
     def __call__(self, event: ev.Event) -> None:
-        """See `protocols.hub`."""
+        """See `protocols.execution.event_bus`."""
         if isinstance(event, ev.SessionStopped):
             self.going = False
         self._note(event)

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
-from labrig.panel.feed import Feed, Mail, Mailbox, Message
+from labrig.panel.job.connection import LinkServer
 from labrig.panel.job.order import Order
-from labrig.panel.link import LinkServer
-from labrig.panel.packing import Header, pack
-from labrig.panel.place import Place, write_place
+from labrig.panel.job.registry import Place, write_place
+from labrig.panel.live.event_stream import Feed, Mail, Mailbox, Message
+from labrig.panel.live.packing import Header, pack
 
 Handler = Callable[[dict[str, Any]], object]
 

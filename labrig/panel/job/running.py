@@ -9,29 +9,29 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError, NotReadyError
+from labrig.experiment.networked_rig import served_rig
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
 from labrig.experiment.rig import Rig
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.served import served_rig
 from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
-from labrig.panel.feed import Message
 from labrig.panel.job.follow import Follower
 from labrig.panel.job.host import Host
+from labrig.panel.job.operator import PagePerson
 from labrig.panel.job.order import Order
-from labrig.panel.job.people import PagePerson
 from labrig.panel.job.preview import Preview
-from labrig.panel.messages import Scribe
-from labrig.panel.place import hidden_folder
-from labrig.panel.plans import message_of_plan
-from labrig.panel.setup import setup_message
+from labrig.panel.job.registry import hidden_folder
+from labrig.panel.live.event_stream import Message
+from labrig.panel.live.messages import Scribe
+from labrig.panel.live.optics_message import setup_message
+from labrig.panel.live.plans import message_of_plan
 from labrig.session import open_session
 from protocols import ScheduleError
-from protocols.events import ActionTaken
-from protocols.hub import EventHub, SubscriberError
-from protocols.schedule import Purpose
-from protocols.stop import StopLevel, StopRequest
+from protocols.execution.event_bus import EventHub, SubscriberError
+from protocols.execution.events import ActionTaken
+from protocols.execution.stop import StopLevel, StopRequest
+from protocols.planning.schedule import Purpose
 
 
 def run(host: Host) -> tuple[int, str]:

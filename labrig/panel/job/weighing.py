@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
+from drivers.force_sensors.load_cell import CalibrationError
 from drivers.interfaces import RealClock
-from drivers.load_cell import CalibrationError
-from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, ExitCode
+from labrig.experiment.load_cell_calibration import weigh, write_calibration
 from labrig.experiment.preflight import plan_of
-from labrig.experiment.weighing import weigh, write_calibration
 from labrig.experiment.wiring import wire
-from labrig.panel.feed import Message
 from labrig.panel.job.host import Host
-from labrig.panel.job.people import PagePerson
-from labrig.panel.messages import Scribe
-from labrig.panel.place import hidden_folder
-from protocols.events import Event
-from protocols.stop import StopLevel, StopRequest
+from labrig.panel.job.operator import PagePerson
+from labrig.panel.job.registry import hidden_folder
+from labrig.panel.live.event_stream import Message
+from labrig.panel.live.messages import Scribe
+from protocols.execution.events import Event
+from protocols.execution.stop import StopLevel, StopRequest
 
 MADE = "load_cell.made.toml"  # in the panel's own folder, until it is accepted
 _LEAST_POINTS = 3

@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 from labrig.errors import LabrigError
-from labrig.panel.darkroom import Darkroom
-from labrig.panel.feed import Feed, Message
+from labrig.panel.live.event_stream import Feed, Message
+from labrig.panel.live.frame_pipeline import Darkroom
 from labrig.panel.replay.recording import Recording
 
 TICK_S = 0.05

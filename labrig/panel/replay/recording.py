@@ -9,21 +9,21 @@ from typing import Any
 
 import numpy as np
 
+from drivers.force_sensors.load_cell import LoadCell
 from drivers.interfaces import Frame
-from drivers.load_cell import LoadCell
 from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
 from labrig.experiment.rig import DRIVE
-from labrig.panel.feed import Message, Picture
-from labrig.panel.messages import Scribe, plan_message
-from labrig.panel.pictures import raw_picture
-from labrig.panel.plans import optics_message
-from labrig.panel.replay.told import events_of
-from labrig.panel.setup import setup_message
-from labrig.panel.strip import BIN_S, KEEP_S, Envelope, Strip
+from labrig.panel.live.event_stream import Message, Picture
+from labrig.panel.live.frames import raw_picture
+from labrig.panel.live.messages import Scribe, plan_message
+from labrig.panel.live.optics_message import setup_message
+from labrig.panel.live.plans import optics_message
+from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, Strip
+from labrig.panel.replay.recorded_events import events_of
 from labrig.session import RunRecord, Session, open_session
 from labrig.vision import Optics
-from protocols import events as ev
+from protocols.execution import events as ev
 
 _NOT_MARKED = {"voltage", "reading", "output", "action", "answered"}
 

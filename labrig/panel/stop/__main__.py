@@ -19,9 +19,9 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
-from labrig.panel.settings import host_name
+from labrig.panel.server.credentials import cookie_of, same_token
+from labrig.panel.server.settings import host_name
 from labrig.panel.stop.press import Line
-from labrig.panel.tokens import cookie_of, same_token
 
 PATIENCE_S = 3.0  # with a client that connects and says nothing
 MOST_BODY_BYTES = 4096

@@ -17,10 +17,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from labrig.panel.link import Link
-from labrig.panel.packing import BrokenLinkError, Header
-from labrig.panel.place import GOING, Place, read_place
-from labrig.panel.processes import module_environment
+from labrig.panel.job.connection import Link
+from labrig.panel.job.processes import module_environment
+from labrig.panel.job.registry import GOING, Place, read_place
+from labrig.panel.live.packing import BrokenLinkError, Header
 
 OBEY_S = 1.0  # as long as the guard gives a run that hangs
 DIE_S = 2.0

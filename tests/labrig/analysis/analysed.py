@@ -11,7 +11,7 @@ import numpy as np
 from labrig.config import parse_load_cell
 from labrig.session import SessionWriter
 from protocols import Schedule
-from protocols import events as ev
+from protocols.execution import events as ev
 from sim_hardware.optics import OpticsSettings, Renderer
 from tests.labrig.session.session_recording import (
     OFFSET_V,

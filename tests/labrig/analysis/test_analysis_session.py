@@ -15,7 +15,7 @@ from labrig.errors import BadInputError
 from labrig.session import load_measurements, open_session, verify
 from labrig.vision import Optics
 from protocols import Extras, Place, PulseTrain, make_schedule
-from protocols import events as ev
+from protocols.execution import events as ev
 from tests.labrig.analysis.analysed import (
     OPTICS,
     bent,

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from model import Along, Parameter, SheetModel, predict
-from model.discrepancy.result import (
+from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
     FormCurve,
@@ -21,7 +21,7 @@ from model.discrepancy.result import (
     Unknown,
     Where,
 )
-from model.setup import ActiveEffect, Profile
+from model.sheet.beam_problem import ActiveEffect, Profile
 from tests.labrig.report_data import DECAY_M, STIFFNESS, measure, truth
 
 SIGMA_N = 3e-5

@@ -9,7 +9,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.model_file import save_model
-from labrig.report.model_row import model_rows
+from labrig.report.tables.model_file import model_rows
 from tests.labrig.diagnose.made import constant, named_effect
 from tests.labrig.report_data import measure, session, truth
 

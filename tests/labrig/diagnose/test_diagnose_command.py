@@ -15,14 +15,14 @@ import model.discrepancy
 from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
-from labrig.report.diagnosis_figures import FIGURES
-from labrig.report.diagnosis_page import write_diagnosis
-from labrig.report.diagnosis_store import kept_diagnosis
-from labrig.report.write import write_report
+from labrig.report.diagnosis.figures import FIGURES
+from labrig.report.diagnosis.page import write_diagnosis
+from labrig.report.diagnosis.store import kept_diagnosis
+from labrig.report.page.write import write_report
 from labrig.session import load_measurements
 from model import predict
 from model.discrepancy import Next
-from model.discrepancy.result import BeforeAfter
+from model.discrepancy.verdict.result import BeforeAfter
 from model.effects import catalogue
 from tests.labrig.diagnose import made
 from tests.labrig.report_data import measure, session

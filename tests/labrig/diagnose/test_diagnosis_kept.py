@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.report.diagnosis_store import keep_diagnosis, kept_diagnosis
-from labrig.report.plain import from_plain, to_plain
+from labrig.report.diagnosis.store import keep_diagnosis, kept_diagnosis
+from labrig.report.parts.plain import from_plain, to_plain
 from labrig.session import drop_measurements, load_measurements, store_measurements, verify
-from model.discrepancy.result import Diagnosis
+from model.discrepancy.verdict.result import Diagnosis
 from tests.labrig.diagnose.made import ALL, found
 from tests.labrig.report_data import measure, session
 

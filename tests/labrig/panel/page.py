@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from labrig.panel.packing import unpack
+from labrig.panel.live.packing import unpack
 
 Message = dict[str, Any]
 # On a busy computer the preflight refuses a camera that cannot keep up: then once more.

@@ -11,7 +11,7 @@ from uvicorn.server import ServerState
 from websockets.client import ClientProtocol
 from websockets.uri import parse_uri
 
-from labrig.panel.connection import PageConnection
+from labrig.panel.server.connection import PageConnection
 
 
 class FullTransport:

@@ -12,9 +12,9 @@ from drivers.interfaces import Frame
 from labrig.config import parse_sheet
 from labrig.config.templates import template_text
 from labrig.model_file import save_model
-from labrig.panel.curve_process import Finder
-from labrig.panel.pictures import image_of, raw_picture
-from labrig.panel.setup import setup_message
+from labrig.panel.live.curve_process import Finder
+from labrig.panel.live.frames import image_of, raw_picture
+from labrig.panel.live.optics_message import setup_message
 from labrig.vision import Optics
 from model import Along, ConfiguredSheet, Parameter, SheetModel, predict
 from protocols import Place, PulseTrain, make_schedule

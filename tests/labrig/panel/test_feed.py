@@ -9,10 +9,10 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from labrig.panel.feed import MOST_WAITING, Feed, Mailbox
-from labrig.panel.link import Link, LinkServer
-from labrig.panel.packing import BrokenLinkError, dumps, pack, receive, send, unpack
-from labrig.panel.strip import BIN_S, KEEP_S, Envelope, Strip, joined, strip_from
+from labrig.panel.job.connection import Link, LinkServer
+from labrig.panel.live.event_stream import MOST_WAITING, Feed, Mailbox
+from labrig.panel.live.packing import BrokenLinkError, dumps, pack, receive, send, unpack
+from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, Strip, joined, strip_from
 
 
 def taken(box):

@@ -9,11 +9,11 @@ import threading
 import pytest
 
 from labrig.errors import LabrigError
-from labrig.panel.darkroom import Darkroom
-from labrig.panel.feed import Feed
+from labrig.panel.job.jobs import Jobs
 from labrig.panel.job.order import Order
-from labrig.panel.jobs import Jobs
-from labrig.panel.place import GOING, Place, write_place
+from labrig.panel.job.registry import GOING, Place, write_place
+from labrig.panel.live.event_stream import Feed
+from labrig.panel.live.frame_pipeline import Darkroom
 from labrig.session.guarded import guard_report_path
 
 REPORT = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0, "failures": []}
@@ -94,7 +94,7 @@ def test_a_new_run_does_not_inherit_the_report_of_an_old_one_of_its_name(jobs, t
         raise LabrigError("far enough")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("labrig.panel.jobs._spawn", spawned)
+        patch.setattr("labrig.panel.job.jobs._spawn", spawned)
         with pytest.raises(LabrigError, match="far enough"):
             panel.start(run_into(tmp_path / "new.h5"))
 
@@ -107,7 +107,7 @@ def test_an_order_that_will_be_refused_takes_no_report_from_the_session_that_is_
     feed, panel = jobs()
     feed.until(type="output", by="guard")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("labrig.panel.jobs._spawn", refusing)
+        patch.setattr("labrig.panel.job.jobs._spawn", refusing)
         with pytest.raises(LabrigError, match="refused"):
             panel.start(run_into(tmp_path / "s.h5"))
     assert guard_report_path(tmp_path / "s.h5").exists()

@@ -12,7 +12,7 @@ import numpy as np
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
 from protocols import Place, PulseTrain, Schedule, make_schedule
-from protocols import events as ev
+from protocols.execution import events as ev
 
 CHANNELS = ("force", "current", "drive")
 RANGES_V = (0.05, 0.5, 5.0)

@@ -8,11 +8,11 @@ from types import SimpleNamespace
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.experiment.watching import watched
+from labrig.experiment.watchdog import watched
 from labrig.session import SessionWriter, open_session, recover, verify
 from labrig.session.guarded import guard_report_path, read_guard_report
 from labrig.session.journal import journal_path
-from protocols.events import OutputState
+from protocols.execution.events import OutputState
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
 
 SAFE = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0004, "failures": []}

@@ -14,11 +14,11 @@ import pytest
 
 from labrig.errors import BadInputError, ExitCode
 from labrig.session import SessionWriter, WriterError, open_session, recover
-from labrig.session.backlog import Backlog, StalledError
 from labrig.session.journal import Journal, journal_path, read_journal
 from labrig.session.rows import Rows, Translator
 from labrig.session.setup import Setup
-from protocols import events as ev
+from labrig.session.write_queue import Backlog, StalledError
+from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
 

@@ -22,7 +22,7 @@ from labrig.session import (
     verify,
 )
 from labrig.session.journal import journal_path
-from protocols import events as ev
+from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 

@@ -8,7 +8,7 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.session import SessionWriter, open_session
-from protocols import events as ev
+from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (
     CHANNELS,
     FRAME_SHAPE,

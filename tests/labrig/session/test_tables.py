@@ -31,7 +31,7 @@ from labrig.session.decimals import (
     plain,
 )
 from model.measurements import Measurements
-from protocols.events import Outcome
+from protocols.execution.events import Outcome
 from tests.labrig.session.measured import measurements, same
 from tests.labrig.session.session_recording import SHEET
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from labrig.vision.fit import usable_cells
-from labrig.vision.setting import Band
+from labrig.vision.fit.context import Band
+from labrig.vision.fit.curve_fit import usable_cells
 
 
 def test_odd_pieces_in_a_gap_are_not_the_sheet():

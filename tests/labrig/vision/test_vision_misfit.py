@@ -8,7 +8,7 @@ import pytest
 from benchmarks import vision_scenes
 from benchmarks.vision_extraction import signed_errors_px
 from labrig.vision import Optics, StripGeometry, neutral_curve
-from labrig.vision.fit import around
+from labrig.vision.fit.curve_fit import around
 
 PX_PER_MM, FREE_MM, THICK_PX = 9.0, 100.0, 15.0
 

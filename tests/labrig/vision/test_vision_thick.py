@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.vision import Optics, StripGeometry, Tracker, neutral_curve
-from labrig.vision.reduced import reduced_optics, scaled_places
+from labrig.vision.image.downscaling import reduced_optics, scaled_places
 
 PX_PER_MM, FREE_MM = 9.0, 100.0
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
-from labrig.vision.picture import read_picture
-from labrig.vision.trace import ridge_maps
-from labrig.vision.wires import Wire, find_branches, find_wires
+from labrig.vision.image.image import read_picture
+from labrig.vision.search.ridge_tracing import ridge_maps
+from labrig.vision.search.straight_lines import Wire, find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.point import Active
-from model.discrepancy.scene import Scene
+from model.discrepancy.likelihood.contact_solution import Scene
+from model.discrepancy.likelihood.forward_model import Active
 from model.effects import effect
 from model.effects.conformance import plausible
 from tests.model.discrepancy.sessions import base_fit

@@ -8,8 +8,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy import search as searching
-from model.discrepancy.decide import (
+from model.discrepancy.likelihood.form_error import Found
+from model.discrepancy.likelihood.mixed_model_fit import settle
+from model.discrepancy.locations.slots import unknowns
+from model.discrepancy.search.evidence import Candidate, Score, candidates
+from model.discrepancy.search.forward_selection import Turn, search
+from model.discrepancy.search.forward_selection import forward_selection as searching
+from model.discrepancy.search.null_calibration import FALSE_NAMES, null_gains, threshold
+from model.discrepancy.search.outliers import (
+    condition_name,
+    condition_runs,
+    numbers_of,
+    outlier_candidates,
+    without,
+)
+from model.discrepancy.search.ranking import Contender
+from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.verdict.posterior import (
     HARDLY,
     TEMPER,
     Choice,
@@ -19,21 +34,6 @@ from model.discrepancy.decide import (
     rest_of_another,
     with_shapes,
 )
-from model.discrepancy.nulls import FALSE_NAMES, null_gains, threshold
-from model.discrepancy.outliers import (
-    condition_name,
-    condition_runs,
-    numbers_of,
-    outlier_candidates,
-    without,
-)
-from model.discrepancy.ranking import Contender
-from model.discrepancy.score import Candidate, Score, candidates
-from model.discrepancy.search import Turn, search
-from model.discrepancy.settle import settle
-from model.discrepancy.signatures import class_of, classes, forms, invisible, signatures
-from model.discrepancy.slots import unknowns
-from model.discrepancy.tolerance import Found
 from model.effects import catalogue, effect
 from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session

@@ -7,12 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.gaps import cells, closed_share, floor, refitted, variance
-from model.discrepancy.gaps import gap as gap_of
-from model.discrepancy.left_out import left_out, position_groups, predictive_gains
 from model.discrepancy.prepare import Options
-from model.discrepancy.result import BeforeAfter, Gap
-from model.noise import inverse_symmetric
+from model.discrepancy.search.cross_validation import left_out, position_groups, predictive_gains
+from model.discrepancy.verdict.prediction_error import (
+    cells,
+    closed_share,
+    floor,
+    refitted,
+    variance,
+)
+from model.discrepancy.verdict.prediction_error import gap as gap_of
+from model.discrepancy.verdict.result import BeforeAfter, Gap
+from model.identification.mixed_model import inverse_symmetric
 from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed
 
 SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)

@@ -7,9 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.features import look
-from model.discrepancy.menu import MENU, extended, next_measurement, separation
-from model.discrepancy.score import candidates
+from model.discrepancy.data.data_vector import look
+from model.discrepancy.next_measurement.candidate_measurements import (
+    MENU,
+    extended,
+    next_measurement,
+    separation,
+)
+from model.discrepancy.search.evidence import candidates
 from model.effects import effect
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.scatter import ASSUMED
-from model.discrepancy.settle import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.measurements import Condition, Curve, Measurements
 from tests.model.discrepancy.sessions import Case, Extras, fitted, session
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from model import predict
-from model.discrepancy.features import look
-from model.discrepancy.point import Active, Study
-from model.discrepancy.scene import Scene, projection
+from model.discrepancy.data.data_vector import look
+from model.discrepancy.likelihood.contact_solution import Scene, projection
+from model.discrepancy.likelihood.forward_model import Active, Study
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import Beam
-from model.field import Field
+from model.mechanics.field import Field
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
 STIFF = {"long": 1.27e-6, "short": 8.5e-7}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from model.discrepancy.score import (
+from model.discrepancy.search.evidence import (
     Candidate,
     Projected,
     Score,
@@ -21,7 +21,7 @@ from model.discrepancy.score import (
     unit_values,
 )
 from model.effects import catalogue, effect
-from model.noise import Data, weigh
+from model.identification.mixed_model import Data, weigh
 from tests.model.discrepancy.sessions import base_fit
 
 

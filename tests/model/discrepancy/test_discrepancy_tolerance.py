@@ -7,14 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy import ranking
-from model.discrepancy.point import Step
-from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.profile import unknown_effect, unknown_of
-from model.discrepancy.ranking import Contender
-from model.discrepancy.score import Score
-from model.discrepancy.slots import _MAKERS, shapes, unknowns
-from model.discrepancy.tolerance import (
+from model.discrepancy.likelihood.form_error import (
     FORM,
     OWN,
     SIGN,
@@ -27,6 +20,13 @@ from model.discrepancy.tolerance import (
     waves_along,
     whole_step,
 )
+from model.discrepancy.likelihood.forward_model import Step
+from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
+from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.search.evidence import Score
+from model.discrepancy.search.forward_selection import ranking
+from model.discrepancy.search.ranking import Contender
 from model.effects import SLOTS, catalogue, effect
 from model.effects.conformance import plausible
 from model.measurements import FloatArray

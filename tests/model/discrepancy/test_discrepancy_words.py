@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from model.discrepancy.result import BeforeAfter, Gap, Named
-from model.discrepancy.words import sentence
+from model.discrepancy.verdict.messages import sentence
+from model.discrepancy.verdict.result import BeforeAfter, Gap, Named
 
 NAN = float("nan")
 NAMED = Named("gravity", "even_moment", {}, {}, 1.0, (), 0.0)

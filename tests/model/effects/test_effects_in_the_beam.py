@@ -10,14 +10,14 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
 from model import Condition, Curve, Measurements, Reading, SheetGeometry
-from model.beam import problems, solve
-from model.discrepancy.features import look
-from model.discrepancy.scene import Scene
+from model.discrepancy.data.data_vector import look
+from model.discrepancy.likelihood.contact_solution import Scene
 from model.effects import Effect, catalogue, effect
 from model.effects.conformance import acts, plausible
 from model.effects.interface import Beam, Held
 from model.effects.roll_friction import slid
-from model.field import Field
+from model.mechanics.equilibrium import problems, solve
+from model.mechanics.field import Field
 
 R, B = 0.04, 1.27e-6
 VOLTS = (0.0, 2.0, -2.0)

@@ -1,0 +1,1 @@
+"""Boards with analog inputs and outputs."""

@@ -1,0 +1,1 @@
+"""NI boards, local or behind a gRPC device server."""

@@ -1,0 +1,1 @@
+"""Positioners that move the load cell along the arc."""

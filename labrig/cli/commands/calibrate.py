@@ -1,0 +1,165 @@
+"""Calibrations: load cell and camera, and the board for the latter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from labrig.cli.screen import print_table, say, warn
+from labrig.errors import BadInputError
+from labrig.files import write_text
+
+if TYPE_CHECKING:
+    from labrig.vision import Board, Calibration
+
+Columns = Annotated[int, typer.Option(help="squares across the board")]
+Rows = Annotated[int, typer.Option(help="squares down the board")]
+SquareMm = Annotated[float, typer.Option("--square-mm", help="side of a square, as printed")]
+MarkerMm = Annotated[float, typer.Option("--marker-mm", help="side of a marker; 0: checkerboard")]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    room = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
+    room.command(name="load-cell")(load_cell)
+    room.command()(camera)
+    room.command()(board)
+    app.add_typer(room, name="calibrate")
+
+
+def load_cell(
+    rig: Annotated[Path, typer.Argument(help="rig.toml")],
+    weight_mN: Annotated[
+        list[float], typer.Option("--weight-mN", help="a dead weight; repeat, 0 included")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="by default the file rig.toml names")
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="take each weight as hung")] = False,
+) -> None:
+    """Calibrate the load cell with dead weights, one by one, and write load_cell.toml.
+
+    The output stays at 0 V. The calibration that is replaced is kept under its date.
+    """
+    from labrig.experiment.load_cell_calibration import weigh, write_calibration
+    from labrig.experiment.operator import ConsoleOperator, NobodyAsked
+    from labrig.experiment.preflight import plan_of
+    from labrig.experiment.wiring import wire
+
+    if len(set(weight_mN)) < 2 or len(weight_mN) < 3:
+        raise BadInputError(
+            "--weight-mN: at least three readings with two different weights are needed, such as "
+            "--weight-mN 0 --weight-mN 19.6 --weight-mN 49."
+        )
+    plan = plan_of(rig)
+    operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
+    found = weigh(wire(plan, operator), plan, [load / 1000 for load in weight_mN], warn)
+    rows = [
+        [f"{1e3 * load:.2f}", f"{1e3 * volt:+.5f}", f"{1e3 * left:+.4f}"]
+        for load, volt, left in zip(found.loads_N, found.volts, found.fit.residuals_N, strict=True)
+    ]
+    print_table("Dead weights", ["weight mN", "reading mV", "off the line mN"], rows)
+    made = found.calibration
+    say(
+        f"sensitivity {made.sensitivity_V_per_N:.6f} ± {made.sensitivity_sigma_V_per_N:.6f} V/N, "
+        f"offset {1e6 * made.offset_V:+.2f} ± {1e6 * made.offset_sigma_V:.2f} µV"
+    )
+    path = output or plan.rig.load_cell.calibration
+    write_calibration(made, path)
+    say(f"wrote {path}")
+
+
+def camera(
+    pictures: Annotated[
+        list[Path], typer.Argument(help="of the board; the first one flat in the sheet's plane")
+    ],
+    clamp_px: Annotated[
+        str, typer.Option("--clamp-px", help="U,V: the pixel where the sheet leaves the clamp")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="the optics.json to make")],
+    along_px: Annotated[
+        str | None, typer.Option("--along-px", help="U,V: a second pixel on the clamped sheet")
+    ] = None,
+    ruler_px: Annotated[
+        str | None, typer.Option("--ruler-px", help="U1,V1,U2,V2: no board, two points of a ruler")
+    ] = None,
+    ruler_mm: Annotated[
+        float, typer.Option("--ruler-mm", help="distance of the ruler's two points")
+    ] = 0.0,
+    columns: Columns = 12,
+    rows: Rows = 9,
+    square_mm: SquareMm = 5.0,
+    marker_mm: MarkerMm = 3.6,
+) -> None:
+    """Calibrate the camera: scale, axes and lens, from pictures of a board, or from a ruler.
+
+    Print the board with `labrig calibrate board`. One picture of it, flat in the sheet's plane, is
+    enough; three or more fix the lens better.
+    """
+    from labrig.vision import calibrate_camera, calibrate_ruler, read_image
+    from labrig.vision.calibration.drawing import write_calibration_picture
+
+    images = [read_image(path) for path in pictures]
+    clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
+    if ruler_px is not None:
+        u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
+        size = (images[0].shape[1], images[0].shape[0])
+        found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=(clamp_u, clamp_v))
+    else:
+        along = None if along_px is None else _numbers(along_px, "--along-px", 2)
+        found = calibrate_camera(
+            images,
+            _board(columns, rows, square_mm, marker_mm),
+            clamp_px=(clamp_u, clamp_v),
+            along_px=None if along is None else (along[0], along[1]),
+        )
+    _tell(found, output)
+    picture = output.with_suffix(".png")
+    write_calibration_picture(picture, images[0], found.optics)
+    say(f"wrote {picture}: look whether its lines run along the board's")
+
+
+def board(
+    output: Annotated[Path, typer.Option("--output", "-o", help="the PDF to make")],
+    columns: Columns = 12,
+    rows: Rows = 9,
+    square_mm: SquareMm = 5.0,
+    marker_mm: MarkerMm = 3.6,
+) -> None:
+    """Write the calibration board as a PDF of its true size, with a ruler to check the print."""
+    from labrig.vision import write_board_pdf
+
+    write_board_pdf(output, _board(columns, rows, square_mm, marker_mm))
+    say(f"wrote {output}; print it at 100 % and measure the ruler on it")
+
+
+def _board(columns: int, rows: int, square_mm: float, marker_mm: float) -> Board:
+    from labrig.vision import Board
+
+    return Board(columns, rows, square_mm, marker_mm)
+
+
+def _numbers(text: str, option: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        raise BadInputError(f"{option} {text!r}: {count} numbers with commas between are needed.")
+    return values
+
+
+def _tell(found: Calibration, output: Path) -> None:
+    optics = found.optics
+    say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
+    if found.residual_px:
+        say(
+            f"corners fit with {found.residual_px:.3f} pixels RMS ({found.residual_um:.1f} µm; at "
+            f"most {found.largest_um:.1f} µm)"
+        )
+    for text in found.warnings:
+        warn(f"warning: {text}")
+    write_text(output, optics.model_dump_json(indent=2, exclude_none=True) + "\n")
+    say(f"wrote {output}")

@@ -1,0 +1,227 @@
+"""Pictures of a clamped strip to neutral curves, with a session or without: curves."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from labrig.cli.screen import finite, say, warn
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
+    from model import Curve
+    from model.measurements import Condition, Contact
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add this command."""
+    app.command()(curves)
+
+
+def curves(
+    sources: Annotated[
+        list[Path] | None, typer.Argument(help="pictures, videos, folders, or one session.h5")
+    ] = None,
+    optics: Annotated[Path | None, typer.Option(help="optics.json")] = None,
+    sheet: Annotated[Path | None, typer.Option(help="sheet.toml")] = None,
+    configuration: Annotated[
+        str | None, typer.Option(help="which table of sheet.toml, when it has several")
+    ] = None,
+    look: Annotated[
+        Literal["auto", "lit_edge", "silhouette"] | None,
+        typer.Option(help="what shows beside the sheet's near edge, in place of optics.json's"),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="curves.csv; with --batch a folder")
+    ] = None,
+    overlay: Annotated[
+        Path | None, typer.Option(help="the picture with the curve on it (png; one picture)")
+    ] = None,
+    batch: Annotated[
+        Path | None, typer.Option(help="every picture of this folder; NAME.json for each")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="print one JSON object for each picture, a line each")
+    ] = False,
+) -> None:
+    """Find the neutral curve of a clamped strip in pictures.
+
+    NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
+    what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
+    """
+    from labrig.vision import BatchOptions, Look
+
+    chosen = None if look is None else Look(look)
+    options = BatchOptions(optics, sheet, configuration, look=chosen)
+    if batch is not None:
+        if sources or output is None:
+            raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
+        _batch(batch, output, options)
+        return
+    if not sources:
+        raise BadInputError("no picture was given; give files, a folder, or --batch FOLDER.")
+    if [path.suffix.lower() for path in sources] == [".h5"]:
+        if any((optics, sheet, configuration, look, overlay)):
+            raise BadInputError(
+                "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
+                "--look and --overlay are for pictures."
+            )
+        _session(sources[0], output, as_json=as_json)
+        return
+    _pictures(sources, options, output, overlay, as_json=as_json)
+
+
+def _pictures(
+    sources: list[Path],
+    options: BatchOptions,
+    output: Path | None,
+    overlay: Path | None,
+    *,
+    as_json: bool,
+) -> None:
+    from labrig.vision import curve_json, write_overlay
+    from labrig.vision.batch import curves_of
+    from labrig.vision.image.files import write_table
+
+    found: dict[str, NeutralCurve] = {}
+    for name, image, curve in curves_of(sources, options):
+        found[name] = curve
+        if as_json:
+            sys.stdout.write(json.dumps(finite(curve_json(curve)), allow_nan=False) + "\n")
+        else:
+            say(f"{name}: {_summary(curve)}")
+        if overlay is not None and image is not None:
+            if len(found) > 1:
+                raise BadInputError("--overlay takes one picture; use --batch for many.")
+            write_overlay(overlay, image, curve)
+    if output is not None:
+        write_table(output, found)
+        warn(f"wrote {output}")
+
+
+def _summary(curve: NeutralCurve) -> str:
+    if not curve.ok:
+        return f"no curve: {curve.why}"
+    told = "; ".join(curve.warnings)
+    return (
+        f"{1e3 * curve.s_m[-1]:.1f} mm, tip at ({1e3 * curve.x_m[-1]:+.2f}, "
+        f"{1e3 * curve.y_m[-1]:+.2f}) mm, covered {curve.covered:.0%}, "
+        f"residual {curve.residual_px:.3f} px{'; ' + told if told else ''}"
+    )
+
+
+def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
+    from labrig.vision import extract_curves
+
+    if not folder.is_dir():
+        raise BadInputError(f"{folder}: there is no such folder.")
+    count = 0
+
+    def progress(name: str, curve: NeutralCurve) -> None:
+        nonlocal count
+        count += 1
+        warn(f"{count}: {name}: {_summary(curve)}")
+
+    result = extract_curves([folder], output, options, progress=progress)
+    say(f"{len(result.curves)} pictures, {len(result.failed)} without a curve; wrote {output}")
+
+
+def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
+    from labrig.analysis import measure
+    from labrig.cli.screen import progress
+    from labrig.session import open_session
+    from labrig.session.tables_out import write_curves
+
+    with open_session(path) as session, progress("curves") as advance:
+        measurements = measure(session, advance)
+    for c in measurements.conditions:
+        where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
+        name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
+        if as_json:
+            line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
+            line["by_frame"] = _by_frame_json(c)
+            line["contact"] = _contact_json(c.contact)
+            sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
+        else:
+            points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
+            say(f"{name}: {points}{_by_frame_told(c)}{_contact_told(c.contact)}")
+    for text in measurements.warnings:
+        warn(f"warning: {text}")
+    if output is not None:
+        write_curves(measurements, output)
+        warn(f"wrote {output}")
+
+
+def _by_frame(condition: Condition) -> FrameAverage | None:
+    """The other way to a condition's curve: that of each frame, averaged."""
+    from labrig.analysis.curves import MEAN_OF
+    from labrig.vision import average_of_frames
+
+    counts = [r for r in condition.readings if r.valid and r.kind in MEAN_OF]
+    return average_of_frames([r.curve for r in counts if r.curve is not None])
+
+
+def _by_frame_told(condition: Condition) -> str:
+    average = _by_frame(condition)
+    if average is None:
+        return ""
+    told = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
+    if condition.curve is not None:
+        told += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
+    return told
+
+
+def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
+    average = _by_frame(condition)
+    if average is None:
+        return None
+    apart = None if condition.curve is None else 1e3 * average.apart_m(condition.curve)
+    return {
+        "frames": average.frames,
+        "from_mean_image_mm": apart,
+        "s_mm": 1e3 * average.s_m,
+        "x_mm": 1e3 * average.x_m,
+        "y_mm": 1e3 * average.y_m,
+        "scatter_mm": 1e3 * average.scatter_m,
+    }
+
+
+def _contact_told(contact: Contact | None) -> str:
+    if contact is None:
+        return ""
+    how = "" if contact.rolls_m else " (no rolls seen; where it crosses the arc)"
+    sigma_mm = max(0.01, 1e3 * contact.position_sigma_m)
+    return f", contact at {1e3 * contact.position_m:.2f} ± {sigma_mm:.2f} mm{how}"
+
+
+def _contact_json(contact: Contact | None) -> dict[str, Any] | None:
+    if contact is None:
+        return None
+    return {
+        "position_mm": 1e3 * contact.position_m,
+        "position_sigma_mm": 1e3 * contact.position_sigma_m,
+        "s_mm": 1e3 * contact.s_m,
+        "x_mm": 1e3 * contact.x_m,
+        "y_mm": 1e3 * contact.y_m,
+        "angle_rad": contact.angle_rad,
+        "radius_mm": 1e3 * contact.radius_m,
+        "rolls_mm": [[1e3 * value for value in roll] for roll in contact.rolls_m],
+    }
+
+
+def _curve_json(curve: Curve | None) -> dict[str, Any]:
+    if curve is None:
+        return {}
+    return {
+        "s_mm": 1e3 * curve.s_m,
+        "x_mm": 1e3 * curve.x_m,
+        "y_mm": 1e3 * curve.y_m,
+        "curvature_per_m": curve.curvature_per_m,
+        "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
+        "curvature_sigma_per_m": curve.curvature_sigma_per_m,
+    }

@@ -1,0 +1,104 @@
+"""What a sheet can do, and which sheet one needs: design."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.screen import print_json, print_table, say
+from labrig.errors import BadInputError
+
+
+class Direction(StrEnum):
+    """In which direction the required force must be possible."""
+
+    BOTH = "both"
+    POSITIVE = "positive"
+    NEGATIVE = "negative"
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add this command."""
+    app.command()(design)
+
+
+def design(
+    model: Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")],
+    section: Annotated[str, typer.Option(help="the working section in mm, such as 0:30")],
+    configuration: Annotated[
+        list[str] | None, typer.Option(help="repeatable; by default all that the model has")
+    ] = None,
+    force_mN: Annotated[
+        float | None, typer.Option("--force-mN", help="required throughout: the least area for it")
+    ] = None,
+    direction: Annotated[
+        Direction, typer.Option(help="in which the required force must be possible")
+    ] = Direction.BOTH,
+    mass_g: Annotated[float, typer.Option("--mass-g", help="of the object on the arc")] = 1.0,
+    bandwidth_Hz: Annotated[
+        float, typer.Option("--bandwidth-Hz", help="wanted of the controlled object")
+    ] = 1.0,
+    lag_s: Annotated[float, typer.Option("--lag-s", help="of the voltage's effect")] = 0.0,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="a folder for the figures")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Answer the design questions of the paper's section 5 for a working section.
+
+    Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
+    both directions, and the sheet of least area with and without a rigid elongation.
+    """
+    from labrig.model_file import load_model
+    from labrig.report.design.answers import Wanted, answer, as_dict, tables
+
+    known = load_model(model)
+    low_m, high_m = _section(section)
+    answers = [
+        answer(
+            known,
+            Wanted(
+                configuration=name,
+                low_m=low_m,
+                high_m=high_m,
+                force_N=None if force_mN is None else force_mN / 1000,
+                direction=direction.value,
+                mass_kg=mass_g / 1000,
+                bandwidth_rad_per_s=2 * math.pi * bandwidth_Hz,
+                lag_s=lag_s,
+            ),
+        )
+        for name in configuration or known.sheets
+    ]
+    if as_json:
+        print_json([as_dict(found) for found in answers])
+    else:
+        for found in answers:
+            for table in tables(found):
+                print_table(table.title, table.columns, table.rows)
+    if output is not None:
+        from labrig.report.design.figures import draw_design
+
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise BadInputError(f"{output}: cannot be made ({error.strerror}).") from None
+        for found in answers:
+            for path in draw_design(known, found, output):
+                if not as_json:
+                    say(f"wrote {path}")
+
+
+def _section(text: str) -> tuple[float, float]:
+    parts = text.split(":")
+    try:
+        low_mm, high_mm = (float(part) for part in parts)
+    except ValueError:
+        raise BadInputError(
+            f"--section {text!r}: two positions in mm with a colon between, such as 0:30."
+        ) from None
+    return low_mm / 1000, high_mm / 1000

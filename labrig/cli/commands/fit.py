@@ -1,0 +1,209 @@
+"""labrig fit: the model's parameters from one session or several."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from labrig.report.parts.table import Table
+    from labrig.report.tables.mountings import Run
+    from model import Fit, FitOptions, Measurements
+
+FEWEST_REPEATS = 20  # with fewer a standard deviation says little
+
+
+def fit(
+    sessions: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SESSION",
+            help="a session; further ones of the same sheet are taken together with it",
+        ),
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
+    varying: Annotated[
+        bool, typer.Option("--varying", help="write the model whose EIBM varies along the sheet")
+    ] = False,
+    figures: Annotated[
+        Path | None, typer.Option(help="a folder for figures 8 and 9, as PNG and SVG")
+    ] = None,
+    configuration: Annotated[
+        list[str] | None, typer.Option(help="fit this one alone; repeatable")
+    ] = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[configuration=NAME,]position=MM",
+            help="leave a position out, and predict it; repeatable",
+        ),
+    ] = None,
+    apart: Annotated[
+        bool,
+        typer.Option(
+            "--apart", help="give each session B and EIBM of its own, as configuration@FILE"
+        ),
+    ] = False,
+    by_run: Annotated[
+        bool,
+        typer.Option("--by-run", help="print B and EIBM of each set-up, too (not with --json)"),
+    ] = False,
+    symmetric: Annotated[
+        bool, typer.Option("--symmetric", help="one |EIBM| for both polarities")
+    ] = False,
+    measured_curvature: Annotated[
+        bool,
+        typer.Option(
+            "--measured-curvature", help="k0 from the curves at 0 V, whatever sheet.toml states"
+        ),
+    ] = False,
+    bootstrap: Annotated[
+        int, typer.Option(min=0, max=10_000, help="simulated repeats that check the uncertainties")
+    ] = 0,
+    q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
+    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+) -> None:
+    """Identify bending stiffness and electrically induced bending moment of a session's sheets.
+
+    Sessions of the same sheet share them, unless --apart is given. The model file holds the model
+    with constant EIBM unless --varying is given.
+    """
+    from labrig.model_file import save_model
+    from labrig.report.data.separate_sessions import only
+    from labrig.report.figures.fit import make_folder, write_fit_figures
+    from model import FitOptions
+
+    if output is not None and output.exists() and not force:
+        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if 0 < bootstrap < FEWEST_REPEATS:
+        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
+    if not math.isfinite(q):
+        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+    options = FitOptions(
+        weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
+        bootstrap=bootstrap,
+    )  # fmt: skip
+    if figures is not None:
+        make_folder(figures)
+    taken = _take(sessions, apart)
+    measurements = only(taken.measurements, configuration or [])
+    options = replace(options, held_out=_held_out(hold_out or [], measurements))
+    found = fitted_of(", ".join(map(str, sessions)), measurements, options)
+    written = []
+    if output is not None:
+        save_model(found.varying_model if varying else found.model, output)
+        written.append(output)
+    if figures is not None:
+        written += write_fit_figures(figures, found, measurements)
+    if as_json:
+        print_json(found.to_json())
+        return
+    _print(found, measurements, taken.sessions if by_run else None)
+    for path in written:
+        say(f"wrote {path}")
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """What was measured in all sessions, and which of several each run is from."""
+
+    measurements: Measurements
+    sessions: dict[Run, str]
+
+
+def _take(paths: list[Path], apart: bool) -> _Taken:
+    from labrig.analysis.together import together
+    from labrig.report.data.findings import measured
+    from labrig.report.data.separate_sessions import apart as taken_apart
+    from labrig.report.data.separate_sessions import labels
+    from labrig.report.tables.mountings import sessions_of_runs
+
+    names = labels(paths)
+    if apart and len(paths) == 1:
+        raise BadInputError("--apart: give several sessions to be kept apart.")
+    with progress("analyze") as advance:
+        parts = [measured(path, advance, warn) for path in paths]
+    if apart:
+        return _Taken(taken_apart(parts, names), {})
+    whole = together(list(zip(paths, parts, strict=True)))
+    known = sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
+    return _Taken(whole, known)
+
+
+def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
+    """Configuration and position of all that is to be left out."""
+    from labrig.analysis.holding_out import SAME_M, held_out
+
+    wanted = held_out(texts, measurements)
+    return tuple(
+        dict.fromkeys(
+            (c.configuration, c.position_m)
+            for c in measurements.conditions
+            for name, at_m in wanted
+            if name in ("", c.configuration)
+            and c.position_m is not None
+            and abs(c.position_m - at_m) < SAME_M
+        )
+    )
+
+
+def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
+    """The fit of all configurations that allow one; the others are named on the screen."""
+    from labrig.report.data.fitted import fit_what_can_be
+
+    fitted = fit_what_can_be(measurements, options)
+    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
+    if fitted.fit is None:
+        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
+        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
+    for name, why in lacking.items():
+        warn(f"{name}: could not be fitted: {why}.")
+    return fitted.fit
+
+
+def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:
+    """Everything that was found; `sessions` is given where each set-up is asked for."""
+    from labrig.report.tables.fit import trust
+
+    for table in _tables(fit, measurements, sessions):
+        print_table(table.title, table.columns, table.rows)
+        if table.note:
+            say(table.note)
+            say()
+    for text in trust(fit):
+        say(text)
+
+
+def _tables(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> list[Table]:
+    from labrig.report.tables.cross_validation import left_out_rows, left_out_table
+    from labrig.report.tables.fit import repeats_table, scatter_table
+    from labrig.report.tables.paper import compared_conditions, table_4, table_5, table_6
+
+    out = set(fit.options.held_out)
+    fitted = [c for c in measurements.conditions if (c.configuration, c.position_m) not in out]
+    compared = compared_conditions(replace(measurements, conditions=tuple(fitted)), fit)
+    tables = [table_4(fit)]
+    if compared:
+        tables.append(table_5(fit, compared))
+    tables.append(table_6(fit))
+    if sessions is not None:
+        from labrig.report.tables.mountings import by_run_table
+        from model.identification.mounting import by_run
+
+        tables.append(by_run_table(fit, by_run(fit.joint), sessions))
+    rows = left_out_rows(fit, measurements)
+    if rows:
+        tables.append(left_out_table(rows))
+    tables.append(scatter_table(fit))
+    repeats = repeats_table(fit)
+    return tables if repeats is None else [*tables, repeats]

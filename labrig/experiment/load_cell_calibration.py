@@ -1,0 +1,112 @@
+"""Calibrate the load cell of a rig with dead weights."""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
+from drivers.force_sensors.load_cell import CalibrationError, LoadCellCalibration
+from drivers.interfaces import Prompt
+from labrig.errors import BadInputError, StoppedError
+from labrig.experiment.plan import Plan
+from labrig.experiment.rig import Rig, opened
+from labrig.files import discard, not_written
+
+LISTEN_S = 2.0  # to each weight
+
+
+def _nothing_more(load_N: float, mean_V: float) -> None:
+    """Nobody draws the line while it grows."""
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """Each weight with the mean voltage it gave, and the line through them."""
+
+    loads_N: tuple[float, ...]
+    volts: tuple[float, ...]
+    fit: CalibrationFit
+    calibration: LoadCellCalibration
+
+
+def weigh(
+    rig: Rig,
+    plan: Plan,
+    loads_N: Sequence[float],
+    tell: Callable[[str], None],
+    on_mean: Callable[[float, float], None] = _nothing_more,
+) -> Weighing:
+    """Ask for one weight after the other, listen to each, fit a line. The output stays at 0 V.
+
+    `on_mean` is called with each weight in N and the mean voltage it gave.
+    """
+    volts: list[float] = []
+    with opened(rig):
+        for load_N in loads_N:
+            volts.append(_listen(rig, load_N, tell))
+            on_mean(load_N, volts[-1])
+        range_V = rig.signals.ranges_V[list(rig.signals.channels).index("force")]
+        rig.operator.ask(Prompt("dead_weight", "Take every weight off the load cell.", load_N=0.0))
+    try:
+        fit = fit_calibration(loads_N, volts)
+    except CalibrationError as error:
+        raise BadInputError(f"{error}.") from None
+    before = plan.calibration
+    made = fit.calibration(
+        date=dt.datetime.now(dt.UTC).date(),
+        capacity_N=before.capacity_N,
+        input_range_V=range_V,
+        excitation_V=before.excitation_V,
+        gain=before.gain,
+        serial=before.serial,
+    )
+    return Weighing(tuple(loads_N), tuple(volts), fit, made)
+
+
+def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:
+    what = f"Hang {1e3 * load_N:g} mN on the load cell" if load_N else "Take every weight off"
+    prompt = Prompt("dead_weight", f"{what} and wait until it is still.", load_N=load_N)
+    if not rig.operator.ask(prompt):
+        raise StoppedError("stopped; no calibration was written.")
+    row = list(rig.signals.channels).index("force")
+    mean_V = float(np.mean(rig.signals.measure(LISTEN_S)[row]))
+    tell(f"{1e3 * load_N:8.2f} mN  {1e3 * mean_V:+.5f} mV")
+    return mean_V
+
+
+def write_calibration(made: LoadCellCalibration, path: Path) -> None:
+    """Write load_cell.toml, beside its place first; an older one is kept as NAME.DATE.toml."""
+    lines = [
+        "# Calibration of the load cell with dead weights: volts = offset + sensitivity * force.",
+        f"date = {made.date.isoformat()}",
+        f"capacity_mN = {1e3 * made.capacity_N!r}",
+        f"sensitivity_V_per_N = {made.sensitivity_V_per_N!r}",
+        f"sensitivity_sigma_V_per_N = {made.sensitivity_sigma_V_per_N!r}",
+        f"offset_V = {made.offset_V!r}",
+        f"offset_sigma_V = {made.offset_sigma_V!r}",
+        f"excitation_V = {made.excitation_V!r}",
+        f"gain = {made.gain!r}",
+        f"serial = {json.dumps(made.serial)}",
+    ]
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        if path.exists():
+            path.replace(_kept_name(path))
+        part.replace(path)
+    except OSError as error:
+        discard(part)
+        raise not_written(path, error) from None
+
+
+def _kept_name(path: Path) -> Path:
+    """A name that no file has yet, for the calibration that is being replaced."""
+    day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
+    names = (f"{path.stem}.{day}{n}.toml" for n in ("", *(f".{i}" for i in range(1, 1000))))
+    return next(path.with_name(name) for name in names if not path.with_name(name).exists())

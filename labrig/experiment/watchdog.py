@@ -1,0 +1,110 @@
+"""What watches over a run while the output is energised: the guard, and the rig's interlock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Protocol
+
+from drivers.boards.ni.interlock import NiInterlock
+from drivers.guard import Guard, GuardSettings
+from drivers.interfaces import DeviceError
+from drivers.safe_shutdown import SafetyReport
+from labrig.errors import NotReadyError
+from labrig.experiment.rig import Rig
+from labrig.experiment.safety import output_place
+from labrig.session.guarded import forget_guard_report, guard_report_path
+
+_GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts when it is passed
+
+
+class Watch(Protocol):
+    """Watches over the process while the output is energised."""
+
+    def new_run(self) -> None:
+        """A run begins, at 0 V."""
+
+    def beat(self) -> None:
+        """The working loop is alive; called at least every 50 ms while a run is under way."""
+
+    def energised(self, on: bool) -> None:
+        """A voltage other than 0 is about to be written, or 0 V was confirmed."""
+
+    def act(self) -> SafetyReport | None:
+        """Make the output safe in our place; None: nobody can. Our devices are let go by then."""
+
+
+class Unwatched:
+    """Nobody watches: a simulated output ends with its program."""
+
+    def new_run(self) -> None:
+        """See `Watch.new_run`."""
+
+    def beat(self) -> None:
+        """See `Watch.beat`."""
+
+    def energised(self, on: bool) -> None:
+        """See `Watch.energised`."""
+
+    def act(self) -> SafetyReport | None:
+        """See `Watch.act`."""
+        return None
+
+
+class Interlocked:
+    """Another watch, and a line that is toggled beside it."""
+
+    def __init__(self, watch: Watch, interlock: NiInterlock) -> None:
+        self._watch = watch
+        self._interlock = interlock
+        self.new_run = watch.new_run
+        self.energised = watch.energised
+        self.act = watch.act
+
+    def beat(self) -> None:
+        """See `Watch.beat`."""
+        self._watch.beat()
+        self._interlock.beat()
+
+
+@contextmanager
+def watched(rig: Rig, session: Path) -> Iterator[Watch]:
+    """What watches over a run of this rig. NotReadyError when it cannot: nothing is energised.
+
+    Should this program not live to tell, the guard leaves its report beside the session.
+    """
+    forget_guard_report(session)  # of an earlier one of this name
+    with _guard_of(rig, session) as watch:
+        if rig.interlock is None:
+            yield watch
+            return
+        try:
+            rig.interlock.open()
+        except DeviceError as fault:
+            raise NotReadyError(str(fault)) from fault
+        try:
+            yield Interlocked(watch, rig.interlock)
+        finally:
+            with suppress(DeviceError):  # without edges it drops, which is the safe side
+                rig.interlock.close()
+
+
+@contextmanager
+def _guard_of(rig: Rig, session: Path) -> Iterator[Watch]:
+    """The guard's process while a real rig is run."""
+    if rig.config.is_simulated:
+        yield Unwatched()
+        return
+    limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
+    report = str(guard_report_path(session).absolute())
+    settings = GuardSettings(output_place(rig.config), limit_s, report_path=report)
+    try:
+        guard = Guard.start(settings)
+    except DeviceError as fault:
+        raise NotReadyError(str(fault)) from fault
+    try:
+        yield guard
+    finally:
+        guard.disarm()  # acts first when 0 V was not confirmed
+        forget_guard_report(session)  # we live, so the session itself says how it ended

@@ -1,0 +1,200 @@
+"""Between a job and whoever follows it: a TCP connection on this computer, opened by a key.
+
+The job's side (`LinkServer`) tells its feed to everybody, each by threads of its own, and does what
+it is asked. The other side (`Link`) asks, and is told. Standard library only: the STOP process
+uses it, too.
+"""
+
+from __future__ import annotations
+
+import hmac
+import itertools
+import secrets
+import socket
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Protocol
+
+from labrig.panel.live.packing import BrokenLinkError, Header, pack, receive, send
+
+GREETING_S = 2.0
+ASK_S = 3.0
+MOST_LISTENERS = 16
+MOST_ASKED_BYTES = 1 << 16
+HERE = "127.0.0.1"
+
+
+class Teller(Protocol):
+    """Keeps one follower told; made for each connection."""
+
+    def run(self, send_it: Callable[[bytes], None]) -> None:
+        """Send all there is until `close`; raises OSError when the follower has gone."""
+
+    def close(self) -> None:
+        """The follower has gone, or the job ends: say what is left, then return from `run`."""
+
+
+Do = Callable[[Header], Header | None]
+
+
+class LinkServer:
+    """The job's side. `do` is called with what is asked, in the asker's thread."""
+
+    def __init__(self, do: Do, teller: Callable[[str], Teller]) -> None:
+        self._do = do
+        self._teller = teller
+        self.key = secrets.token_urlsafe(24)
+        self._socket = socket.create_server((HERE, 0))
+        self.port: int = self._socket.getsockname()[1]
+        self._tellers: dict[Teller, threading.Thread] = {}
+        self._lock = threading.Lock()
+        threading.Thread(target=self._accept, name="link", daemon=True).start()
+
+    def close(self, timeout_s: float) -> None:
+        """Let everybody hear the end, as far as they listen."""
+        self._socket.close()
+        with self._lock:
+            tellers = dict(self._tellers)
+        for teller in tellers:
+            teller.close()
+        for thread in tellers.values():
+            thread.join(timeout_s)
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                connection, _ = self._socket.accept()
+            except OSError:
+                return
+            if len(self._tellers) >= MOST_LISTENERS:
+                connection.close()
+                continue
+            threading.Thread(
+                target=self._serve, args=(connection,), name="link-hear", daemon=True
+            ).start()
+
+    def _serve(self, connection: socket.socket) -> None:
+        with suppress(OSError, BrokenLinkError), connection:
+            role = self._greet(connection)
+            if role is None:
+                return
+            # Who takes nothing stays stuck, with a mailbox that has a bound: that harms nobody.
+            connection.settimeout(None)
+            lock = threading.Lock()
+
+            def send_it(packed: bytes) -> None:
+                with lock:
+                    send(connection, packed)
+
+            teller = self._teller(role)
+            thread = threading.Thread(
+                target=_told, args=(teller, connection, send_it), name="link-tell", daemon=True
+            )
+            with self._lock:
+                self._tellers[teller] = thread
+            thread.start()
+            try:
+                self._hear(connection, send_it)
+            finally:
+                teller.close()
+                with self._lock:
+                    self._tellers.pop(teller, None)
+
+    def _greet(self, connection: socket.socket) -> str | None:
+        connection.settimeout(GREETING_S)
+        asked, _ = receive(connection, MOST_ASKED_BYTES)
+        if not hmac.compare_digest(str(asked.get("key", "")).encode(), self.key.encode()):
+            return None
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return str(asked.get("role", ""))
+
+    def _hear(self, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
+        while True:
+            asked, _ = receive(connection, MOST_ASKED_BYTES)
+            answer = self._do(asked) or {}
+            send_it(pack({**answer, "type": "reply", "ask": asked.get("ask")}))
+
+
+def _told(teller: Teller, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
+    try:
+        teller.run(send_it)
+    except OSError:
+        pass
+    finally:
+        with suppress(OSError):
+            connection.shutdown(socket.SHUT_RDWR)
+
+
+class Link:
+    """The other side. `on_message` is called in the link's thread, `on_end` once, at its end."""
+
+    def __init__(
+        self,
+        port: int,
+        key: str,
+        role: str,
+        on_message: Callable[[Header, memoryview], None],
+        on_end: Callable[[], None],
+    ) -> None:
+        """Connect. Raises OSError when nobody is there."""
+        self._connection = socket.create_connection((HERE, port), GREETING_S)
+        self._connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._connection.settimeout(None)
+        self._on_message = on_message
+        self._on_end = on_end
+        self._numbers = itertools.count(1)
+        self._waiting: dict[int, _Answer] = {}
+        self._lock = threading.Lock()
+        self.alive = True
+        send(self._connection, pack({"key": key, "role": role}))
+        threading.Thread(target=self._listen, name=f"link-{role}", daemon=True).start()
+
+    def ask(self, what: Header, timeout_s: float = ASK_S) -> Header:
+        """Ask for something and wait for the answer. Raises BrokenLinkError."""
+        number, answer = next(self._numbers), _Answer()
+        self._waiting[number] = answer
+        try:
+            with self._lock:
+                send(self._connection, pack({**what, "ask": number}))
+            if not answer.came.wait(timeout_s):
+                raise BrokenLinkError(f"no answer came in {timeout_s:g} s")
+        except OSError as error:
+            raise BrokenLinkError(str(error)) from None
+        finally:
+            self._waiting.pop(number, None)
+        if answer.header is None:
+            raise BrokenLinkError("the other side has gone")
+        return answer.header
+
+    def close(self) -> None:
+        """Go."""
+        with suppress(OSError):
+            self._connection.shutdown(socket.SHUT_RDWR)
+        self._connection.close()
+
+    def _listen(self) -> None:
+        try:
+            with suppress(OSError, BrokenLinkError):
+                while True:
+                    self._take(*receive(self._connection))
+        finally:
+            self.alive = False
+            for answer in list(self._waiting.values()):
+                answer.came.set()
+            self._on_end()
+
+    def _take(self, header: Header, payload: memoryview) -> None:
+        if header.get("type") != "reply":
+            self._on_message(header, payload)
+            return
+        answer = self._waiting.get(header.get("ask", 0))
+        if answer is not None:
+            answer.header = header
+            answer.came.set()
+
+
+class _Answer:
+    def __init__(self) -> None:
+        self.came = threading.Event()
+        self.header: dict[str, Any] | None = None

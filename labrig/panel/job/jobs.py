@@ -1,0 +1,239 @@
+"""The panel's side of a job: starts it, finds it, follows it, asks it. It never ends one."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+from labrig.errors import LabrigError
+from labrig.panel.job import Order
+from labrig.panel.job.connection import Link
+from labrig.panel.job.processes import detached, module_environment
+from labrig.panel.job.registry import ENDED, GOING, LOST, Place, hidden_folder, read_place
+from labrig.panel.live.event_stream import Feed, Message
+from labrig.panel.live.frame_pipeline import Darkroom
+from labrig.panel.live.packing import BrokenLinkError, Header
+from labrig.panel.live.strip_chart import strip_from
+from labrig.panel.server.errors import NotNowError, UnreachableError
+from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
+
+LOOK_S = 0.3
+START_S = 30.0  # a busy computer imports slowly
+_LOST = (
+    "the process of this job has ended without a word; the guard writes 0 V then. Press STOP to "
+    "have the output looked at, and run labrig recover on the session."
+)
+
+
+class Jobs:
+    """One job at a time in a data folder. Its threads are the panel's, the job is nobody's."""
+
+    def __init__(self, data: Path, feed: Feed, darkroom: Darkroom) -> None:
+        self._data = data
+        self._feed = feed
+        self._darkroom = darkroom
+        self._link: Link | None = None
+        self._place: Place | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._guarded: str | None = None  # the job whose guard was heard last
+        self._starting = False
+        self._lock = threading.Lock()
+        self._changed = threading.Event()
+        self._closed = False
+        self._thread = threading.Thread(target=self._watch, name="panel-jobs", daemon=True)
+        self._thread.start()
+
+    @property
+    def place(self) -> Place | None:
+        """The job that is going on, or the last one."""
+        return self._place
+
+    @property
+    def going(self) -> bool:
+        """Whether a job has the rig."""
+        return self._starting or (self._place is not None and self._place.state == GOING)
+
+    def message(self) -> Message | None:
+        """The job as pages see it."""
+        return None if self._place is None else self._place.message()
+
+    def start(self, order: Order) -> Message:
+        """Start a job and wait until it can be followed. Raises NotNowError, LabrigError."""
+        with self._lock:
+            if self.going:
+                raise NotNowError("a job is going on already; wait for its end, or stop it.")
+            self._starting = True
+        try:
+            _forget_old_guard(order)
+            self._process = process = _spawn(order, hidden_folder(self._data))
+            self._wait_for(order, process)
+        finally:
+            self._starting = False
+        message = self.message()
+        assert message is not None  # noqa: S101 - for the type checker
+        return message
+
+    def ask(self, what: Header) -> None:
+        """Ask the job for something. Raises LabrigError with its answer, or that there is none."""
+        link = self._link
+        if link is None:
+            raise NotNowError("no job is going on.")
+        try:
+            answer = link.ask(what)
+        except BrokenLinkError as error:
+            raise UnreachableError(f"the job does not answer: {error}.") from None
+        if answer.get("error"):
+            raise NotNowError(str(answer["error"]))
+
+    def note(self, who: str, what: str) -> None:
+        """Into the session's log, if there is one going on."""
+        if self._link is not None:
+            with suppress(LabrigError):
+                self.ask({"do": "note", "who": who, "what": what})
+
+    def close(self) -> None:
+        """Stop following; the job goes on."""
+        self._closed = True
+        self._changed.set()
+        if self._link is not None:
+            self._link.close()
+        self._thread.join(2.0)
+
+    # -------------------------------------------------------------------------- in threads of ours
+
+    def _watch(self) -> None:
+        while not self._closed:
+            if self._link is None:
+                self._look()
+            self._hear_the_guard()
+            if self._process is not None:
+                self._process.poll()  # so that a job of ours that has ended is no zombie
+            self._changed.wait(LOOK_S)
+            self._changed.clear()
+
+    def _look(self) -> None:
+        """Whether there is a job to follow."""
+        found = read_place(self._data)
+        if found is None or (self._place is not None and found == self._place):
+            return
+        if found.state == GOING:
+            if self._place is not None and self._place.id == found.id and self._place.state == LOST:
+                return
+            self._place = found
+            try:
+                self._link = Link(found.port, found.key, "panel", self._on_message, self._on_end)
+            except OSError:
+                self._lose(found)
+            return
+        if self._place is None or self._place.id != found.id:
+            self._feed.tell_story([found.message()])  # it ended before we were there
+        self._place = found
+
+    def _on_message(self, header: Header, payload: memoryview) -> None:
+        kind = header.get("type")
+        if kind == "story":
+            messages = header["messages"]
+            setups = [m for m in messages if m["type"] == "setup"]
+            self._darkroom.know(setups[-1] if setups else None)
+            self._feed.tell_story([m for m in messages if m["type"] != "setup"])
+        elif kind == "setup":
+            self._darkroom.know(header)
+        elif kind == "picture":
+            self._darkroom.put((header, bytes(payload)))
+        elif kind == "signals":
+            with suppress(ValueError, KeyError):
+                self._feed.tell_strip(strip_from(header, payload))
+        else:
+            if kind == "job":
+                self._note_end(header)
+            self._feed.tell(header)
+
+    def _note_end(self, job: Header) -> None:
+        """It has ended, though its process may still be saying so to others."""
+        place = self._place
+        if place is not None and job.get("id") == place.id and job.get("state") == ENDED:
+            self._place = place.ended(job.get("code"), str(job.get("text", "")))
+
+    def _on_end(self) -> None:
+        place, self._link = self._place, None
+        found = read_place(self._data)
+        if found is not None and place is not None and found.id == place.id:
+            if found.state == GOING:
+                self._lose(found)
+            else:
+                self._place = found
+        self._changed.set()
+
+    def _lose(self, place: Place) -> None:
+        self._place = place.ended(None, _LOST, LOST)
+        messages = [m for m in self._feed.messages() if m["type"] != "job"]
+        self._feed.tell_story([*messages, self._place.message(), _output("unknown", _LOST)])
+        self._guarded = None
+        self._hear_the_guard()
+
+    def _hear_the_guard(self) -> None:
+        """What a job that hangs or is gone cannot tell: that the guard has written 0 V."""
+        place = self._place
+        if place is None or place.session is None or place.state == ENDED:
+            return
+        if self._guarded == place.id:
+            return
+        report = read_guard_report(self._data / place.session)
+        if report is None:
+            return
+        self._guarded = place.id
+        if place.state == LOST:
+            self._place = place.ended(None, _told(report), LOST)
+            self._feed.tell(self._place.message())
+        state = "safe" if report.is_safe else "unknown"
+        self._feed.tell({**_output(state, report.text), "by": "guard"})
+
+    def _wait_for(self, order: Order, process: subprocess.Popen[bytes]) -> None:
+        """Until it is followed, or has ended."""
+        waited = threading.Event()
+        for _ in range(round(START_S / 0.05)):
+            self._changed.set()
+            if self._place is not None and self._place.id == order.id:
+                return
+            ended = process.poll() is not None
+            waited.wait(0.05)
+            if ended and (self._place is None or self._place.id != order.id):
+                raise LabrigError(f"the job did not start; see {self._data}/.labrig/job.log.")
+        raise LabrigError(f"the job did not start in {START_S:g} s; is the computer overloaded?")
+
+
+def _forget_old_guard(order: Order) -> None:
+    """What the guard of an earlier session of this name said is not said of the new one."""
+    if order.session is not None and not Path(order.session).exists():
+        forget_guard_report(Path(order.session))
+
+
+def _told(report: GuardReport) -> str:
+    return f"{report.text}. Run labrig recover on the session."
+
+
+def _output(state: str, why: str) -> Message:
+    return {"type": "output", "time_s": None, "state": state, "why": why, "log": why}
+
+
+def _spawn(order: Order, hidden: Path) -> subprocess.Popen[bytes]:
+    """In a session of its own: neither Ctrl-C nor the end of the panel reaches it."""
+    try:
+        with (hidden / "job.log").open("wb") as said:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "labrig.panel.job"],
+                stdin=subprocess.PIPE,
+                stdout=said,
+                stderr=said,
+                env=module_environment(),
+                **detached(),
+            )
+        assert process.stdin is not None  # noqa: S101 - for the type checker
+        process.stdin.write(order.to_json().encode("utf-8"))
+        process.stdin.close()
+    except OSError as error:
+        raise LabrigError(f"a job cannot be started ({error}).") from None
+    return process

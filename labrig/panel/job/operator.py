@@ -1,0 +1,55 @@
+"""The person at the page: is asked by a message, answers by one."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from drivers.interfaces import Prompt
+from labrig.errors import BadInputError
+from labrig.panel.live.event_stream import Message
+from labrig.panel.live.messages import Scribe
+from protocols.execution.stop import StopLevel, StopRequest
+
+_LOOK_S = 0.1  # for a stop that was asked for elsewhere, by a signal
+
+
+class PagePerson:
+    """An `Operator`. A request to stop is an answer, too."""
+
+    def __init__(
+        self,
+        scribe: Scribe,
+        tell: Callable[[Message], None],
+        stop: StopRequest,
+        now: Callable[[], float],
+    ) -> None:
+        self._scribe = scribe
+        self._tell = tell
+        self._stop = stop
+        self._now = now
+        self._changed = threading.Condition()
+        self._asking: int | None = None  # the prompt that waits for its answer
+        self._answer: bool | None = None
+
+    def ask(self, prompt: Prompt) -> bool:
+        """See `drivers.interfaces.Operator`."""
+        with self._changed:
+            self._asking, message = self._scribe.asked(self._now(), prompt)
+            self._answer = None
+            self._tell(message)
+            while self._answer is None and self._stop.level is StopLevel.NONE:
+                self._changed.wait(_LOOK_S)
+            self._asking = None
+            done = bool(self._answer)
+            self._tell(self._scribe.answered(self._now(), done))
+            return done
+
+    def answer(self, prompt: int, done: bool) -> str:
+        """From the page; the question's number guards against an answer to an earlier one."""
+        with self._changed:
+            if prompt != self._asking or self._answer is not None:
+                raise BadInputError("this question is not being asked any more.")
+            self._answer = done
+            self._changed.notify()
+        return "done" if done else "stop"

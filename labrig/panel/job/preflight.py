@@ -1,0 +1,26 @@
+"""The job `preflight`: what `labrig check` does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from labrig.errors import ExitCode
+from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.plan import load_plan
+from labrig.experiment.preflight import preflight
+from labrig.experiment.wiring import wire
+from labrig.panel.job.host import Host
+
+
+def look(host: Host) -> tuple[int, str]:
+    """Look; exit code and a sentence."""
+    plan = load_plan(*host.order.files())
+    wired = wire(plan, NobodyAsked(lambda _text: None))
+    checks = preflight(wired, plan, Path(host.order.data))
+    good = all(check.ok for check in checks)
+    told = [{**check.as_dict(), "warning": check.warning} for check in checks]
+    host.tell({"type": "preflight", "ok": good, "checks": told})
+    if good:
+        return ExitCode.DONE, "the rig is ready"
+    failed = "; ".join(f"{check.name}: {check.found}" for check in checks if not check.ok)
+    return ExitCode.NOT_READY, f"the rig is not ready: {failed}"

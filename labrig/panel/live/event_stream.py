@@ -1,0 +1,185 @@
+"""What is known of a job so far, and mailboxes for those who follow it.
+
+The same on both sides of a link: the job keeps a feed for panels, a panel keeps one for pages.
+Nobody who follows can hold back whoever tells: a mailbox has a bound, and one place for each thing
+of which only the newest counts. Whoever falls behind is told the story anew.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from labrig.panel.live.strip_chart import Strip, joined
+
+Message = dict[str, Any]
+Picture = tuple[Message, bytes]  # header, and whatever the picture is packed as
+
+MOST_WAITING = 2000  # messages; more than a minute of any run
+MOST_STORY = 200_000  # beyond this the oldest single voltages are left out
+CURVE = "curve"
+
+
+@dataclass(frozen=True)
+class Mail:
+    """What a follower is given: in this order, each part perhaps empty."""
+
+    story: list[Message] | None = None  # forget everything, this is what happened so far
+    messages: list[Message] = field(default_factory=list)
+    strip: Strip | None = None
+    newest: list[Message] = field(default_factory=list)  # of each kind only the last one
+    picture: Picture | None = None
+
+
+class Mailbox:
+    """Filled by a `Feed`, emptied by one follower. `wake` is called when there is something."""
+
+    def __init__(self, wake: Callable[[], None], most: int = MOST_WAITING) -> None:
+        self._wake = wake
+        self._most = most
+        self._lock = threading.Lock()
+        self._story: list[Message] | None = None
+        self._messages: list[Message] = []
+        self._strips: list[Strip] = []
+        self._newest: dict[str, Message] = {}
+        self._picture: Picture | None = None
+        self.behind = False  # was full: its feed must tell it the story anew
+
+    def put(self, message: Message) -> None:
+        """In order, after all others."""
+        with self._lock:
+            if len(self._messages) >= self._most:
+                self.behind = True
+                self._messages.clear()
+            if not self.behind:
+                self._messages.append(message)
+        self._wake()
+
+    def put_newest(self, message: Message) -> None:
+        """In the place of the last one of its type."""
+        with self._lock:
+            self._newest[message["type"]] = message
+        self._wake()
+
+    def put_strip(self, strip: Strip) -> None:
+        """Behind the strips that wait; what is too much to wait is left out at the front."""
+        with self._lock:
+            self._strips = joined([*self._strips, strip])
+        self._wake()
+
+    def put_picture(self, picture: Picture) -> None:
+        """In the place of the last one."""
+        with self._lock:
+            self._picture = picture
+        self._wake()
+
+    def begin(
+        self,
+        story: list[Message],
+        strips: list[Strip],
+        newest: list[Message],
+        picture: Picture | None,
+    ) -> None:
+        """All anew."""
+        with self._lock:
+            self.behind = False
+            self._story, self._messages = story, []
+            self._strips, self._picture = list(strips), picture
+            self._newest = {message["type"]: message for message in newest}
+        self._wake()
+
+    def take(self) -> Mail | None:
+        """All that waits; None when nothing does."""
+        with self._lock:
+            found = Mail(
+                self._story,
+                self._messages,
+                self._strips.pop(0) if self._strips else None,
+                list(self._newest.values()),
+                self._picture,
+            )
+            self._story, self._messages, self._picture, self._newest = None, [], None, {}
+        return None if found == Mail() else found
+
+
+class Feed:
+    """Told by whoever knows; any thread may call anything."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._story: deque[Message] = deque()
+        self._strips: list[Strip] = []
+        self._newest: dict[str, Message] = {}
+        self._picture: Picture | None = None
+        self._boxes: list[Mailbox] = []
+
+    def join(self, box: Mailbox) -> None:
+        """The story so far goes into the mailbox, and whatever comes."""
+        with self._lock:
+            self._boxes.append(box)
+            self._retell(box)
+
+    def leave(self, box: Mailbox) -> None:
+        """Nothing more goes into it."""
+        with self._lock:
+            if box in self._boxes:
+                self._boxes.remove(box)
+
+    def tell(self, message: Message) -> None:
+        """Something happened."""
+        with self._lock:
+            self._story.append(message)
+            if len(self._story) > MOST_STORY:
+                self._shorten()
+            for box in self._boxes:
+                box.put(message)
+                if box.behind:
+                    self._retell(box)
+
+    def tell_newest(self, message: Message) -> None:
+        """Something of which only the last one counts."""
+        with self._lock:
+            self._newest[message["type"]] = message
+            for box in self._boxes:
+                box.put_newest(message)
+
+    def tell_strip(self, strip: Strip) -> None:
+        """Signals."""
+        with self._lock:
+            self._strips = joined([*self._strips, strip])[-1:]
+            for box in self._boxes:
+                box.put_strip(strip)
+
+    def tell_picture(self, picture: Picture) -> None:
+        """A picture."""
+        with self._lock:
+            self._picture = picture
+            for box in self._boxes:
+                box.put_picture(picture)
+
+    def tell_story(self, messages: list[Message]) -> None:
+        """Everything anew: another job, or the same one found again."""
+        with self._lock:
+            self._story = deque(messages)
+            self._strips, self._picture = [], None
+            self._newest.pop(CURVE, None)  # what else is newest is not the job's
+            for box in self._boxes:
+                self._retell(box)
+
+    def messages(self) -> list[Message]:
+        """The story so far."""
+        with self._lock:
+            return list(self._story)
+
+    def _retell(self, box: Mailbox) -> None:
+        strips = [strip.as_fresh() for strip in self._strips]
+        box.begin(list(self._story), strips, list(self._newest.values()), self._picture)
+
+    def _shorten(self) -> None:
+        """What a page shows in numbers stays, single voltages long past go."""
+        half = MOST_STORY // 2
+        old = [m for i, m in enumerate(self._story) if i >= half or m["type"] != "voltage"]
+        self._story = deque(old[-MOST_STORY:])

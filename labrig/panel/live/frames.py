@@ -1,0 +1,79 @@
+"""A frame on its way: raw from the job to the panel, as a JPEG from there to the pages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from drivers.interfaces import Frame, GreyImage
+from labrig.errors import LabrigError
+from labrig.panel.live.event_stream import Message, Picture
+from protocols.planning.schedule import PlannedRun
+
+JPEG_QUALITY = 85
+
+
+def raw_picture(
+    frame: Frame, time_s: float | None, run: PlannedRun | None, voltage_V: float | None
+) -> Picture:
+    """A frame as it was taken, and what a model must know to predict the sheet's shape in it."""
+    rows, columns = frame.image.shape
+    position_m = None if run is None else run.position_m
+    header: Message = {
+        "type": "picture",
+        "frame": frame.number,
+        "time_s": time_s,
+        "run": None if run is None else run.index,
+        "width": columns,
+        "height": rows,
+        "dtype": frame.image.dtype.name,
+        "configuration": None if run is None else run.configuration,
+        "position_mm": None if position_m is None else 1e3 * position_m,
+        "voltage_V": voltage_V,
+    }
+    return header, np.ascontiguousarray(frame.image).tobytes()
+
+
+def image_of(header: Message, payload: bytes | memoryview) -> GreyImage:
+    """The pixels of a raw picture. Raises ValueError, KeyError."""
+    dtype = np.dtype(np.uint16 if header["dtype"] == "uint16" else np.uint8)
+    shape = (int(header["height"]), int(header["width"]))
+    return np.frombuffer(payload, dtype=dtype).reshape(shape)
+
+
+def shown(image: GreyImage) -> npt.NDArray[np.uint8]:
+    """8 bit for the eye: 12 or 16 bit pictures are stretched to what is in them."""
+    if image.dtype == np.uint8:
+        return np.asarray(image, dtype=np.uint8)
+    top = max(int(image.max()), 1)
+    return (image.astype(np.float32) * (255.0 / top)).astype(np.uint8)
+
+
+def jpeg_picture(header: Message, image: GreyImage) -> Picture:
+    """What pages are sent."""
+    kept = ("type", "frame", "time_s", "run", "width", "height")
+    return {**{key: header[key] for key in kept}, "mime": "image/jpeg"}, jpeg(image)
+
+
+def jpeg(image: GreyImage) -> bytes:
+    """The picture as a JPEG."""
+    import cv2
+
+    return _encoded(image, ".jpg", [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+
+
+def png(image: GreyImage) -> bytes:
+    """The picture as a PNG, nothing lost."""
+    return _encoded(image, ".png", [])
+
+
+def _encoded(image: GreyImage, kind: str, options: list[int]) -> bytes:
+    import cv2
+
+    good, packed = cv2.imencode(kind, shown(image) if kind == ".jpg" else image, options)
+    if not good:
+        raise LabrigError("a picture could not be packed.")
+    packed_array: npt.NDArray[Any] = np.asarray(packed)
+    return packed_array.tobytes()

@@ -1,0 +1,103 @@
+"""Signals as a page draws them: the least and the most of each 10 ms, so that no spike is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.panel.live.packing import pack
+
+Floats = npt.NDArray[np.float32]
+
+BIN_S = 0.01
+KEEP_S = 60.0  # for who is slow or comes later
+ROWS = (
+    "run_s",
+    "drive_V_least",
+    "drive_V_most",
+    "force_mN_least",
+    "force_mN_most",
+    "current_mA_least",
+    "current_mA_most",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """A piece of one run's signals: `values` (7, count), rows as in `ROWS`."""
+
+    run: int
+    values: Floats
+    fresh: bool = False  # earlier ones are to be forgotten
+
+    def header(self) -> dict[str, Any]:
+        """What stands before the numbers."""
+        return {
+            "type": "signals",
+            "run": self.run,
+            "rows": list(ROWS),
+            "count": self.values.shape[1],
+            "fresh": self.fresh,
+        }
+
+    def packed(self) -> bytes:
+        """As a binary frame."""
+        return pack(self.header(), np.ascontiguousarray(self.values, dtype="<f4").tobytes())
+
+    def as_fresh(self) -> Strip:
+        """The same, for somebody who knows nothing of it yet."""
+        return replace(self, fresh=True)
+
+
+def strip_from(header: dict[str, Any], payload: memoryview) -> Strip:
+    """The reverse of `Strip.packed`. Raises ValueError, KeyError."""
+    values = np.frombuffer(payload, dtype="<f4").reshape(len(ROWS), int(header["count"]))
+    return Strip(int(header["run"]), values, bool(header["fresh"]))
+
+
+def joined(strips: list[Strip]) -> list[Strip]:
+    """Pieces of the same run made one, and not longer than `KEEP_S`; of other runs, kept apart.
+
+    A fresh piece makes those before it pointless.
+    """
+    found: list[Strip] = []
+    for strip in strips:
+        if strip.fresh or not found or found[-1].run != strip.run:
+            found = [] if strip.fresh else found[-1:]
+            found.append(strip)
+        else:
+            last = found[-1]
+            values = np.concatenate([last.values, strip.values], axis=1)
+            most = round(KEEP_S / BIN_S)
+            cut = values.shape[1] > most
+            found[-1] = replace(last, values=values[:, -most:] if cut else values)
+    return found
+
+
+class Envelope:
+    """Makes strips of the samples of one run as they come."""
+
+    def __init__(self, run: int) -> None:
+        self._run = run
+        self._rest = np.empty((4, 0))  # samples whose 10 ms are not over: run_s, drive, force, mA
+        self._fresh = True
+
+    def add(self, samples: npt.NDArray[np.float64]) -> Strip | None:
+        """`samples` (4, n): run_s, drive in V, force in mN, current in mA; a strip if due."""
+        known = np.concatenate([self._rest, samples], axis=1)
+        bins = np.floor(known[0] / BIN_S + 1e-6).astype(np.int64)
+        whole = int(np.searchsorted(bins, bins[-1])) if bins.size else 0
+        self._rest = known[:, whole:]
+        if not whole:
+            return None
+        starts = np.flatnonzero(np.diff(bins[:whole], prepend=bins[0] - 1))
+        least = np.fmin.reduceat(known[1:, :whole], starts, axis=1)
+        most = np.fmax.reduceat(known[1:, :whole], starts, axis=1)
+        values = np.empty((len(ROWS), len(starts)), dtype=np.float32)
+        values[0] = (bins[starts] + 0.5) * BIN_S
+        values[1::2], values[2::2] = least, most
+        fresh, self._fresh = self._fresh, False
+        return Strip(self._run, values, fresh)

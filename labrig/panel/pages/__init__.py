@@ -1,0 +1,1 @@
+"""The routes behind each page."""

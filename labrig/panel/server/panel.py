@@ -1,0 +1,117 @@
+"""One panel: everything behind its pages, put together."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+from typing import Any
+
+from fastapi import Request
+
+from labrig.config import ReplayConfig, load_rig
+from labrig.errors import BadInputError
+from labrig.library import Library
+from labrig.panel.job import Kind, Order
+from labrig.panel.job.jobs import Jobs
+from labrig.panel.live.event_stream import Feed, Message
+from labrig.panel.live.frame_pipeline import Darkroom
+from labrig.panel.pages.camera_calibration import Calibrating
+from labrig.panel.server.actions import Actions
+from labrig.panel.server.control import Control, utc_now
+from labrig.panel.server.errors import NotNowError
+from labrig.panel.server.settings import PanelSettings, host_name
+
+VERSION = 1  # of what page and server say to each other
+
+
+class Panel:
+    """Made when the server starts, closed when it ends."""
+
+    def __init__(self, settings: PanelSettings) -> None:
+        self.settings = settings
+        self.simulated = _is_simulated(settings.rig)  # first: here it may fail, and has no threads
+        self.feed = Feed()
+        self.actions = Actions(settings.data)
+        self.control = Control(self.feed.tell_newest)
+        self.darkroom = Darkroom(self.feed)
+        self.jobs = Jobs(settings.data, self.feed, self.darkroom)
+        self.calibrating = Calibrating()
+        self.library = Library(settings.data)
+        self.replays = 0  # that are open
+        self.model: str | None = None
+        self.model_path: Path | None = None
+        if settings.model is not None:
+            self.choose_model(settings.model)
+
+    def close(self) -> None:
+        """Let go of everything but the job."""
+        self.jobs.close()
+        self.darkroom.close()
+
+    @property
+    def rig(self) -> Path:
+        """rig.toml. Raises NotNowError when the panel was started without one."""
+        if self.settings.rig is None:
+            raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
+        return self.settings.rig
+
+    def status(self, host: str, client: str) -> Message:
+        """What `GET /api/status` tells; `host`: the name by which this page reached us."""
+        settings = self.settings
+        session = settings.session
+        return {
+            "version": VERSION,
+            "mode": settings.mode,
+            "rig": None if settings.rig is None else settings.rig.name,
+            "session": None if session is None else session.relative_to(settings.data).as_posix(),
+            "data": str(settings.data),
+            "simulated": self.simulated,
+            "model": self.model,
+            "job": self.jobs.message(),
+            "control": self.control.message_for(client),
+            "stop_url": self.stop_url(host),
+        }
+
+    def stop_url(self, host: str) -> str | None:
+        """Where STOP is pressed."""
+        if not self.settings.stop_port:
+            return None
+        return self.settings.url("/stop", port=self.settings.stop_port, name=host_name(host))
+
+    def choose_model(self, path: Path | None) -> None:
+        """Whose predicted curve is drawn."""
+        self.model = None if path is None else path.name
+        self.model_path = path
+        self.darkroom.choose_model(path)
+        self.feed.tell_newest({"type": "model", "name": self.model})
+
+    def acting(self, request: Request) -> str:
+        """Who acts. Raises ForbiddenError when they do not hold control."""
+        return self.control.require(request.headers.get("x-labrig-client", ""))
+
+    def log(self, who: str, what: str, *, note: bool = True) -> None:
+        """Somebody did something. `note`: the session does not know of it by itself."""
+        self.actions.add(who, what)
+        if note:
+            self.jobs.note(who, what)
+
+    def order(self, kind: Kind, who: str, **more: Any) -> Order:
+        """What a job is to do."""
+        return Order(
+            id=secrets.token_hex(8),
+            kind=kind,
+            by=who,
+            wall=utc_now(),
+            data=str(self.settings.data),
+            rig=str(self.rig),
+            **more,
+        )
+
+
+def _is_simulated(rig: Path | None) -> bool:
+    if rig is None:
+        return False
+    config = load_rig(rig)
+    if isinstance(config, ReplayConfig):
+        raise BadInputError(f"{rig}: this rig is a recorded session; open {config.replay} instead.")
+    return config.is_simulated

@@ -1,0 +1,99 @@
+"""Starts the panel: its socket, its STOP process, its server."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
+from dataclasses import replace
+
+from labrig.errors import BadInputError, LabrigError
+from labrig.panel.job.processes import detached, module_environment
+from labrig.panel.pages.sockets import MOST_WORD_BYTES
+from labrig.panel.server.settings import ANYWHERE, LOOPBACK, PanelSettings
+
+_MOST_CONNECTIONS = 200
+_GOODBYE_S = 2
+
+
+def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) -> None:
+    """Serve until Ctrl-C. `on_ready` is called with the address as it came to be."""
+    import uvicorn
+
+    from labrig.panel.server.app import create_app
+    from labrig.panel.server.connection import PageConnection
+    from labrig.panel.server.panel import Panel
+
+    with _bound(settings) as listening:
+        settings = replace(settings, port=listening.getsockname()[1])
+        # Before anything else is started, and said to be ready: it finds what files say wrongly.
+        with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
+            panel.settings = replace(settings, stop_port=stop_port)
+            config = uvicorn.Config(
+                create_app(panel),
+                log_level="warning",
+                access_log=False,
+                server_header=False,
+                ws=PageConnection,
+                ws_max_size=2 * MOST_WORD_BYTES,
+                limit_concurrency=_MOST_CONNECTIONS,
+                timeout_graceful_shutdown=_GOODBYE_S,
+                ssl_certfile=settings.certificate,
+                ssl_keyfile=settings.key,
+            )
+            on_ready(panel.settings)
+            with suppress(KeyboardInterrupt):  # uvicorn hands it on when all is closed
+                uvicorn.Server(config).run(sockets=[listening])
+
+
+@contextmanager
+def _bound(settings: PanelSettings) -> Iterator[socket.socket]:
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    try:
+        listening = socket.create_server((settings.host, settings.port), family=family)
+    except OSError as error:
+        raise BadInputError(
+            f"the panel cannot listen on {settings.host}:{settings.port} ({error.strerror}); "
+            "another one may be there already: give another --port."
+        ) from None
+    with listening:
+        yield listening
+
+
+@contextmanager
+def _stop_process(settings: PanelSettings) -> Iterator[int]:
+    """Its port. When the panel ends, its input ends; it knows what to do then."""
+    hosts = None if settings.host in ANYWHERE else [settings.host]
+    wanted = {
+        "host": settings.host,
+        "port": settings.port + 1,
+        "scheme": settings.scheme,
+        "panel_port": settings.port,
+        "hosts": sorted(LOOPBACK) if hosts and hosts[0] in LOOPBACK else hosts,
+        "token": settings.token,
+        "data": str(settings.data),
+        "certificate": None if settings.certificate is None else str(settings.certificate),
+        "key": None if settings.key is None else str(settings.key),
+    }
+    process = subprocess.Popen(
+        [sys.executable, "-m", "labrig.panel.stop"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=module_environment(),
+        **detached(),
+    )
+    assert process.stdin is not None  # noqa: S101 - for the type checker
+    assert process.stdout is not None  # noqa: S101
+    try:
+        process.stdin.write(json.dumps(wanted).encode() + b"\n")
+        process.stdin.flush()
+        said = process.stdout.readline().strip()
+        if not said.isdigit():
+            raise LabrigError("the STOP process did not start; nothing is served without it.")
+        yield int(said)
+    finally:
+        process.stdin.close()
+        process.stdout.close()

@@ -1,0 +1,104 @@
+"""All that a report is made from, gathered once; what cannot be had is a sentence instead."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.errors import BadInputError
+from labrig.report.data.fitted import Fitted, fit_what_can_be
+from labrig.report.data.quality import Quality, quality
+from labrig.report.data.selection import configurations
+from labrig.report.diagnosis.store import kept_diagnosis
+from labrig.session import Session, load_measurements, open_session
+from model import Fit, FitOptions, Measurements, ModelError
+
+if TYPE_CHECKING:
+    from model.discrepancy.verdict.result import Diagnosis
+    from model.identification.baselines import Row
+
+Progress = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """A session, and what was found in it as far as that goes. The session is open."""
+
+    session: Session
+    measurements: Measurements | None
+    fitted: Fitted
+    why_not: str  # why there are no measurements
+    diagnosis: Diagnosis | None = None  # where the session holds one
+
+    @property
+    def fit(self) -> Fit | None:
+        """The fit of the configurations that allow one."""
+        return self.fitted.fit
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The configurations that were measured."""
+        return [] if self.measurements is None else configurations(self.measurements)
+
+    @cached_property
+    def baselines(self) -> tuple[Row, ...]:
+        """Simpler models fitted to the same; empty where the data do not allow it."""
+        if self.fit is None or self.measurements is None:
+            return ()
+        from model.identification.baselines import compare
+
+        names = tuple(self.fit.configurations)
+        try:
+            return compare(self.measurements, replace(self.fit.options, configurations=names))
+        except ModelError:
+            return ()
+
+    @cached_property
+    def quality(self) -> Quality:
+        """Of the raw data."""
+        return quality(self.session, self.measurements)
+
+
+def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Measurements:
+    """The measurements of a session; one not analysed yet is analysed, and `tell` is told so."""
+    with open_session(path) as session:
+        known = session.has_measurements
+    if known:
+        return load_measurements(path)
+    from labrig.analysis import analyze
+
+    tell(f"{path}: not analysed yet; analysing it now, and keeping the result in it.")
+    return analyze(path, progress, workers=workers())
+
+
+def workers() -> int:
+    """Processes that may look for curves at a time."""
+    return max(1, min(4, os.cpu_count() or 1))
+
+
+def gather(
+    path: Path,
+    progress: Progress,
+    tell: Callable[[str], None],
+    options: FitOptions | None = None,
+) -> Findings:
+    """Measure and fit a session as far as that goes. Raises BadInputError when it is no session."""
+    open_session(path).close()
+    measurements, why = None, ""
+    try:
+        measurements = measured(path, progress, tell)
+    except BadInputError as error:
+        why = str(error)
+    fitted = Fitted(None)
+    if measurements is not None:
+        fitted = fit_what_can_be(measurements, options)
+    diagnosis = None
+    try:
+        diagnosis = kept_diagnosis(path)
+    except BadInputError as error:
+        tell(str(error))
+    return Findings(open_session(path), measurements, fitted, why, diagnosis)

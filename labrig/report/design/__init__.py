@@ -1,0 +1,1 @@
+"""Answers of `labrig design` as tables and figures."""

@@ -1,0 +1,61 @@
+"""Figures 8 and 9 of a fit alone, without a report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from labrig.errors import BadInputError
+from labrig.files import not_written
+from labrig.report.data.models import Models
+from labrig.report.figures.force import force_figure
+from labrig.report.figures.moment import moment_figure
+from labrig.report.parts.style import save_pair
+from model import Fit, Measurements
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ABREAST = 4  # panels; further ones go to a figure of their own
+
+
+def write_fit_figures(folder: Path, fit: Fit, measurements: Measurements) -> list[Path]:
+    """Write them into a folder that is there, as PNG and SVG, and return their paths.
+
+    Figure 8 shows those sheets whose EIBM is known to vary; without neutral curves there are none.
+    """
+    models = Models(fit.varying_model, fit.model)
+    names = list(fit.configurations)
+    varying = [n for n in names if _varies(fit, n)]
+    return [
+        *_write(folder, "figure-8", varying, lambda some: moment_figure(models, some)),
+        *_write(folder, "figure-9", names, lambda some: force_figure(measurements, some, models)),
+    ]
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder if need be, so that it is known before the fit whether that can be done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
+    except OSError as error:
+        raise not_written(folder, error) from None
+
+
+def _varies(fit: Fit, name: str) -> bool:
+    return any(np.ptp(Me) > 0 for Me, _ in fit.configurations[name].eibm_along_Nm.values())
+
+
+def _write(
+    folder: Path, name: str, sheets: Sequence[str], draw: Callable[[list[str]], Figure]
+) -> list[Path]:
+    written = []
+    for number, first in enumerate(range(0, len(sheets), ABREAST), start=1):
+        own = name if number == 1 else f"{name}-{number}"
+        save_pair(draw(list(sheets[first : first + ABREAST])), folder, own)
+        written += [folder / f"{own}.png", folder / f"{own}.svg"]
+    return written

@@ -1,0 +1,140 @@
+"""The numbers that a report begins with, and what must be known before trusting them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from labrig.report.data.findings import Findings
+from labrig.report.data.paper import PAPER
+from labrig.report.data.selection import rest_position_m
+from labrig.report.parts.table import fixed, volts, with_sigma
+from model import ConfigurationFit, Parameter
+from protocols.execution.events import Outcome, OutputState
+
+KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
+MOST_WARNINGS: Final = 8  # of the analysis, shown at the top; beyond that a table has them all
+Parts = Mapping[str, ConfigurationFit]
+
+
+@dataclass(frozen=True)
+class Card:
+    """A few numbers of one kind: (name, value, the paper's)."""
+
+    title: str
+    lines: tuple[tuple[str, str, str], ...]
+
+
+def cards(found: Findings) -> list[Card]:
+    """The session itself first, then the sheets' parameters and the model's errors."""
+    made = [_session(found)]
+    if found.fit is not None:
+        parts = found.fit.configurations
+        made += [_stiffness(parts), _eibm(parts), _forces(parts), *_curves(parts)]
+    return made + _rest(found)
+
+
+def _session(found: Findings) -> Card:
+    session = found.session
+    done = sum(run.completed for run in session.runs)
+    lines = [("outcome", session.outcome.value, "")]
+    if session.runs:
+        lines.append(("runs complete", f"{done} of {len(session.runs)}", ""))
+    if found.measurements is not None:
+        conditions = found.measurements.conditions
+        readings = [reading for c in conditions for reading in c.readings]
+        good = sum(reading.valid for reading in readings)
+        curves = sum(c.curve is not None for c in conditions)
+        lines.append(("readings valid", f"{good} of {len(readings)}", ""))
+        lines.append(("neutral curves", f"{curves} of {len(conditions)}", ""))
+    return Card("Session", tuple(lines))
+
+
+def _stiffness(parts: Parts) -> Card:
+    lines = [(f"{name}: B, µN·m²", _scaled(one.B, 1e6), "") for name, one in parts.items()]
+    lines += [(f"{name}: E, MPa", _scaled(one.E, 1e-6), "") for name, one in parts.items()]
+    return Card("Bending stiffness, Young modulus", tuple(lines))
+
+
+def _eibm(parts: Parts) -> Card:
+    lines = [
+        (f"{name}, {volts(v)}", _scaled(one.eibm[v], 1e6), "")
+        for name, one in parts.items()
+        for v in sorted(one.eibm, reverse=True)
+    ]
+    return Card("Constant EIBM, µN·m", tuple(lines))
+
+
+def _scaled(parameter: Parameter, factor: float) -> str:
+    return with_sigma(factor * parameter.value, factor * parameter.sigma)
+
+
+def _forces(parts: Parts) -> Card:
+    lines = [
+        (
+            f"{name}, {kind}",
+            fixed(1e3 * one.rmse[kind].force_N, 3),
+            fixed(PAPER[name].force_rmse_mN[place], 3) if name in PAPER else "",
+        )
+        for name, one in parts.items()
+        for place, kind in enumerate(KINDS)
+    ]
+    return Card("Error of the force (RMSE), mN", tuple(lines))
+
+
+def _curves(parts: Parts) -> list[Card]:
+    lines = [
+        (
+            f"{name}, {kind}",
+            fixed(1e3 * one.rmse[kind].curve_m, 3),
+            fixed(PAPER[name].curve_rmse_mm[place], 2) if name in PAPER else "",
+        )
+        for name, one in parts.items()
+        for place, kind in enumerate(KINDS)
+        if np.isfinite(one.rmse[kind].curve_m)
+    ]
+    return [Card("Error of the curve (RMSE), mm", tuple(lines))] if lines else []
+
+
+def _rest(found: Findings) -> list[Card]:
+    if found.measurements is None:
+        return []
+    places = {name: rest_position_m(found.measurements, name) for name in found.names}
+    lines = [
+        (
+            name,
+            fixed(1e3 * place, 1),
+            fixed(PAPER[name].rest_position_mm, 0) if name in PAPER else "",
+        )
+        for name, place in places.items()
+        if place is not None
+    ]
+    return [Card("Undriven, the sheet rests at p, mm", tuple(lines))] if lines else []
+
+
+def remarks(found: Findings) -> list[str]:
+    """What is missing or out of the ordinary, a sentence each; empty when nothing is."""
+    session, said = found.session, []
+    if session.outcome is not Outcome.COMPLETED:
+        reason = session.reason.rstrip(".") or "no reason was recorded"
+        said.append(f"The session did not end as planned: {session.outcome.value} ({reason}).")
+    if session.runs and session.output_state is not OutputState.SAFE:
+        said.append(f"The output was left {session.output_state.value}.")
+    if found.measurements is None:
+        said.append(f"Nothing could be measured: {found.why_not}")
+    elif not found.names:
+        said.append("No condition was measured.")
+    if len(found.names) == 1:
+        said.append(f"Only the configuration {found.names[0]} was measured.")
+    for name, why in found.fitted.missing.items():
+        said.append(f"The configuration {name} could not be fitted: {why.rstrip('.')}.")
+    said += found.quality.remarks
+    if found.measurements is not None:
+        warned = found.measurements.warnings
+        said += [text.rstrip(".") + "." for text in warned[:MOST_WARNINGS]]
+        if len(warned) > MOST_WARNINGS:
+            said.append(f"{len(warned) - MOST_WARNINGS} more are listed with the data's quality.")
+    return said

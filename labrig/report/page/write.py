@@ -1,0 +1,46 @@
+"""Writes a session's report: figures as PNG and SVG, and one page that holds everything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from labrig.errors import BadInputError
+from labrig.files import not_written
+from labrig.report.data.findings import Progress, gather
+from labrig.report.diagnosis.figures import draw_diagnosis
+from labrig.report.figures.all_figures import draw_all
+from labrig.report.page.page import render, write_page
+
+
+def _quiet(_fraction: float, _text: str) -> None:
+    pass
+
+
+def write_report(
+    session: Path,
+    folder: Path | None = None,
+    *,
+    progress: Progress = _quiet,
+    tell: Callable[[str], None] = lambda _text: None,
+) -> Path:
+    """Write the report of a session and return the page's path.
+
+    `folder` is by default NAME-report beside the session. A session that was not analysed yet is
+    analysed first; what cannot be measured or fitted is said on the page. Raises BadInputError
+    when the session cannot be read or the folder not be written.
+    """
+    session = Path(session)
+    folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.")
+    found = gather(session, progress, tell)
+    with found.session:
+        try:
+            drawn = draw_all(found, folder / "figures")
+            if found.diagnosis is not None:
+                drawn |= draw_diagnosis(found.diagnosis, folder / "figures")
+        except OSError as error:
+            raise not_written(folder, error) from None
+        write_page(render(found, drawn), folder / "index.html")
+    return folder / "index.html"

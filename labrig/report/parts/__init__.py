@@ -1,0 +1,1 @@
+"""Building blocks of a report: table, section, figure style."""

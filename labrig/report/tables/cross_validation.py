@@ -1,0 +1,40 @@
+"""How a fit predicts the conditions that were left out of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from labrig.report.data.models import knows
+from labrig.report.parts.table import Table, fixed
+from labrig.report.tables.fit import against_table
+from model import Fit, Measurements
+from model.identification.observations import observe
+from model.identification.residuals import ConditionResidual, residuals, rmse
+
+
+def left_out_rows(fit: Fit, measurements: Measurements) -> tuple[ConditionResidual, ...]:
+    """Each condition left out that the fit has an answer for and whose readings count."""
+    out = set(fit.options.held_out)
+    held = tuple(
+        c
+        for c in measurements.conditions
+        if c.position_m is not None
+        and (c.configuration, c.position_m) in out
+        and knows(fit.model, c.configuration, c.voltage_V)
+        and c.used()
+    )
+    names = [n for n in fit.configurations if any(c.configuration == n for c in held)]
+    observed = [observe(replace(measurements, conditions=held), name) for name in names]
+    return residuals(observed, fit.model, fit.varying_model)
+
+
+def left_out_table(rows: tuple[ConditionResidual, ...]) -> Table:
+    """Predictions of what was left out against what was measured there."""
+    table = against_table("Predicted where nothing was fitted", rows)
+    varying, constant = rmse(rows, "varying"), rmse(rows, "constant")
+    note = (
+        f"Left out, RMS: varying EIBM {fixed(1e3 * varying.force_N, 3)} mN and "
+        f"{fixed(1e3 * varying.curve_m, 3)} mm, constant EIBM {fixed(1e3 * constant.force_N, 3)} mN"
+        f" and {fixed(1e3 * constant.curve_m, 3)} mm."
+    )
+    return replace(table, note=note)

@@ -1,0 +1,135 @@
+"""How far a fit can be trusted: scatter between set-ups, the paper's own way, each condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from labrig.report.data.selection import place
+from labrig.report.parts.table import Table, fixed, number, volts, with_sigma
+from model import ConfigurationFit, Fit
+from model.identification.residuals import ConditionResidual
+
+# names of the fit's scatter -> what it is, and the factor to the unit named
+_SCATTER = {
+    "stiffness": ("bending stiffness, %", 100.0),
+    "eibm": ("EIBM, %", 100.0),
+    "eibm_condition": ("EIBM within a set-up, %", 100.0),
+    "position": ("position on the arc, mm", 1e3),
+    "clamp_tilt": ("tilt of the clamp, mrad", 1e3),
+    "registration": ("registration of the camera, µm", 1e6),
+    "force_zero": ("zero of the load cell, mN", 1e3),
+}
+
+
+def scatter_table(fit: Fit) -> Table:
+    """Standard deviations from one set-up to the next, as the misfit shows them."""
+    rows = []
+    for name, value in fit.scatter.items():
+        text, scale = _SCATTER.get(name, (name.replace("_", " "), 1.0))
+        rows.append((text, number(scale * value, 2)))
+    note = "Estimated from the misfit; the uncertainties of table 4 include it."
+    return Table(
+        "Scatter from one set-up to the next", ("", "standard deviation"), tuple(rows), note
+    )
+
+
+def one_by_one_table(fit: Fit) -> Table:
+    """The paper's own way: (7) and (9), a value from each condition and their mean."""
+    names = [name for name, one in fit.configurations.items() if one.paper is not None]
+    driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
+    rows = [
+        ("bending stiffness B by (7), µN·m²", *(_stiffness(fit.configurations[n]) for n in names))
+    ]
+    rows += [
+        (
+            f"constant EIBM by (9) at {volts(v)}, µN·m",
+            *(_constant(fit.configurations[n], v) for n in names),
+        )
+        for v in driven
+    ]
+    note = "± from the scatter between positions alone. Beside table 4, which is one joint fit."
+    return Table("Condition by condition, as the paper does it", ("", *names), tuple(rows), note)
+
+
+def _stiffness(one: ConfigurationFit) -> str:
+    assert one.paper is not None  # noqa: S101 - chosen so
+    return with_sigma(1e6 * one.paper.B_Nm2, 1e6 * one.paper.B_sigma_Nm2)
+
+
+def _constant(one: ConfigurationFit, voltage_V: float) -> str:
+    assert one.paper is not None  # noqa: S101 - chosen so
+    value = one.paper.eibm_Nm.get(voltage_V, float("nan"))
+    return with_sigma(1e6 * value, 1e6 * one.paper.eibm_sigma_Nm.get(voltage_V, float("nan")))
+
+
+def residual_table(fit: Fit) -> Table:
+    """Each condition that was fitted."""
+    return against_table("Each condition against the simulations", fit.residuals)
+
+
+def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
+    """Of each condition the measured force, both simulated ones, and the curves' distances."""
+    columns = (
+        "condition",
+        "F, mN",
+        "varying - F",
+        "constant - F",
+        "curve, varying, mm",
+        "curve, constant, mm",
+    )
+    rows = [
+        (
+            f"{row.configuration}, {place(row.position_m)}, {volts(row.voltage_V)}",
+            with_sigma(1e3 * row.force_N, 1e3 * row.force_sigma_N),
+            *(_signed(1e3 * (row.predicted_N[k] - row.force_N)) for k in ("varying", "constant")),
+            *(fixed(1e3 * row.curve_rmse_m[k], 3) for k in ("varying", "constant")),
+        )
+        for row in conditions
+    ]
+    return Table(title, columns, tuple(rows))
+
+
+def repeats_table(fit: Fit) -> Table | None:
+    """Where simulated repeats were asked for: how far they scatter beside what table 4 states."""
+    if not fit.bootstrap_ratio:
+        return None
+    rows = tuple((name, fixed(ratio, 2)) for name, ratio in fit.bootstrap_ratio.items())
+    note = f"1 means that table 4 is right. From {fit.options.bootstrap} simulated sessions."
+    return Table("Scatter of simulated repeats over stated uncertainty", ("", "ratio"), rows, note)
+
+
+def _signed(value: float) -> str:
+    return f"{value:+.3f}" if np.isfinite(value) else "-"
+
+
+def trust(fit: Fit) -> list[str]:
+    """Sentences on how far the parameters are fixed."""
+    said = []
+    for name, one in fit.configurations.items():
+        widths = {"B": one.B, **{f"EIBM at {volts(v)}": p for v, p in one.eibm.items()}}
+        shares = []
+        for what, parameter in widths.items():
+            low, high = parameter.interval()
+            if parameter.value:
+                shares.append(f"{what} {50 * (high - low) / abs(parameter.value):.1f} %")
+        said.append(f"{name}: 90 % intervals reach {', '.join(shares)} to either side.")
+        if not _has_curves(fit, name):
+            said.append(
+                f"{name}: there are no neutral curves, so these numbers rest on the forces alone "
+                "and on an EIBM that is taken to be the same all along the sheet."
+            )
+    return said + [_sentence(note) for note in fit.notes]
+
+
+def _has_curves(fit: Fit, name: str) -> bool:
+    return any(
+        np.isfinite(row.curve_rmse_m["varying"])
+        for row in fit.residuals
+        if row.configuration == name
+    )
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:].rstrip(".") + "."

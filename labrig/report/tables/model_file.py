@@ -1,0 +1,52 @@
+"""A model file beside the models that are fitted: how far it is from the measurements as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from labrig.errors import BadInputError
+from model import Measurements, SheetModel
+from model.identification.baselines import Row
+from model.identification.observations import observe
+from model.identification.residuals import against
+from model.measurements import FloatArray, SheetGeometry
+
+_LENGTHS = ("free_length_m", "elongation_m", "arc_radius_m", "arc_origin_rad")
+_SAME = 1e-6
+
+
+def model_rows(
+    measurements: Measurements, model: SheetModel, label: str, names: list[str]
+) -> Iterator[Row]:
+    """A row for each configuration that the model has; BadInputError for another sheet."""
+    for name in names:
+        if name not in model.sheets:
+            continue
+        sheet = model.sheets[name]
+        _check_same(measurements.sheets[name], sheet.sheet, label)
+        observed = observe(measurements, name)
+        answers = against(observed, model)
+        off = np.array(
+            [o.force_N - a.force_N for o, a in zip(observed.observations, answers, strict=True)]
+        )
+        B = sheet.B.value
+        bends = {v: sheet.mean_eibm(v) / B for v in sheet.eibm}
+        curves = np.array([a.curve_m for a in answers])
+        yield Row(name, label, B, bends, _rms(off), _rms(curves))
+
+
+def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:
+    for key in _LENGTHS:
+        a, b = getattr(measured, key), getattr(known, key)
+        if abs(a - b) > _SAME:
+            raise BadInputError(
+                f"{label}: was fitted to a {known.configuration} sheet with another "
+                f"{key.rsplit('_', 1)[0].replace('_', ' ')} than these data are of."
+            )
+
+
+def _rms(values: FloatArray) -> float:
+    good = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(good**2))) if len(good) else float("nan")

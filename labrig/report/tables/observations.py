@@ -1,0 +1,77 @@
+"""What the paper observes of its sheets, asked of this session's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from labrig.report.data.paper import PAPER
+from labrig.report.data.selection import configurations, force_line, rest_position_m, voltages
+from labrig.report.parts.table import Table, fixed, number, volts
+from model import ConfigurationFit, Fit, Measurements
+
+
+def observations(measurements: Measurements, fit: Fit | None) -> Table:
+    """One row for each observation that the data at hand allow."""
+    rows: list[tuple[str, str, str]] = []
+    for name in configurations(measurements):
+        rows += _rest(measurements, name)
+    if fit is not None:
+        rows += _between_sheets(fit)
+        for one in fit.configurations.values():
+            rows += _eibm(one)
+    for name in configurations(measurements):
+        rows += _lines(measurements, name)
+    columns = ("observation", "this session", "paper")
+    note = "Straightness: RMS distance of F(p) from its line, of the range of F."
+    return Table("Observations", columns, tuple(rows), note, frozenset({2}))
+
+
+def _rest(measurements: Measurements, name: str) -> list[tuple[str, str, str]]:
+    found = rest_position_m(measurements, name)
+    theirs = number(PAPER[name].rest_position_mm) if name in PAPER else "-"
+    ours = "not within the positions" if found is None else fixed(1e3 * found, 1)
+    return [(f"the undriven {name} sheet rests at p, mm", ours, theirs)]
+
+
+def _between_sheets(fit: Fit) -> list[tuple[str, str, str]]:
+    if not {"long", "short"} <= set(fit.configurations):
+        return []
+    long, short = fit.configurations["long"], fit.configurations["short"]
+    stiffer = long.B.value / short.B.value
+    weaker = long.eibm_mean_abs.value / short.eibm_mean_abs.value
+    return [
+        ("stiffness of the long sheet over the short one's", fixed(stiffer, 2), "above 1"),
+        ("mean |EIBM| of the long sheet over the short one's", fixed(weaker, 2), "below 1"),
+    ]
+
+
+def _eibm(one: ConfigurationFit) -> list[tuple[str, str, str]]:
+    rows = []
+    if one.eibm_along_Nm:
+        top = max(one.eibm_along_Nm)
+        Me = one.eibm_along_Nm[top][0]
+        if np.isfinite(Me).all() and Me[0] != 0:
+            what = f"EIBM of the {one.configuration} sheet at its end over that at the clamp"
+            theirs = "towards 0" if one.configuration == "long" else "-"
+            rows.append((what, fixed(float(Me[-1] / Me[0]), 2), theirs))
+    if len(one.eibm) == 2 and min(one.eibm) < 0 < max(one.eibm):
+        low, high = sorted(one.eibm)
+        ratio = abs(one.eibm[low].value / one.eibm[high].value)
+        what = f"|EIBM| at {volts(low)} over {volts(high)}, {one.configuration} sheet"
+        rows.append((what, fixed(ratio, 2), "not 1"))
+    return rows
+
+
+def _lines(measurements: Measurements, name: str) -> list[tuple[str, str, str]]:
+    found = {v: force_line(measurements, name, v) for v in voltages(measurements, name)}
+    lines = {v: line for v, line in found.items() if line is not None}
+    if not lines:
+        return []
+    share = ", ".join(f"{100 * line.deviation_share:.1f} %" for line in lines.values())
+    slope = ", ".join(fixed(line.slope_N_per_m, 3) for line in lines.values())
+    at = ", ".join(volts(v) for v in lines)
+    theirs = {"long": "not straight", "short": "straight"}.get(name, "-")
+    return [
+        (f"straightness of F(p), {name} sheet, {at}", share, theirs),
+        (f"slope of F(p), {name} sheet, mN/mm", slope, "-"),
+    ]

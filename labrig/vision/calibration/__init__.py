@@ -1,0 +1,1 @@
+"""Calibrate a camera: lens, board, optics.json."""

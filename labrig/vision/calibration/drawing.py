@@ -1,0 +1,53 @@
+"""A calibration to look at: the world's grid drawn over the picture it was made from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+
+GRID_MM = 10.0
+_REACH_MM = 200.0
+_STEP_MM = 1.0
+
+
+def write_calibration_picture(path: Path, image: npt.NDArray[Any], optics: Optics) -> None:
+    """A line every 10 mm through the lens as it is, the world's axes, and the clamp's end.
+
+    Where the lines run along the board's squares, scale, axes and distortion are right.
+    """
+    import cv2
+
+    grey = image if image.ndim == 2 else image[..., :3].mean(axis=2)
+    eight_bit = cv2.normalize(grey, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
+    picture = cv2.cvtColor(eight_bit, cv2.COLOR_GRAY2BGR)
+    for place_mm in np.arange(-_REACH_MM, _REACH_MM + 1, GRID_MM):
+        along = np.arange(-_REACH_MM, _REACH_MM + 1, _STEP_MM)
+        axis = place_mm == 0
+        for points_mm in (
+            np.column_stack([along, np.full_like(along, place_mm)]),
+            np.column_stack([np.full_like(along, place_mm), along]),
+        ):
+            _line(picture, optics.world_to_pixel(points_mm / 1000), axis=axis)
+    u, v = (round(value) for value in optics.clamp_px)
+    cv2.drawMarker(picture, (u, v), (80, 80, 255), cv2.MARKER_CROSS, 24, 2)
+    good, data = cv2.imencode(".png", picture)
+    if good:
+        path.write_bytes(data.tobytes())
+
+
+def _line(picture: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float64], *, axis: bool) -> None:
+    import cv2
+
+    rows, columns = picture.shape[:2]
+    # Far outside the picture a lens model means nothing and may fold back into it.
+    near = (np.abs(pixels[:, 0] - columns / 2) < columns) & (np.abs(pixels[:, 1] - rows / 2) < rows)
+    colour, width = ((80, 80, 255), 2) if axis else ((90, 220, 90), 1)
+    for first, second, seen in zip(pixels[:-1], pixels[1:], near[:-1] & near[1:], strict=True):
+        if seen:
+            start, end = (tuple(int(x) for x in np.rint(16 * p)) for p in (first, second))
+            cv2.line(picture, start, end, colour, width, cv2.LINE_AA, 4)

@@ -1,0 +1,189 @@
+"""What is known of the camera: optics.json, and the way between the sheet's plane and pixels.
+
+World coordinates (m): origin at the clamp, x along the clamped sheet, y up in the picture. An
+integer pixel coordinate is a pixel's centre. The lens is OpenCV's model; points are undistorted,
+pictures never are, so that no interpolation touches the intensities.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import ConfigDict, Field, model_validator
+
+from labrig.config.base import Closed, parse_json, read_text, validate
+from labrig.errors import BadInputError
+from labrig.vision.calibration.lens import distort, undistort
+
+FloatArray = npt.NDArray[np.float64]
+Point = tuple[float, float]
+Row = tuple[float, float, float]
+
+
+class Look(StrEnum):
+    """What shows of the sheet beside its near edge."""
+
+    AUTO = "auto"  # to be found out
+    LIT_EDGE = "lit_edge"  # its face is darker (or less dark) than the edge
+    SILHOUETTE = "silhouette"  # its face is as dark (or bright) as the edge
+
+
+class Optics(Closed):
+    """optics.json. Only `px_per_mm` and `clamp_px` are required."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    px_per_mm: float = Field(gt=0, le=1e4, description="scale in the sheet's plane")
+    clamp_px: Point = Field(description="where the sheet leaves the clamp, a raw pixel")
+    image_size: tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]] | None = Field(
+        None, description="columns and rows of the pictures this calibration belongs to"
+    )
+    date: str | None = Field(None, description="when it was calibrated, ISO 8601")
+    px_per_mm_sigma: float = Field(0.0, ge=0, description="standard uncertainty of px_per_mm")
+    roll_rad: float = Field(0.0, ge=-math.tau, le=math.tau, description="rotation of the camera")
+    roll_sigma_rad: float = Field(0.0, ge=0, description="standard uncertainty of roll_rad")
+    origin_px: Point | None = Field(None, description="the world's origin, undistorted pixel")
+    origin_sigma_px: float = Field(0.0, ge=0, description="standard uncertainty of the origin")
+    camera_matrix: tuple[Row, Row, Row] | None = None
+    distortion: tuple[float, ...] | None = Field(
+        None, min_length=4, max_length=8, description="k1, k2, p1, p2[, k3[, k4, k5, k6]]"
+    )
+    homography: tuple[Row, Row, Row] | None = Field(
+        None,
+        description="world (x, y) in mm -> undistorted pixels, where the camera is not quite "
+        "square to the plane; it then stands instead of px_per_mm, roll_rad and origin_px",
+    )
+    clamp_angle_rad: float = Field(0.0, ge=-math.tau, le=math.tau)
+    clamp_sigma_px: float = Field(1.0, gt=0, description="how well clamp_px is known")
+    clamp_angle_sigma_rad: float = Field(0.015, gt=0)
+    polarity: Literal["auto", "bright", "dark"] = Field(
+        "auto", description="bright: the sheet is brighter than the background"
+    )
+    look: Look = Field(
+        Look.AUTO,
+        description="what shows of the sheet beside its near edge: a face that is darker "
+        "(lit_edge), or one as dark (or bright) as the edge (silhouette)",
+    )
+    bits: int = Field(8, ge=8, le=16)
+    rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")
+    method: str | None = Field(None, description="how it was calibrated")
+    residual_px: float | None = Field(None, ge=0, description="RMS of the calibration, pixels")
+    residual_um: float | None = Field(None, ge=0, description="RMS of the calibration, um")
+    views: int | None = Field(None, ge=1)
+    note: str | None = None
+
+    @model_validator(mode="after")
+    def _lens_is_complete(self) -> Self:
+        if self.has_lens and self.camera_matrix is None:
+            raise ValueError("distortion needs camera_matrix beside it")
+        if self.camera_matrix is not None:
+            (fx, _, _), (_, fy, _), _ = self.camera_matrix
+            if fx <= 0 or fy <= 0:
+                raise ValueError("camera_matrix must have positive focal lengths on its diagonal")
+        return self
+
+    @classmethod
+    def from_json(cls, text: str, name: str = "optics.json") -> Self:
+        """The text of an optics.json; `name` is the file's name for the errors."""
+        data = parse_json(text, name)
+        if not isinstance(data, dict):
+            raise BadInputError(f"{name}: must hold one JSON object with px_per_mm and clamp_px.")
+        return validate(cls, data, name)
+
+    def to_json(self) -> str:
+        """The text for an optics.json, without the entries that are not known."""
+        data: dict[str, Any] = self.model_dump(exclude_none=True)
+        return json.dumps(data, indent=1) + "\n"
+
+    @property
+    def px_per_m(self) -> float:
+        """Scale in the sheet's plane, pixels per metre."""
+        return self.px_per_mm * 1000.0
+
+    @property
+    def has_lens(self) -> bool:
+        """Whether the lens bends anything."""
+        return self.distortion is not None and any(self.distortion)
+
+    @property
+    def origin_undistorted_px(self) -> Point:
+        """The world's origin; the clamp when the file names none."""
+        if self.origin_px is not None:
+            return self.origin_px
+        u, v = self.undistorted(np.array([self.clamp_px]))[0]
+        return float(u), float(v)
+
+    def undistorted(self, pixels: npt.ArrayLike) -> FloatArray:
+        """Raw pixels (n, 2) -> where an ideal lens had shown them (n, 2)."""
+        points = np.asarray(pixels, dtype=float).reshape(-1, 2)
+        if not self.has_lens:
+            return points
+        return undistort(points, np.array(self.camera_matrix), np.array(self.distortion))
+
+    def distorted(self, pixels: npt.ArrayLike) -> FloatArray:
+        """Ideal pixels (n, 2) -> raw pixels (n, 2)."""
+        points = np.asarray(pixels, dtype=float).reshape(-1, 2)
+        if not self.has_lens:
+            return points
+        return distort(points, np.array(self.camera_matrix), np.array(self.distortion))
+
+    def world_to_pixel(self, points_m: npt.ArrayLike) -> FloatArray:
+        """World points (n, 2) in m -> raw pixels (n, 2)."""
+        points = np.asarray(points_m, dtype=float).reshape(-1, 2)
+        if self.homography is not None:
+            return self.distorted(_project(np.array(self.homography), points * 1000))
+        flipped = points * (self.px_per_m, -self.px_per_m)
+        return self.distorted(flipped @ self._rotation().T + self.origin_undistorted_px)
+
+    def pixel_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
+        """Raw pixels (n, 2) -> world points (n, 2) in m."""
+        return self.undistorted_to_world(self.undistorted(pixels))
+
+    def clamp_m(self) -> FloatArray:
+        """Where the sheet leaves the clamp, world, shape (2,)."""
+        where: FloatArray = self.pixel_to_world([self.clamp_px])[0]
+        return where
+
+    def vanishing_px(self, size: tuple[int, int]) -> FloatArray:
+        """Where lines square to the sheet's plane meet, an undistorted pixel, shape (2,).
+
+        `size`: columns and rows of the picture, whose middle it is where nothing else is known.
+        """
+        if self.camera_matrix is None:
+            return np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
+        camera = np.array(self.camera_matrix)
+        if self.homography is None:
+            return np.asarray(camera[:2, 2], dtype=np.float64)
+        axes = np.linalg.solve(camera, np.array(self.homography))
+        square = np.cross(axes[:, 0], axes[:, 1])
+        there = camera @ square
+        return np.asarray(there[:2] / there[2], dtype=np.float64)
+
+    def undistorted_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
+        """Pixels of an ideal lens (n, 2) -> world points (n, 2) in m."""
+        ideal = np.asarray(pixels, dtype=float).reshape(-1, 2)
+        if self.homography is not None:
+            back = np.linalg.inv(np.array(self.homography))
+            return _project(back, ideal) / 1000
+        turned = (ideal - self.origin_undistorted_px) @ self._rotation()
+        return np.asarray(turned / (self.px_per_m, -self.px_per_m))
+
+    def _rotation(self) -> FloatArray:
+        c, s = math.cos(self.roll_rad), math.sin(self.roll_rad)
+        return np.array([[c, -s], [s, c]])
+
+
+def _project(homography: FloatArray, points: FloatArray) -> FloatArray:
+    lifted = points @ homography[:, :2].T + homography[:, 2]
+    return np.asarray(lifted[:, :2] / lifted[:, 2:])
+
+
+def load_optics(path: Path) -> Optics:
+    """Read an optics.json."""
+    return Optics.from_json(read_text(path), str(path))

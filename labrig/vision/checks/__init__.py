@@ -1,0 +1,1 @@
+"""Check whether a fitted curve is the sheet."""

@@ -1,0 +1,217 @@
+"""Is this really the sheet? Every reason to say no, as a sentence, and what deserves a warning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.checks.continuation import seen_beyond_px
+from labrig.vision.checks.gap_continuity import Join, worst_join
+from labrig.vision.checks.neighbouring_structure import is_an_edge, runs_beside_opposite
+from labrig.vision.checks.sheet_end import Tip, missing_end_px, missing_start_px
+from labrig.vision.curve import smallness
+from labrig.vision.fit.context import Setting
+from labrig.vision.fit.curve_fit import Fit, seen_start, spread
+from labrig.vision.search.ridge_tracing import MOST_CURVATURE_PER_M
+
+BoolArray = npt.NDArray[np.bool_]
+
+LEAST_IN_VIEW = 0.3  # of the curve; its band says how well the rest is known
+LEAST_COVERED = 0.6  # of what is in view
+LEAST_START_COVERED = 0.4
+MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
+WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
+LEAST_SNR = 2.0
+MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
+MOST_JOIN_CHI2 = 4.5**2  # of place, direction and curvature where the sheet comes into sight again
+IN_PLACE_PX = 1.5  # another thing ends that near to the sheet's end once in fifty times
+END_IN_PLACE = 8.0  # twice the logarithm of that
+KINK_RAD = 0.04  # that a sheet may have where it leaves the jaws
+MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """`why` is empty when the curve passes."""
+
+    why: str
+    warnings: tuple[str, ...]
+    covered: float
+    residual_px: float
+    worth: float  # to choose between candidates: how much of the picture the curve explains
+    join: Join  # the least likely one of what is seen before and beyond hidden stretches
+
+
+def judge(
+    fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False, beside: bool = True
+) -> Verdict:
+    """All tests of a fitted curve.
+
+    `followed`: from the picture before, whose end and surroundings were looked at. `beside`: look
+    at what lies beside the curve.
+    """
+    covered = float(fit.used[2:-2].mean())
+    residual = smooth_residual_px(fit)
+    strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
+    worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
+    join = worst_join(fit, setting)
+    found = [*_faults(fit, setting, tip, residual, followed, beside), _broken(join, tip)]
+    faults = [fault for fault in found if fault]
+    return Verdict(
+        why=faults[0] if faults else "",
+        warnings=tuple(_warnings(setting, tip, covered, join)),
+        covered=covered,
+        residual_px=residual,
+        worth=worth * (0.3 if faults else 1.0),
+        join=join,
+    )
+
+
+def smooth_residual_px(fit: Fit) -> float:
+    """RMS distance between the curve and the sheet as measured in pieces of 15 pixels."""
+    offset, sigma = fit.offsets_px
+    weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
+    box = np.ones(15)
+    total = np.convolve(weight, box, mode="same")
+    mean = np.convolve(weight * np.clip(offset, -3, 3), box, mode="same")
+    seen = fit.used & (total > 0)
+    if not seen.any():
+        return float("inf")
+    return float(np.sqrt(np.mean((mean[seen] / total[seen]) ** 2)))
+
+
+def _faults(
+    fit: Fit, setting: Setting, tip: Tip, residual: float, followed: bool, beside: bool
+) -> list[str]:
+    shape, optics = fit.shape, setting.optics
+    length_mm = shape.basis.total_px / optics.px_per_mm
+    end_u, end_v = setting.nodes_px(shape)[-1]
+    rows, columns = setting.picture.grey.shape
+    near = 8 if tip.out_of_sight else 3
+    inside = near < end_u < columns - near - 1 and near < end_v < rows - near - 1
+    snr = fit.usual_contrast / fit.noise
+    start = max(20, len(fit.used) // 8)
+    steepest = float(np.abs(shape.k).max()) * optics.px_per_m
+    start_px, start_rad, start_chi2 = _start_beside(fit, setting)
+    allowed = max(6.0, 0.03 * shape.basis.total_px)
+    tip = tip if followed else _further(tip, fit, setting, allowed)
+    tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
+    in_view = float(fit.in_view[2:-2].mean())
+    seen = _share(fit.used, fit.in_view, slice(2, -2))
+    whole = fit.used.mean() > WHOLLY_SEEN
+    loose = 0.0 if whole else float(spread(shape.normal_modes(), fit.cautious_covariance).max())
+    late = missing_start_px(fit, setting)
+    most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
+    return [
+        f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
+        "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's "
+        "length."
+        if not inside
+        else "",
+        f"rolls or wires hide all but {in_view:.0%} of the best path; take away what hides the "
+        "sheet."
+        if in_view < LEAST_IN_VIEW
+        else "",
+        f"no sheet was found that starts at the clamp: only {seen:.0%} of the best path looks "
+        "like one; check the picture, clamp_px and the sheet's length."
+        if seen < LEAST_COVERED
+        else "",
+        "no sheet was found at the clamp: the first "
+        f"{start} pixels of the best path do not look like one; check clamp_px."
+        if _share(fit.used, fit.in_view, slice(2, start)) < LEAST_START_COVERED
+        and not _shows(fit, setting, start)
+        else "",
+        f"there is plain background on the first {late:.0f} pixels of the best path; the "
+        "sheet does not begin at the clamp, or something else was followed; check clamp_px."
+        if late > 0
+        else "",
+        f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
+        if snr < LEAST_SNR
+        else "",
+        f"where the sheet is hidden or unclear it is known to ±{loose:.1f} pixels only; make more "
+        "of it visible."
+        if loose > MOST_LOOSE_PX
+        else "",
+        f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
+        if residual > most_residual
+        else "",
+        f"what was followed leads {start_px:.1f} pixels and {start_rad:.2f} rad beside the clamp; "
+        "check clamp_px and clamp_angle_rad."
+        if start_chi2 > MOST_START_CHI2
+        else "",
+        f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
+        if steepest > 1.5 * MOST_CURVATURE_PER_M * smallness(length_mm / 1000)
+        else "",
+        "what was followed is the edge of something wide, not a sheet; check clamp_px."
+        if beside and not followed and is_an_edge(fit, setting)
+        else "",
+        "what was followed runs beside something stronger of the opposite brightness; it is a "
+        "shadow or an edge, not the sheet; check polarity and clamp_px."
+        if beside and runs_beside_opposite(fit, setting)
+        else "",
+        f"the sheet ends {'at least ' if tip.at_least else ''}"
+        f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "
+        f"stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
+        if abs(tip_px) > (5.0 if tip.at_least else allowed)
+        else "",
+    ]
+
+
+def _broken(join: Join, tip: Tip) -> str:
+    in_place = tip.beyond_px is not None and abs(tip.beyond_px) < IN_PLACE_PX
+    if join.chi2 <= MOST_JOIN_CHI2 + (END_IN_PLACE if in_place else 0.0):
+        return ""
+    return (
+        f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels and "
+        f"{abs(join.turned_rad):.2f} rad beside where the sheet before it leads; something else "
+        "was followed there; make more of the sheet visible."
+    )
+
+
+def _start_beside(fit: Fit, setting: Setting) -> tuple[float, float, float]:
+    """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
+    beside, covariance = seen_start(fit, setting)
+    clamp = np.diag(setting.prior**2 + np.array([0.0, KINK_RAD**2]))
+    chi2 = beside @ np.linalg.solve(covariance + clamp, beside)
+    return float(beside[0]), float(beside[1]), float(chi2)
+
+
+def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:
+    """Of what can be seen there, how much looks like the sheet; 1 where all is hidden."""
+    return float(used[part].sum() / in_view[part].sum()) if in_view[part].any() else 1.0
+
+
+def _further(tip: Tip, fit: Fit, setting: Setting, allowed: float) -> Tip:
+    """The end as it is seen, or that the sheet goes on far beyond where it should end."""
+    if tip.at_least or (tip.beyond_px is not None and abs(tip.beyond_px) > allowed):
+        return tip
+    beyond = seen_beyond_px(fit, setting)
+    return Tip(beyond, at_least=True) if beyond > allowed else tip
+
+
+def _shows(fit: Fit, setting: Setting, start: int) -> bool:
+    """Whether something of the sheet's brightness leaves the clamp, though of another width."""
+    contrast = setting.sign * fit.contrast
+    usual = float(np.median(contrast[fit.used])) if fit.used.any() else np.inf
+    return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)
+
+
+def _warnings(setting: Setting, tip: Tip, covered: float, join: Join) -> list[str]:
+    out = []
+    if covered < 0.85:
+        out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
+    if join.doubtful:
+        out.append(
+            f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels beside "
+            "where the sheet before it leads; the band holds both"
+        )
+    if setting.sign > 0 and setting.picture.clipped > 0.005:
+        out.append("parts of the picture are saturated")
+    if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
+        out.append(
+            f"the sheet's end is seen {tip.beyond_px / setting.optics.px_per_mm:+.2f} mm from "
+            "where length and scale put it"
+        )
+    return out

@@ -1,0 +1,105 @@
+"""Whether what is seen beyond a hidden stretch goes on from what is seen before it.
+
+A line that happens to leave a roll where the sheet does is led into by a sharp turn that nobody
+sees. So each stretch is compared with what the sheet before it foretells, whose curvature may go on
+to change as it does there, and with what a force behind a roll may add.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import Setting
+from labrig.vision.fit.curve_fit import Fit, around, information
+from labrig.vision.fit.shape import Shape
+from labrig.vision.fit.smoothness import averaged, covariance
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+DOUBTFUL_CHI2 = 3.0**2  # other ways are tried then, and the band holds both
+LEAST_HIDDEN_PX = 8.0  # in less no other line can take over
+LEAST_BEFORE = 20  # cells that say how the sheet goes on
+LOCAL_CELLS = 3  # to each side: a hole is shorter than what contrast is measured in
+LEAST_THERE = 0.35  # of the sheet's contrast; where less is seen there is a hole
+SURELY_LESS = 4.5  # standard deviations
+# what hides the sheet may pull its place (pixels), direction and curvature (per pixel) beside it
+LINE_SIGMA = np.array([0.2, 0.015, 5e-4])
+
+
+@dataclass(frozen=True, eq=False)
+class Join:
+    """How what is seen beyond a hidden stretch lies beside what was to be expected there."""
+
+    beside_px: float = 0.0
+    turned_rad: float = 0.0
+    chi2: float = 0.0  # of both and of curvature, by how well they can be foretold
+    aside_px: FloatArray | None = None  # (nodes,) from the curve to where it would go without it
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether something else may have been followed there."""
+        return self.chi2 > DOUBTFUL_CHI2
+
+
+def worst_join(fit: Fit, setting: Setting) -> Join:
+    """The least likely of a curve's joins."""
+    shape, step = fit.shape, fit.shape.basis.step_px
+    seen = np.flatnonzero(fit.used & ~holes(fit, setting))
+    gaps = np.flatnonzero(np.diff(seen) * step > LEAST_HIDDEN_PX)
+    gaps = gaps[gaps + 1 >= LEAST_BEFORE]
+    if not len(gaps):
+        return Join()
+    modes = shape.normal_modes()
+    joins = [_join(fit, setting, modes, int(seen[i]) + 1, int(seen[i + 1])) for i in gaps]
+    return max(joins, key=lambda join: join.chi2)
+
+
+def holes(fit: Fit, setting: Setting) -> BoolArray:
+    """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
+    misfit, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
+    size = np.maximum(size, 1e-9)
+    there = setting.sign * (fit.contrast + misfit / size)
+    hole = np.zeros(len(there), dtype=bool)
+    for part in (fit.band.elongation, ~fit.band.elongation):
+        if (fit.used & part).any():
+            usual = float(np.median(np.abs(fit.contrast[fit.used & part])))
+            sure = usual - there > SURELY_LESS * fit.noise / np.sqrt(size)
+            hole |= part & sure & (there < LEAST_THERE * usual)
+    # what is left of the sheet in the windows makes holes look shorter
+    return around(hole, 1) > 0.5
+
+
+def _join(fit: Fit, setting: Setting, modes: FloatArray, until: int, again: int) -> Join:
+    """The join of what is seen up to the cell `until` with what comes into sight at `again`."""
+    shape, basis = fit.shape, fit.shape.basis
+    offset, sigma = fit.offsets_px
+    weight = np.where(fit.used, 1 / sigma**2, 0.0)[:until]
+    before = 0.5 * (modes[1 : until + 1] + modes[:until])
+    normal, pull = information(shape, before, offset[:until], weight, setting.prior)
+    rows = np.zeros((3, basis.size))
+    rows[0] = modes[again]
+    rows[1, 1], rows[1, 2:] = 1.0, basis.angle[again]
+    rows[2, 2:] = basis.curvature[again]
+    foretold = averaged(normal, pull, basis.priors, basis.log_weight)
+    unsure = covariance(normal, pull, basis.priors, basis.log_weight) + fit.covariance
+    change = shape.parameters - foretold
+    off = rows @ change
+    pushed = _pushed(shape, until, again)
+    known = rows @ unsure @ rows.T + np.outer(pushed, pushed) + np.diag(LINE_SIGMA**2)
+    aside = np.where(np.arange(len(modes)) < until, 0.0, modes @ change)
+    return Join(float(off[0]), float(off[1]), float(off @ np.linalg.solve(known, off)), aside)
+
+
+def _pushed(shape: Shape, until: int, again: int) -> FloatArray:
+    """(3,) how far a force where the sheet is hidden may lead place, direction and curvature aside.
+
+    A force bends a sheet in proportion to the distance from it, so it ends a slope of curvature.
+    """
+    step = shape.basis.step_px
+    slope = float(np.abs(shape.k[: again + 1]).max()) / (until * step)
+    hidden = (again - until) * step
+    return slope * hidden * np.array([hidden**2 / 6, hidden / 2, 1.0])

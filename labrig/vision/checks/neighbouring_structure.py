@@ -1,0 +1,85 @@
+"""What lies beside a curve: the picture straightened along it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import Setting
+from labrig.vision.fit.curve_fit import Fit
+
+FloatArray = npt.NDArray[np.float64]
+
+PIECES = 6
+STRONGER = 1.3
+STEP = 0.8  # of the contrast, from one side to the other
+FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside it does not reach
+
+
+def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
+    """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside.
+
+    Of every third node, which is enough for medians.
+    """
+    import cv2
+
+    shape, some = fit.shape, slice(None, None, 3)
+    x = shape.x[some, None] - np.sin(shape.phi[some])[:, None] * across
+    y = shape.y[some, None] + np.cos(shape.phi[some])[:, None] * across
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
+    uv = setting.optics.world_to_pixel(plane).astype(np.float32).reshape(*x.shape, 2)
+    return np.asarray(
+        cv2.remap(
+            setting.picture.grey,
+            uv[..., 0],
+            uv[..., 1],
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=float("nan"),
+        ),
+        dtype=float,
+    )
+
+
+def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
+    """Whether a stronger band of the opposite sign accompanies the curve.
+
+    A bright sheet's dark flank looks like a thin dark sheet to a filter, and the other way round.
+    """
+    half = float(fit.band.half_width.max())
+    reach = round(2 * half + 3 * fit.band.blur + 5)
+    across = np.arange(-reach, reach + 1, dtype=float)
+    strip = straightened(fit, setting, across)
+    profiles = []
+    for piece in np.array_split(np.arange(len(strip)), PIECES):
+        rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
+        if len(rows) < 2:
+            continue
+        profiles.append(np.median(rows, axis=0))
+    if not profiles:
+        return False
+    # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
+    ground = np.percentile(profiles, 60 if setting.sign < 0 else 40, axis=1)
+    opposite = (-setting.sign * (np.array(profiles) - ground[:, None])).max(axis=1)
+    votes = np.count_nonzero(opposite > STRONGER * fit.usual_contrast)
+    return bool(votes >= PIECES // 2)
+
+
+def is_an_edge(fit: Fit, setting: Setting) -> bool:
+    """Whether one side of the curve is as bright as the curve itself: the edge of something wide.
+
+    The far face of a silhouette is that too, but not as wide.
+    """
+    if not fit.used.any():
+        return False
+    face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
+    near = float(fit.band.half_width.max()) + 2.5 * fit.band.blur + face
+    across = near + np.linspace(*FAR_PX, 4)
+    strip = straightened(fit, setting, np.concatenate([-across, across]))
+    votes = 0
+    for piece in np.array_split(np.arange(len(strip)), PIECES):
+        rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
+        if len(rows) >= 2:
+            below, above = (float(np.median(side)) for side in np.array_split(rows, 2, axis=1))
+            votes += int(abs(above - below) > STEP * fit.usual_contrast)
+    return votes > PIECES // 2

@@ -1,0 +1,76 @@
+"""How far what is seen lies beside the curve where the curve does not follow it.
+
+A frayed strip, or one that looks much thicker in one place, is not drawn as the fit's band has it:
+there cells are left out, and a smooth curve bridges them, or misses them by more than their noise.
+Whatever the reason, the picture says something else there, and the curve's band must hold that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import Setting
+from labrig.vision.fit.curve_fit import Fit, around, ridge_points
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+PIECE_CELLS = 5  # to each side: what cells say together
+HALF_CELLS = 25  # to each side: where it is asked whether that is more than noise
+MOST_CHI2 = 3.0  # of a piece, in the mean
+UNCLEAR_CELLS = 12  # to each side, of unclear ones
+LEAST_LIKE = 15  # cells of a piece
+STEEPEST = 0.3  # a sheet is no steeper beside the curve
+ALL_PRESENT = 0.9  # share of the pixels beside the curve: nothing is hidden there
+LIKE_THE_SHEET = (0.5, 2.2)  # its height and width over the usual ones
+
+
+def beside_px(fit: Fit, setting: Setting) -> FloatArray:
+    """(nodes,) how far beside the curve the picture shows the sheet; 0: where the curve is."""
+    beside = np.where(fit.used, _of_used(fit), 0.0)
+    # by cells the share of pixels is uneven
+    unclear = ~fit.used & (around(fit.present, 2) > 5 * ALL_PRESENT)
+    if fit.band.spoilt is not None:
+        unclear &= ~fit.band.spoilt  # that is known to be something else
+    edge = round(2.5 * fit.band.blur) + 1
+    unclear[:edge] = unclear[-edge:] = False  # of the clamp, and of the sheet itself
+    if unclear.sum() > LEAST_LIKE:
+        beside = np.maximum(beside, _of_unclear(fit, setting, unclear))
+    return np.append(beside, beside[-1])
+
+
+def _of_used(fit: Fit) -> FloatArray:
+    """(cells,) what cells say together, and RMS around, where that is clearly more than noise."""
+    offset, sigma = fit.offsets_px
+    weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
+    total = np.maximum(around(weight, PIECE_CELLS), 1e-9)
+    square = np.where(fit.used, (around(weight * offset, PIECE_CELLS) / total) ** 2, 0.0)
+    many = np.maximum(around(fit.used, HALF_CELLS), 1.0)
+    chi2 = around(square * total, HALF_CELLS) / many
+    noise = around(np.where(fit.used, 1 / total, 0.0), HALF_CELLS) / many
+    more = around(square, HALF_CELLS) / many - noise
+    return np.where(chi2 > MOST_CHI2, np.sqrt(np.maximum(more, square)), 0.0)
+
+
+def _of_unclear(fit: Fit, setting: Setting, unclear: BoolArray) -> FloatArray:
+    """(cells,) the middle of what looks like the sheet, but not as the fit's band has it."""
+    half = float(fit.band.half_width.max())
+    reach = np.full(len(fit.used) + 1, round(2 * half + 10))
+    offset, height, width = (each[1:] for each in ridge_points(fit.shape, setting, reach))
+    found = np.isfinite(offset)
+    usual = fit.used & found
+    if not usual.any():
+        return np.zeros(len(unclear))
+    # what crosses the sheet leads away from it
+    like = found & (np.abs(offset) < 0.5 * width) & (np.abs(np.gradient(offset)) < STEEPEST)
+    for seen in (height, width):
+        low, high = (share * float(np.median(seen[usual])) for share in LIKE_THE_SHEET)
+        like &= (seen > low) & (seen < high)
+    like &= unclear
+    many = around(like, UNCLEAR_CELLS)
+    mean = around(np.where(like, offset, 0.0), UNCLEAR_CELLS) / np.maximum(many, 1.0)
+    aside = np.pad(np.where(many > LEAST_LIKE, np.abs(mean), 0.0), UNCLEAR_CELLS)
+    # at its ends hardly half a piece is left, and beside them the fit follows one edge of two
+    windows = np.lib.stride_tricks.sliding_window_view(aside, 2 * UNCLEAR_CELLS + 1)
+    return np.asarray(windows.max(axis=1))

@@ -1,0 +1,348 @@
+"""The far face: a sheet is wide across the picture's plane, and its far edge looks smaller.
+
+So beside its near edge a stripe of its face shows, towards the point where lines square to the
+sheet's plane meet: its width is known along the whole sheet from two numbers. Taken for a part of
+the edge the stripe would pull the curve to its side by up to half its width. Lit from the front it
+is grey; in a silhouette it is as dark as the edge, and only its geometry tells the two apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import Band, Pixels, Setting, measured, pixels_beside
+from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.shape import Shape
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+# to begin with: the sheet's width over the far edge's distance, and the face's grey over the
+# edge's; a faint guess gains something with any face, a strong one only near the truth
+GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
+LIKELY_SHOWN = 0.2  # the odds of each guess before the picture is looked at
+LEAST_DOUBT_PX = 0.02
+LEAST_DEPTH, MOST_DEPTH = 1e-4, 0.12
+LEAST_SHARE, MOST_SHARE = 0.02, 1.0
+MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
+MOST_FACE_PX = 24.0
+CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
+MOST_ODD = 4.0**2  # no camera looks that much askew
+LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
+LEAST_GAIN = 15.0  # and the likeliest face
+STRONG_GAIN = 60.0  # what lies beside the sheet in one place, such as a wire, explains this
+COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
+COMMON_SHARE = 0.02
+UNSURE = 2.0  # widths and greys of one pull are hard to tell apart
+PIECE_CELLS = 24
+LEAST_FREE_USED = 0.3
+EVALUATIONS = 130
+MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
+NEAR_PX = 0.25  # so far a displacement, or another blur, has the effect that its derivative says
+LEAST_BLUR_PX = 0.5
+THICKER = 0.15  # than stated a sheet may be
+IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what is above
+
+
+@dataclass(frozen=True)
+class Face:
+    """How the far face shows; lengths in pixels of the sheet's plane."""
+
+    depth: float
+    share: float
+    centre: tuple[float, float]
+    blur: float  # of the edges, which is less when the face is not taken for blur
+    elongation_half: float  # half the elongation's visible thickness, which nobody knows
+
+    def widths(self, shape: Shape) -> FloatArray:
+        """(cells,) visible width, to the side of its sign."""
+        x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
+        phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
+        towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
+        return np.asarray(np.clip(self.depth * towards, -MOST_FACE_PX, MOST_FACE_PX))
+
+    def on(self, band: Band, shape: Shape) -> Band:
+        """A band with this face."""
+        looking = band.retuned(self.blur, self.elongation_half)
+        return replace(looking, face=self.widths(shape), face_share=self.share)
+
+
+class FaceSearch:
+    """The search for the far face, from a curve that was fitted without one.
+
+    That curve runs in the middle of edge and face together; one fitted with a face, on the edge.
+    """
+
+    def __init__(self, fit: Fit, setting: Setting) -> None:
+        self.setting, self.noise, self.used = setting, fit.noise, _looked_at(fit)
+        rows, columns = setting.picture.grey.shape
+        optics = setting.optics
+        away = optics.vanishing_px((columns, rows))
+        self.centre = optics.undistorted_to_world([away])[0] * optics.px_per_m
+        self.spread = CENTRE_SIGMA * columns
+        self.silhouette = optics.look == "silhouette"
+        self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
+        self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
+        self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
+        self.nothing = self._misfits(self.seen, self.plain, tuned=True)
+        self.wider_px = 0.0  # than stated, as which the sheet looks without a face
+        self.doubt_px = 0.0  # how far a face that is not seen may pull the curve
+        self.guessed: tuple[list[Face], list[float]] = ([], [])  # and what each gains
+
+    def first(self) -> Face | None:
+        """The likeliest face beside the curve without one; None where that explains as much."""
+        shown = [*GUESSES, *self._beside_thin_elongation()]
+        guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
+        gains = [float(self._gains(self.seen, face).sum()) for face in guesses]
+        self.guessed = (guesses, gains)
+        best = int(np.argmax(gains))
+        if gains[best] < LIKELY_GAIN:
+            self.doubt_px = self._doubt(guesses, gains)
+            return None
+        self._settle()
+        return self._believed(self.seen, self._refined(self.seen, guesses[best]))
+
+    def again(self, fit: Fit, face: Face) -> Face | None:
+        """The likeliest face beside the curve that was fitted with the last one."""
+        seen = _Seen(fit, self.setting, self.seen.reach, on_edge=True)
+        return self._believed(seen, self._refined(seen, face))
+
+    def _believed(self, seen: _Seen, face: Face) -> Face | None:
+        """A face that explains enough, and not one place only, as something beside it would.
+
+        `doubt_px` then says how well it is known, else how far the curve may be off without it.
+        """
+        gains = self._gains(seen, face)
+        total = float(gains.sum()) - self._oddness(face)
+        common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
+        widespread = seen.on_edge or common > COMMON_SHARE * total
+        least = 0.0 if seen.on_edge else LEAST_GAIN  # on the edge it has been believed before
+        if self._oddness(face) < MOST_ODD and total > least and widespread:
+            pull = seen.pull_px(face.on(self.plain, seen.shape))[self.used]
+            unsure = UNSURE / float(np.sqrt(max(total, LEAST_GAIN)))
+            self.doubt_px = float(np.sqrt(np.mean(pull**2))) * unsure
+            return face
+        if not seen.on_edge and not self._may_be_local(gains):
+            common = COMMON * total
+        gain = LEAST_GAIN if seen.on_edge else min(total, common / COMMON)
+        faces, gained = self.guessed
+        self.doubt_px = self._doubt([face, *faces], [gain, *gained])
+        return None
+
+    def _may_be_local(self, gains: FloatArray) -> bool:
+        """Whether something beside the sheet in one place would explain (pieces,) gains, too.
+
+        It is strong there, and it is not only an elongation, whose width nobody knows, that is
+        indifferent.
+        """
+        beyond = self.plain.elongation[::PIECE_CELLS]
+        indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -LEAST_GAIN
+        return float(gains.sum()) > STRONG_GAIN and not indifferent
+
+    def _doubt(self, faces: Sequence[Face], gains: Sequence[float]) -> float:
+        """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
+        odds = LIKELY_SHOWN * np.exp(0.5 * np.minimum(gains, 2 * LEAST_GAIN))
+        pulls = [self.seen.pull_px(face.on(self.plain, self.seen.shape)) for face in faces]
+        square = [float(np.mean(np.square(pull[self.used]))) for pull in pulls]
+        doubt = float(np.sqrt(odds @ square / (1 + odds.sum())))
+        return doubt if doubt > LEAST_DOUBT_PX else 0.0
+
+    def _beside_thin_elongation(self) -> list[tuple[float, float]]:
+        """The faces that would be there were an elongation no thicker than the sheet, or half so.
+
+        As dark as the edge they change nothing of how it looks: only the free sheet can tell.
+        """
+        band = self.plain
+        excess = 2 * float(band.half_width[-1] - band.half_width[0])
+        if not band.elongation.any() or excess <= 0:
+            return []
+        unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[band.elongation]
+        depth = LEAST_DEPTH * excess / max(float(np.median(np.abs(unit))), 1e-6)
+        if depth > MOST_DEPTH:
+            return []
+        return [(depth, 0.9), (depth, 1.0), (0.5 * depth, 1.0)]
+
+    def _allowed(self, share: float) -> float:
+        return 1.0 if self.silhouette else min(share, self.most_share)
+
+    def _guess(self, depth: float, share: float) -> Face:
+        """A face, with the blur and the elongation's width that are left beside it."""
+        band, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
+        face = Face(depth, share, centre, 1.0, 1.0)
+        wide = np.abs(face.widths(self.seen.shape))
+        thick = 2 * float(band.half_width[-1])
+        if not band.elongation.any():
+            # the fitted blur of a band of known width is led by its flanks: all of it is the face's
+            more = float(np.mean(_spread(thick, wide, share)))
+            half = thick / 2
+        else:
+            # nobody knows an elongation's width: what the face takes may be missing there
+            wide = wide[band.elongation]
+            half = max((thick - share * float(np.median(wide))) / 2, 0.5)
+            own = (2 * half) ** 3 / 12 / (2 * half + share * wide)
+            more = float(np.mean(own + _spread(2 * half, wide, share))) - thick**2 / 12
+        blur = float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2)))
+        return replace(face, blur=blur, elongation_half=half)
+
+    def _refined(self, seen: _Seen, face: Face) -> Face:
+        """The likeliest face, from a guess."""
+        start = np.array(
+            [np.log(face.depth), face.share, 0, 0, np.log(face.blur), face.elongation_half]
+        )
+        start[2:4] = (np.array(face.centre) - self.centre) / self.spread
+        steps = np.array([0.3, -0.15, 0.4, 0.4, 0.15, 0.2])
+        used = slice(0, 6 if self.plain.elongation.any() else 5)
+
+        def unlikely(p: FloatArray) -> float:
+            outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
+            face = self._face(p)
+            left = float(self._misfits(seen, face.on(self.plain, seen.shape)).sum())
+            return left + self._oddness(face) + 100.0 * float(outside)
+
+        return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
+
+    def _oddness(self, face: Face) -> float:
+        off = (np.array(face.centre) - self.centre) / self.spread
+        return float(off @ off)
+
+    def _settle(self) -> None:
+        """Give the band alone its best chance: a lens may blur, and an elongation may be thick.
+
+        A sheet may be thicker than stated, and looks so far out of focus, where a lens draws discs.
+        """
+        plain = self.plain
+
+        def band(p: FloatArray) -> Band:
+            low, high = [LEAST_BLUR_PX, 0.5, 0.5], [6.0, 40.0, 40.0]
+            blur, half, beyond = np.clip([np.exp(p[0]), p[1], p[2]], low, high)
+            half = min(half, thickest)
+            wide = replace(plain, half_width=np.full(len(self.used), half))
+            return wide.retuned(float(blur), float(beyond))
+
+        thin, beyond = float(plain.half_width[0]), float(plain.half_width[-1])
+        thickest = (1 + THICKER) * thin + max(0.0, plain.blur - IN_FOCUS_PX)
+        start = np.array([np.log(plain.blur), thin, beyond])
+        used = slice(0, 3 if plain.elongation.any() else 2)
+        steps = np.array([-0.3, 0.5, 0.3])
+
+        def unlikely(p: FloatArray) -> float:
+            return float(self._misfits(self.seen, band(p)).sum())
+
+        best = band(_lowest(unlikely, start, steps, used, 60))
+        before, self.nothing = self.nothing, self._misfits(self.seen, best, tuned=True)
+        if float((before - self.nothing).sum()) > LEAST_GAIN:
+            self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
+        self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
+
+    def _face(self, p: FloatArray) -> Face:
+        x, y = self.centre + self.spread * p[2:4]
+        blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
+        share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
+        depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
+        return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
+
+    def _gains(self, seen: _Seen, face: Face) -> FloatArray:
+        """(pieces,) what a face explains, twice the log-likelihood."""
+        return self.nothing - self._misfits(seen, face.on(self.plain, seen.shape), tuned=True)
+
+    def _misfits(self, seen: _Seen, band: Band, *, tuned: bool = False) -> FloatArray:
+        """(pieces,) squared residuals over the noise's, each piece displaced a little.
+
+        `tuned`: also with the blur, and an elongation's width, that suit the band best.
+        """
+        # weights that forgive little would count a missing face as an outlier
+        cells = measured(seen.pixels_for(band), band, 3 * self.noise, self.used)
+        cells = np.where(self.used[:, None], cells, 0.0)
+        pieces = np.arange(0, len(cells), PIECE_CELLS)
+        information, pull, left = (
+            np.add.reduceat(cells[:, column], pieces) for column in (3, 4, 5)
+        )
+        left = left - _gained(pull, information, _step(pull, information))
+        if tuned:
+            gained = np.zeros(len(cells))
+            for part in (band.elongation, ~band.elongation):
+                steeper, sharpness = cells[part, 7], cells[part, 8]
+                step = _step(steeper.sum(), sharpness.sum())
+                gained[part] = _gained(steeper, sharpness, step)
+            left = left - np.add.reduceat(gained, pieces)
+        return np.asarray(np.maximum(left, 0.0) / self.noise**2)
+
+
+class _Seen:
+    """The pixels beside a curve."""
+
+    def __init__(self, fit: Fit, setting: Setting, reach: float, *, on_edge: bool) -> None:
+        self.shape, self.reach, self.on_edge = fit.shape, reach, on_edge
+        self.pixels = pixels_beside(fit.shape, setting, reach)
+
+    def pixels_for(self, band: Band) -> Pixels:
+        """With distances from the edge's middle, where a curve runs in that of edge and face."""
+        if self.on_edge or band.face_share == 0:
+            return self.pixels
+        value, distance, first = self.pixels
+        return value, distance + np.repeat(self.pull_px(band), np.diff(first)), first
+
+    def pull_px(self, band: Band) -> FloatArray:
+        """(cells,) from the edge's middle to that of edge and face."""
+        thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
+        middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
+        return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
+
+
+def _looked_at(fit: Fit) -> BoolArray:
+    """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
+    band = fit.band
+    free = ~band.elongation & fit.in_view
+    if band.spoilt is not None:
+        free &= ~band.spoilt
+    free[: round(2.5 * band.blur) + 1] = False  # the clamp's blurred edge
+    hardly_used = free.any() and fit.used[free].mean() < LEAST_FREE_USED
+    return fit.used | free if band.elongation.any() and hardly_used else fit.used
+
+
+def _step(pull: Any, information: Any) -> FloatArray:
+    """The best small step along a derivative."""
+    return np.asarray(np.clip(pull / np.maximum(information, 1e-9), -NEAR_PX, NEAR_PX))
+
+
+def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:
+    """What squared residuals lose by a small step."""
+    return np.asarray(2 * step * pull - step**2 * information)
+
+
+def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:
+    """Second moment of a band and a face beside it about the middle of both, less the band's own.
+
+    That is thick^3 / 12 over the grey of both.
+    """
+    grey = share * wide
+    apart = thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
+    return np.asarray((grey * wide**2 / 12 + apart) / (thick + grey))
+
+
+def _lowest(
+    cost: Callable[[FloatArray], float],
+    start: FloatArray,
+    steps: FloatArray,
+    used: slice,
+    evaluations: int,
+) -> FloatArray:
+    """The parameters of least cost by a simplex from `start`; only those `used` are moved."""
+    from scipy import optimize
+
+    def whole(part: FloatArray) -> FloatArray:
+        out = start.copy()
+        out[used] = part
+        return out
+
+    first = start[used]
+    simplex = first + np.vstack([np.zeros(len(first)), np.diag(steps[used])])
+    options: Any = {"initial_simplex": simplex, "maxfev": evaluations}
+    minimize: Any = optimize.minimize
+    best = minimize(lambda part: cost(whole(part)), first, method="Nelder-Mead", options=options)
+    return whole(np.asarray(best.x, dtype=np.float64))

@@ -1,0 +1,1 @@
+"""Fit a curve to the intensities of an image."""

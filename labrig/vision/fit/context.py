@@ -1,0 +1,123 @@
+"""What stays the same while one picture is fitted, and how its pixels are fetched."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.fit.shape import Shape
+from labrig.vision.image.image import Picture, plane_map
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+MaskArray = npt.NDArray[np.uint8]
+Pixels = tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]  # values, distances, first of a cell
+
+WINDOW_CELLS = 8  # contrast and background are taken from this many cells to each side
+ROLL_MARGIN_PX = 2.5  # a roll's blurred rim
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What stays the same during a fit."""
+
+    picture: Picture
+    optics: Optics
+    sign: float  # +1: the sheet is brighter
+    prior: FloatArray  # (2,) standard deviations of clamp offset (px) and angle
+    spectral: float  # q in 1/px^3
+    mask: MaskArray  # (rows, columns): not 0 where rolls hide the view
+
+    def nodes_px(self, shape: Shape) -> FloatArray:
+        """The curve's nodes in the picture (nodes, 2)."""
+        plane = np.stack([shape.x, shape.y], axis=1)
+        return self.optics.world_to_pixel(plane / self.optics.px_per_m)
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """How the sheet looks across: its width in each cell and the blur of its edges, pixels."""
+
+    half_width: FloatArray  # (cells,)
+    blur: float
+    elongation: BoolArray  # (cells,): beyond the free length, where the width is not known
+    face: FloatArray  # (cells,): visible width of the far face, to the side of its sign; 0: none
+    face_share: float = 0.0  # its grey over the band's
+    spoilt: BoolArray | None = None  # (cells,): where something lies along the sheet
+
+    @property
+    def reach(self) -> float:
+        """How far beside the curve pixels are of use."""
+        face = float(np.abs(self.face).max()) if self.face_share > 0 else 0.0
+        return float(self.half_width.max()) + face + 3 * self.blur + 2.5
+
+    def looks_like(self, other: Band, within: float) -> bool:
+        """Whether blur and widths differ by no more than `within`."""
+        wider = float(np.abs(self.half_width - other.half_width).max())
+        return max(wider, abs(self.blur - other.blur)) <= within
+
+    def retuned(self, blur: float, elongation_half_width: float) -> Band:
+        """With another look."""
+        half = np.where(self.elongation, elongation_half_width, self.half_width)
+        return replace(self, half_width=half, blur=blur)
+
+
+def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
+    """Where the rolls named in the optics hide the view."""
+    import cv2
+
+    mask = np.zeros(shape, np.uint8)
+    for u, v, radius in optics.rolls_px or ():
+        centre = (round(u * 16), round(v * 16))
+        cv2.circle(mask, centre, round((radius + ROLL_MARGIN_PX) * 16), 1, -1, cv2.LINE_8, 4)
+    return mask
+
+
+def look(
+    shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Measure the band along a curve: band.measure's table, and the share of pixels there."""
+    pixels = pixels_beside(shape, setting, band.reach)
+    share = np.diff(pixels[2]) / (2 * band.reach * shape.basis.step_px)
+    return measured(pixels, band, noise, used), share
+
+
+def pixels_beside(shape: Shape, setting: Setting, reach: float) -> Pixels:
+    """The pixels within `reach` beside a curve: see band.collect."""
+    from labrig.vision.fit.cross_section import collect
+
+    nodes = setting.nodes_px(shape)
+    return collect(
+        setting.picture.grey,
+        plane_map(setting.optics, setting.picture.grey.shape),
+        nodes[:, 0],
+        nodes[:, 1],
+        shape.x,
+        shape.y,
+        shape.phi,
+        shape.k,
+        reach,
+        0.9,
+        setting.mask,
+    )
+
+
+def measured(pixels: Pixels, band: Band, noise: float, used: BoolArray) -> FloatArray:
+    """band.measure's table of these pixels."""
+    from labrig.vision.fit.cross_section import measure
+
+    return measure(
+        *pixels,
+        band.half_width,
+        band.blur,
+        WINDOW_CELLS,
+        noise,
+        2,
+        used.astype(float),
+        band.elongation.astype(float),
+        band.face,
+        band.face_share,
+    )

@@ -1,0 +1,346 @@
+"""The two fits: a curve through sub-pixel ridge points, then through the intensities themselves.
+
+Both are Gauss-Newton on the curve's parameters, with a prior that curvature is smooth and with the
+clamp's calibration as one on the first two parameters. For points a weak penalty
+int (dk/ds)^2 ds / q is enough; with the intensities the picture says how smooth it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import StripGeometry, smallness
+from labrig.vision.fit.context import WINDOW_CELLS, Band, Setting, look
+from labrig.vision.fit.shape import Shape
+from labrig.vision.fit.smoothness import WANDERING, averaged, covariance
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+# q in 1/m^3: curvature that wanders by 100 per m over 20 mm
+SPECTRAL_PER_M3 = 5e5
+POINT_NOISE_PX = 0.15
+SETTLED_PX = 0.008
+SETTLED_LOOK_PX = 0.03
+LEAST_PRESENT = 0.6  # of the pixels beside the curve
+WHOLLY_PRESENT = 0.97
+COMPANY_CELLS, LEAST_COMPANY = 12, 0.55
+
+
+def spectral_of(optics: Optics, strip: StripGeometry) -> float:
+    """How much a strip's curvature changes along it, as assumed: q in 1/px^3."""
+    return SPECTRAL_PER_M3 * (smallness(strip.length_m) / optics.px_per_m) ** 3
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted curve, with what each cell said about it."""
+
+    shape: Shape
+    band: Band
+    cells: FloatArray  # (cells, 12), see band.measure
+    present: FloatArray  # (cells,): share of the pixels beside the curve that are in the picture
+    used: BoolArray  # (cells,)
+    noise: float  # grey levels, of a pixel, from the residuals
+    normal: FloatArray  # (parameters, parameters): information of data and clamp prior
+    pull: FloatArray  # (parameters,): normal @ (the parameters the data alone would take)
+    step_px: float  # largest movement of the last iteration
+
+    @property
+    def contrast(self) -> FloatArray:
+        """(cells,) grey levels, positive where the sheet is brighter."""
+        return self.cells[:, 0]
+
+    @cached_property
+    def usual_contrast(self) -> float:
+        """Its median size where the sheet is seen; 0 where it is nowhere."""
+        seen = self.contrast[self.used]
+        return float(np.median(np.abs(seen))) if len(seen) else 0.0
+
+    @property
+    def in_view(self) -> BoolArray:
+        """(cells,): where nothing that is known to hide the sheet does."""
+        return self.present > LEAST_PRESENT
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(parameters, parameters), from noise and clamp, smoothness included."""
+        basis = self.shape.basis
+        return covariance(self.normal, self.pull, basis.priors, basis.log_weight)
+
+    @property
+    def cautious_covariance(self) -> FloatArray:
+        """The same for a curvature that may jump where nothing is seen of it."""
+        basis = self.shape.basis
+        priors, log_weight = basis.priors[WANDERING], basis.log_weight[WANDERING]
+        return covariance(self.normal, self.pull, priors, log_weight)
+
+    @property
+    def offsets_px(self) -> tuple[FloatArray, FloatArray]:
+        """Each cell's own measured distance from the curve, and its standard deviation."""
+        information = np.maximum(self.cells[:, 3], 1e-12)
+        return self.cells[:, 4] / information, self.noise / np.sqrt(information)
+
+
+def seen_start(fit: Fit, setting: Setting) -> tuple[FloatArray, FloatArray]:
+    """(2,) offset and angle of the start as the sheet alone has them, and their covariance (2, 2).
+
+    That is without the clamp's calibration.
+    """
+    normal = fit.normal.copy()
+    # what is nowhere seen must not make this singular
+    normal[[0, 1], [0, 1]] += np.array([1e-6, 1e-2]) - 1 / setting.prior**2
+    # at its root a sheet may curve more than where it is seen
+    spectral = max(setting.spectral, fit.shape.basis.free_px**-3)
+    covariance = np.asarray(np.linalg.inv(penalised(normal, fit.shape, spectral)), dtype=np.float64)
+    return (covariance @ fit.pull)[:2], covariance[:2, :2]
+
+
+def spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
+    """(n,) standard deviation of rows (n, parameters) of what has a covariance."""
+    return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
+
+
+def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:
+    """An information matrix with the smoothness prior added."""
+    full = normal.copy()
+    full[2:, 2:] += shape.basis.penalty / spectral
+    # a constant curvature costs nothing; a curve that is nowhere seen must not make this singular
+    full[2:, 2:] += 1e-6 * spectral ** (-2 / 3) * np.eye(len(full) - 2)
+    return full
+
+
+def solved(full: FloatArray, pull: FloatArray) -> FloatArray:
+    """The parameters."""
+    return np.asarray(np.linalg.solve(full, pull), dtype=np.float64)
+
+
+def information(
+    shape: Shape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The normal matrix and right-hand side for the parameters themselves.
+
+    Of sum weight (offset - modes (p - p_now))^2 + (p_0, p_1)^2 / prior^2.
+    """
+    normal = (modes * weight[:, None]).T @ modes
+    pull = modes.T @ (weight * offset) + normal @ shape.parameters
+    normal[0, 0] += 1 / prior[0] ** 2
+    normal[1, 1] += 1 / prior[1] ** 2
+    return normal, pull
+
+
+def fit_points(
+    shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4)
+) -> Shape:
+    """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
+    beyond = shape.basis.s > shape.basis.free_px
+    for reach in reaches:
+        extra = np.where(beyond, round(half_width), 0)
+        offset, height, _ = ridge_points(shape, setting, reach + extra)
+        good = np.isfinite(offset) & (height > setting.picture.noise)
+        if good.sum() < 12:
+            break
+        offset = np.where(good, offset, 0.0)
+        weight = np.where(good, _tukey(offset, good), 0.0)
+        weight *= np.minimum(1.0, height / (0.5 * np.median(height[good])))
+        normal, pull = information(
+            shape,
+            shape.normal_modes(),
+            offset,
+            weight / POINT_NOISE_PX**2 / 3,  # neighbours share their noise
+            setting.prior,
+        )
+        shape = shape.moved(solved(penalised(normal, shape, setting.spectral), pull))
+    return shape
+
+
+def ridge_points(
+    shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Offset, height and width of the ridge beside each node; see ridge.ridge_offsets."""
+    from labrig.vision.search.ridge_points import ridge_offsets
+
+    centre = setting.nodes_px(shape)
+    sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))
+    beside = setting.nodes_px(sideways) - centre
+    offset, height, width = ridge_offsets(
+        setting.picture.smooth,
+        centre[:, 0].copy(),
+        centre[:, 1].copy(),
+        beside[:, 0].copy(),
+        beside[:, 1].copy(),
+        reach.astype(np.int64),
+        setting.sign,
+    )
+    if not setting.mask.any():
+        return offset, height, width
+    rows, columns = setting.mask.shape
+    place = centre + np.nan_to_num(offset)[:, None] * beside
+    at = np.clip(np.round(place).astype(int), 0, [columns - 1, rows - 1])
+    hidden = setting.mask[at[:, 1], at[:, 0]] != 0
+    return np.where(hidden, np.nan, offset), height, np.where(hidden, np.nan, width)
+
+
+def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
+    spread = max(0.3, 1.48 * float(np.median(np.abs(offset[good]))))
+    ratio = np.minimum(np.abs(offset) / (4.7 * spread), 1.0)
+    return np.asarray((1 - ratio**2) ** 2)
+
+
+def fit_intensities(
+    shape: Shape,
+    setting: Setting,
+    band: Band,
+    *,
+    rounds: int = 8,
+    contrast: float | None = None,
+    settled_px: float = SETTLED_PX,
+) -> Fit:
+    """Fit the picture's own intensities beside the curve, and the band's look with it.
+
+    `contrast`: of the sheet, where it is known from before. `settled_px`: the last step's size.
+    """
+    used = np.ones(len(band.half_width), dtype=bool)
+    # before the first step the curve misses by more than the noise: allow a tenth of the sheet
+    contrast = contrast or _contrast(shape, setting, band)
+    noise = max(setting.picture.noise, 0.1 * contrast)
+    fit = _iteration(shape, setting, band, noise, used)
+    for _ in range(rounds - 1):
+        before = fit.band
+        fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
+        if fit.step_px < settled_px and fit.band.looks_like(before, SETTLED_LOOK_PX):
+            break
+    return fit
+
+
+def _contrast(shape: Shape, setting: Setting, band: Band) -> float:
+    cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
+    return float(np.median(np.abs(cells[:, 0])))
+
+
+def _retuned(fit: Fit) -> Band:
+    band = fit.band
+    sheet = _newton(fit, ~band.elongation)
+    ends = _newton(fit, band.elongation) if band.elongation.any() else 0.0
+    blur = float(np.clip(band.blur + np.clip(sheet, -0.3, 0.3), 0.4, 6.0))
+    half = float(np.clip(band.half_width[-1] + np.clip(ends, -0.4, 0.4), 0.5, 40.0))
+    return band.retuned(blur, half)
+
+
+def _newton(fit: Fit, where: BoolArray) -> float:
+    table = fit.cells[fit.used & where]
+    return float(table[:, 7].sum() / max(table[:, 8].sum(), 1e-9))
+
+
+def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray) -> Fit:
+    # far from all that is used, contrast and background come from the doubtful cells themselves
+    asked = used | ~_grown(used, WINDOW_CELLS)
+    cells, present = look(shape, setting, band, noise, asked)
+    used = usable_cells(cells, present, setting, band, noise)
+    level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
+    # Tukey's weights shrink the residuals of pure noise by 6 %
+    # and no lens draws a band just as the template has it
+    contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
+    noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(setting, band) * contrast)
+    return _moved(shape, setting, band, cells, present, used, noise)
+
+
+def led_by(fit: Fit, setting: Setting, beside: FloatArray, sigma: float) -> Fit:
+    """The curve moved to where something else than intensities says that it is.
+
+    `beside` (cells,): how far beside the curve; `sigma`: of each cell; both in pixels.
+    """
+    cells = fit.cells.copy()
+    cells[:, 3] = (fit.noise / sigma) ** 2
+    cells[:, 4] = beside * cells[:, 3]
+    return _moved(fit.shape, setting, fit.band, cells, fit.present, fit.used, fit.noise)
+
+
+def _moved(
+    shape: Shape,
+    setting: Setting,
+    band: Band,
+    cells: FloatArray,
+    present: FloatArray,
+    used: BoolArray,
+    noise: float,
+) -> Fit:
+    """The curve moved by what its cells say of their distance from it."""
+    weight = np.where(used, cells[:, 3], 0.0) / noise**2
+    offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
+    modes = shape.normal_modes()
+    middle = 0.5 * (modes[1:] + modes[:-1])
+    normal, pull = information(shape, middle, offset, weight, setting.prior)
+    basis = shape.basis
+    wanted = averaged(normal, pull, basis.priors, basis.log_weight)
+    moved = middle @ (wanted - shape.parameters)
+    return Fit(
+        shape=shape.moved(wanted),
+        band=band,
+        cells=cells,
+        present=present,
+        used=used,
+        noise=noise,
+        normal=normal,
+        pull=pull,
+        step_px=float(np.abs(moved).max()),
+    )
+
+
+def _likeness(setting: Setting, band: Band) -> float:
+    """How well any band is like the template, as a share of its contrast.
+
+    The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
+    """
+    shown = setting.picture.reduced * float(band.half_width[0])
+    return float(np.clip(0.01 * shown, 0.01, 0.1))
+
+
+def usable_cells(
+    cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
+) -> BoolArray:
+    """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
+    there = present > LEAST_PRESENT
+    if band.spoilt is not None:
+        there &= ~band.spoilt
+    edge = round(2.5 * band.blur) + 1
+    there[:edge] = False  # the clamp's blurred edge
+    there[-edge:] = False  # and the sheet's own end
+    contrast = setting.sign * cells[:, 0]
+    for part in (band.elongation, ~band.elongation):
+        if (there & part).any():
+            usual = float(np.median(contrast[there & part]))
+            there &= ~part | (contrast > 0.35 * usual) & (contrast < 2.5 * usual)
+    there &= contrast > 1.5 * noise
+    if there.sum() < 10:
+        return there
+    # what does not look like a band here, such as a roll's rim, would only pull the curve
+    misfit = around(cells[:, 5], 2) / np.maximum(around(cells[:, 6], 2), 1.0)
+    usual = max(float(np.median(misfit[there])), 1e-12)
+    strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(setting, band)) * contrast) ** 2)
+    lost = around(cells[:, 6], 2) < 0.6 * around(present * 2 * band.reach, 2)
+    return _in_company(there & ~_grown(strange | lost, 2), present)
+
+
+def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
+    """Without odd ones in a gap beside what hides the sheet: they are what is left of that."""
+    beside = _grown(present < WHOLLY_PRESENT, 2)
+    company = around(good.astype(float), COMPANY_CELLS)
+    of = around(np.ones(len(good)), COMPANY_CELLS)
+    return np.asarray(good & (~beside | (company > LEAST_COMPANY * of)))
+
+
+def around(values: npt.NDArray[Any], half: int) -> FloatArray:
+    """Sums over `half` cells to each side."""
+    # "same" would be as long as the box where that is longer
+    return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]
+
+
+def _grown(flags: BoolArray, by: int) -> BoolArray:
+    return around(flags.astype(float), by) > 0.5

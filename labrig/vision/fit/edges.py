@@ -1,0 +1,121 @@
+"""The middle between a thick strip's edges, which light and shade across it do not move.
+
+The fit's band takes a strip's two halves for equally bright; where light falls on one of them more
+the middle of the light lies beside that of the strip. Its edges are where the picture changes most,
+however bright each half is: they are looked for in the camera's own pixels, which show them apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import Setting
+from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.image.downscaling import scaled_places
+
+FloatArray = npt.NDArray[np.float64]
+
+# in units of the thickness
+STEP, REACH = 0.04, 1.3
+NEAREST, FARTHEST = 0.25, 1.0  # from the curve to an edge: nearer, light ends and shade begins
+SMOOTHING = 0.08
+LEAST_APART, MOST_APART = 0.6, 1.6
+LEAST_USED = 0.5  # of a block, which is as long as the strip is thick
+LEAST_BLOCKS = 0.5  # that show both edges
+LEAST_SPREAD = 0.005
+AROUND = 4  # blocks to each side that say together where the middle is
+
+
+@dataclass(frozen=True, eq=False)
+class Middle:
+    """Where the middle between the edges lies beside the curve, in the setting's pixels."""
+
+    beside_px: FloatArray  # (cells,)
+    sigma_px: float  # of each cell, were it alone: edges are frayed
+
+
+def middle_of_edges(fit: Fit, setting: Setting) -> Middle | None:
+    """The edges' middle beside a fitted curve; None where hardly both edges are seen."""
+    thick_px = 2 * np.append(fit.band.half_width, fit.band.half_width[-1])
+    many = max(1, round(float(thick_px[0]) / fit.shape.basis.step_px))
+    blocks = len(fit.used) // many
+    if blocks < 2 * AROUND:
+        return None
+    used = fit.used[: blocks * many].reshape(blocks, many).mean(axis=1) > LEAST_USED
+    strip = _straightened(fit, setting, thick_px)[: blocks * many]
+    low, high = _edges(strip.reshape(blocks, many, -1).mean(axis=1))
+    apart = high - low
+    good = used & (apart > LEAST_APART) & (apart < MOST_APART)
+    if good.mean() < LEAST_BLOCKS:
+        return None
+    at = (np.arange(blocks) + 0.5) * many
+    beside = (0.5 * (low + high) * thick_px[at.astype(int)])[good]
+    few, smooth = _smoothed(beside)
+    spread = max(1.48 * float(np.median(np.abs(beside - smooth))), LEAST_SPREAD * thick_px[0])
+    cells = np.arange(len(fit.used)) + 0.5
+    # neighbours are frayed alike: every third block says something of its own
+    sigma = spread * float(np.sqrt(3 * many))
+    return Middle(np.interp(cells, at[good], few), sigma)
+
+
+def _straightened(fit: Fit, setting: Setting, thick_px: FloatArray) -> FloatArray:
+    """(nodes, places across) the camera's grey along the curve, NaN outside."""
+    import cv2
+
+    shape, picture = fit.shape, setting.picture
+    across = _places() * thick_px[:, None]
+    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
+    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
+    uv = scaled_places(setting.optics.world_to_pixel(plane), picture.reduced)
+    uv = uv.reshape(*x.shape, 2).astype(np.float32)
+    grey = cv2.remap(
+        picture.whole,
+        uv[..., 0],
+        uv[..., 1],
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=float("nan"),
+    )
+    return np.asarray(setting.sign * grey, dtype=np.float64)
+
+
+def _places() -> FloatArray:
+    return np.arange(-REACH, REACH + STEP / 2, STEP)
+
+
+def _edges(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(blocks,) places of the steepest rise below the curve and of the steepest fall above it.
+
+    NaN where there is none.
+    """
+    t = np.arange(-round(4 * SMOOTHING / STEP), round(4 * SMOOTHING / STEP) + 1) * STEP / SMOOTHING
+    kernel = -t * np.exp(-t * t / 2)  # the slope of a bell
+    slope = np.stack([np.convolve(row, kernel, mode="same") for row in profiles])
+    return _steepest(slope, -FARTHEST, -NEAREST), _steepest(-slope, NEAREST, FARTHEST)
+
+
+def _steepest(slope: FloatArray, low: float, high: float) -> FloatArray:
+    """(blocks,) place of the highest peak between two places, to a part of a step."""
+    places = _places()
+    part = (places >= low) & (places <= high)
+    part &= np.abs(places) < REACH - 4 * SMOOTHING
+    inside, rows = places[part], np.arange(len(slope))
+    seen = np.nan_to_num(slope[:, part], nan=-np.inf)
+    peak = seen.argmax(axis=1)
+    whole = (peak > 0) & (peak < len(inside) - 1)
+    peak = np.clip(peak, 1, len(inside) - 2)
+    before, at, after = (seen[rows, peak + q] for q in (-1, 0, 1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        beside = 0.5 * (before - after) / (before - 2 * at + after)
+    return np.where(whole & (at > 0), inside[peak] + beside * STEP, np.nan)
+
+
+def _smoothed(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Medians of few, as threads are odd ones, and means of some of these."""
+    windows = np.lib.stride_tricks.sliding_window_view
+    few = np.median(windows(np.pad(values, 2, mode="reflect"), 5), axis=1)
+    return few, windows(np.pad(few, AROUND, mode="reflect"), 2 * AROUND + 1).mean(axis=1)

@@ -1,0 +1,194 @@
+"""From a way that a sheet may take to the curve there, fitted to the picture and judged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Look, Optics
+from labrig.vision.checks.acceptance import Verdict, judge
+from labrig.vision.checks.occlusion import strangers
+from labrig.vision.checks.sheet_end import Tip, find_tip
+from labrig.vision.checks.side_face import FaceSearch
+from labrig.vision.curve import StripGeometry, smallness
+from labrig.vision.fit.context import Band, Setting, roll_mask
+from labrig.vision.fit.curve_fit import (
+    Fit,
+    fit_intensities,
+    fit_points,
+    led_by,
+    ridge_points,
+    spectral_of,
+)
+from labrig.vision.fit.edges import middle_of_edges
+from labrig.vision.fit.shape import Shape, ShapeBasis, coefficients_for, make_basis
+from labrig.vision.image.image import Picture
+from labrig.vision.search.ridge_tracing import Trace, shape_through
+
+WELL_COVERED = 0.95
+LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve, or a larger one's
+FACE_ROUNDS = 3
+EDGE_ROUNDS = 3
+LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A fitted curve and what the self-check says of it."""
+
+    fit: Fit
+    setting: Setting
+    tip: Tip
+    verdict: Verdict
+    wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
+    between_edges: bool = False  # of a thick strip, whatever light falls on it
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether it passes, goes on behind what hides it, and its end is seen where it should."""
+        tip, sure = self.tip, not self.verdict.join.doubtful
+        return not self.verdict.why and sure and tip.beyond_px is not None and not tip.at_least
+
+    @property
+    def rank(self) -> tuple[bool, bool, float]:
+        """What passes comes first, then what ends where it should, then what explains most."""
+        return not self.verdict.why, self.confirmed, self.verdict.worth
+
+
+class Refiner:
+    """Fits curves to one picture."""
+
+    def __init__(self, picture: Picture, optics: Optics, strip: StripGeometry) -> None:
+        self.picture, self.optics, self.strip = picture, optics, strip
+        self.thickness_px = strip.thickness_m * optics.px_per_m
+        free_px = strip.free_length_m * optics.px_per_m
+        self.basis: ShapeBasis = make_basis(
+            free_px,
+            strip.length_m * optics.px_per_m,
+            coefficients_for(free_px),
+            LONGEST_STEP_M / max(1.0, smallness(strip.length_m)) * optics.px_per_m,
+        )
+        self.mask = roll_mask(optics, picture.grey.shape)
+
+    def setting(self, sign: float) -> Setting:
+        """How the picture is looked at for a sheet of this brightness against the background."""
+        optics = self.optics
+        return Setting(
+            picture=self.picture,
+            optics=optics,
+            sign=sign,
+            prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
+            spectral=spectral_of(optics, self.strip),
+            mask=self.mask,
+        )
+
+    def beyond(self) -> npt.NDArray[np.bool_]:
+        """(cells,) whether they are the elongation."""
+        middle = 0.5 * (self.basis.s[1:] + self.basis.s[:-1])
+        return np.asarray(middle > self.basis.free_px)
+
+    def refine(self, trace: Trace, sign: float) -> Candidate:
+        """From a traced path to a judged curve."""
+        shape = shape_through(trace, self.optics, self.basis, self.setting(sign).spectral)
+        return self.improved(shape, sign)
+
+    def improved(self, shape: Shape, sign: float) -> Candidate:
+        """The curve near a first one, looked for again where parts of it were lost."""
+        setting = self.setting(sign)
+        half = self._elongation_half_width(shape, setting)
+        shape = fit_points(shape, setting, half_width=half)
+        beyond = self.beyond()
+        band = Band(
+            np.where(beyond, half, self.thickness_px / 2), 1.0, beyond, np.zeros(len(beyond))
+        )
+        best = self.judged(fit_intensities(shape, setting, band), setting)
+        if best.verdict.covered < WELL_COVERED:
+            # parts were lost: look for them further from the curve, now that most of it is known
+            again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
+            other = self.judged(fit_intensities(again, setting, best.fit.band), setting)
+            best = max(best, other, key=lambda c: c.verdict.worth)
+            best = self._without_strangers(best)
+        return self.led_by_edges(self._anchored(self._faced(best)))
+
+    def led_by_edges(self, found: Candidate) -> Candidate:
+        """The curve between the edges of a thick strip, instead of in the middle of its light."""
+        fit, setting = found.fit, found.setting
+        if self.picture.whole is None or found.verdict.why:
+            return found
+        for _ in range(EDGE_ROUNDS):
+            middle = middle_of_edges(fit, setting)
+            if middle is None:
+                return found
+            fit = led_by(fit, setting, middle.beside_px, middle.sigma_px)
+        verdict = judge(fit, setting, found.tip, followed=True, beside=False)
+        if verdict.why:
+            return found
+        return replace(found, fit=fit, verdict=verdict, between_edges=True)
+
+    def _without_strangers(self, found: Candidate) -> Candidate:
+        """The curve without what was taken for the sheet where that cannot be seen."""
+        strange = strangers(found.fit)
+        if not strange.any():
+            return found
+        band = replace(found.fit.band, spoilt=strange)
+        return self.judged(fit_intensities(found.fit.shape, found.setting, band), found.setting)
+
+    def _faced(self, plain: Candidate) -> Candidate:
+        """The curve with the far face taken off, where one is seen."""
+        # a thicker sheet looks like one with a face as dark as its edge
+        told_apart = self.strip.thickness_known or self.optics.look != Look.AUTO
+        if plain.verdict.covered < 0.5 or not told_apart:
+            return plain
+        search = FaceSearch(plain.fit, plain.setting)
+        found, face = plain, search.first()
+        for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
+            if face is None:
+                # where the face led the curve, a band alone explains as much
+                wider_px = float(np.hypot(search.wider_px, 2 * search.doubt_px))
+                return replace(plain, wider_px=wider_px)
+            band = face.on(found.fit.band, found.fit.shape)
+            found = self.judged(
+                fit_intensities(found.fit.shape, found.setting, band), found.setting
+            )
+            if turn < FACE_ROUNDS - 1:
+                face = search.again(found.fit, face)
+        return replace(found, wider_px=2 * search.doubt_px)
+
+    def judged(self, fit: Fit, setting: Setting) -> Candidate:
+        """A fit with its end and what the self-check says of it."""
+        tip = find_tip(fit, setting)
+        return Candidate(fit, setting, tip, judge(fit, setting, tip))
+
+    def _anchored(self, found: Candidate) -> Candidate:
+        """Move the start along the clamped sheet to where its end says that it is.
+
+        The clamp's place is known to a pixel only, the length much better.
+        """
+        beyond, clamp = found.tip.beyond_px, self.optics.clamp_sigma_px
+        if beyond is None or abs(beyond) > 4 * clamp or found.verdict.why:
+            return found
+        known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
+        shape = found.fit.shape
+        moved = shape.slid(known * beyond)
+        fit = fit_intensities(
+            moved, found.setting, found.fit.band, rounds=3, contrast=found.fit.usual_contrast
+        )
+        # its end and what lies beside it were looked at: the line is the same
+        verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
+        return replace(found, fit=fit, verdict=verdict)
+
+    def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
+        """Half the elongation's visible width, from its height's halves; the sheet's if none."""
+        if self.strip.elongation_m == 0:
+            return self.thickness_px / 2
+        beyond = self.basis.s > self.basis.free_px
+        reach = np.full(len(beyond), round(12 + 4 * self.thickness_px))
+        _, _, width = ridge_points(shape, setting, reach)
+        seen = beyond & np.isfinite(width)
+        if not seen.any():
+            return self.thickness_px / 2
+        # the blur of lens and smoothing makes a thin band look about 2.7 pixels wide
+        full = float(np.median(width[seen]))
+        return 0.5 * max(float(np.sqrt(max(full**2 - 2.7**2, 0.0))), self.thickness_px)

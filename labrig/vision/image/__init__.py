@@ -1,0 +1,1 @@
+"""Images: read, downscaled, with their noise."""

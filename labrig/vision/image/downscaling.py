@@ -1,0 +1,101 @@
+"""Pictures of thick strips, reduced: to a fit a strip 20 pixels thick is as one of four from afar.
+
+What the fit knows of a sheet's looks is in pixels of one a few pixels thick: how far along it light
+and width stay the same, how far beside it something else may lie. A strip that fills more pixels
+shows its texture and its frayed edges instead, and tells hardly better where its middle is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import NeutralCurve
+from labrig.vision.image.image import Picture, pixel_noise
+from labrig.vision.search.straight_lines import Wire
+
+FloatArray = npt.NDArray[np.float64]
+
+THICK_PX = 8.0  # thinner strips are looked at as they are
+WANTED_PX = 3.5
+
+
+def reduction(thickness_px: float) -> int:
+    """How many times a picture is reduced for a strip of this thickness."""
+    return round(thickness_px / WANTED_PX) if thickness_px > THICK_PX else 1
+
+
+def reduced_picture(picture: Picture, by: int) -> Picture:
+    """The means of squares of pixels."""
+    import cv2
+
+    rows, columns = (each // by for each in picture.grey.shape)
+    whole = picture.grey[: rows * by, : columns * by]
+    grey = np.asarray(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
+    noise = pixel_noise(grey, picture.full_scale)
+    return replace(picture, grey=grey, noise=noise, reduced=by, whole=picture.grey)
+
+
+def reduced_optics(optics: Optics, by: int) -> Optics:
+    """What a camera with pixels `by` times as large has for a calibration."""
+    small = np.array([[1 / by, 0, 0.5 / by - 0.5], [0, 1 / by, 0.5 / by - 0.5], [0, 0, 1.0]])
+
+    def point(place: tuple[float, float]) -> tuple[float, float]:
+        u, v = scaled_places(np.array(place), 1 / by)
+        return float(u), float(v)
+
+    changed: dict[str, object] = {
+        "px_per_mm": optics.px_per_mm / by,
+        "px_per_mm_sigma": optics.px_per_mm_sigma / by,
+        "clamp_px": point(optics.clamp_px),
+        "clamp_sigma_px": optics.clamp_sigma_px / by,
+        "origin_sigma_px": optics.origin_sigma_px / by,
+        "image_size": None,
+    }
+    if optics.origin_px is not None:
+        changed["origin_px"] = point(optics.origin_px)
+    for name in ("camera_matrix", "homography"):
+        matrix = getattr(optics, name)
+        if matrix is not None:
+            changed[name] = tuple(tuple(row) for row in (small @ np.array(matrix)).tolist())
+    if optics.rolls_px is not None:
+        changed["rolls_px"] = tuple((*point((u, v)), r / by) for u, v, r in optics.rolls_px)
+    return optics.model_copy(update=changed)
+
+
+def scaled_places(places: FloatArray, by: float) -> FloatArray:
+    """Pixels (..., 2) in a picture `by` times as large: a pixel's centre is an integer in both."""
+    return np.asarray((places + 0.5) * by - 0.5)
+
+
+def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
+    """A curve whose lengths in pixels are those of a picture `by` times as large."""
+    return replace(
+        curve,
+        points_px=scaled_places(curve.points_px, by),
+        residual_px=curve.residual_px * by,
+        blur_px=curve.blur_px * by,
+        elongation_width_px=curve.elongation_width_px * by,
+        excess_px=curve.excess_px * by,
+        pull_px=curve.pull_px * by,
+        face_px=curve.face_px * by,
+        wires=tuple(
+            Wire(scaled_places(wire.path, by), wire.seen, wire.half_px * by) for wire in curve.wires
+        ),
+    )
+
+
+def told(curve: NeutralCurve, by: int) -> NeutralCurve:
+    """A curve found in a reduced picture, for who knows the whole one only."""
+    note = f"pixels here are those of the picture reduced {by} times"
+
+    def noted(text: str) -> str:
+        if "pixel" not in text:
+            return text
+        return f"{text[:-1]} ({note})." if text.endswith(".") else f"{text} ({note})"
+
+    whole = scaled_curve(curve, by)
+    return replace(whole, why=noted(curve.why), warnings=tuple(map(noted, curve.warnings)))

@@ -1,0 +1,150 @@
+"""A picture as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+
+FloatArray = npt.NDArray[np.float64]
+MapArray = npt.NDArray[np.float32]
+
+SMOOTHING_PX = 1.0
+MOST_OF_NOISE = 12.0  # standard deviations, from the darkest to the brightest of a million pixels
+
+
+class PictureError(ValueError):
+    """The picture cannot hold a curve; the text is the sentence for the user."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A grey picture. `noise` is one pixel's standard deviation in grey levels."""
+
+    grey: MapArray
+    noise: float
+    full_scale: float
+    clipped: float  # share of the pixels at full scale
+    warnings: tuple[str, ...]
+    reduced: int = 1  # times, against the camera's
+    whole: MapArray | None = None  # the camera's own, of one that is reduced
+
+    @cached_property
+    def smooth(self) -> MapArray:
+        """Smoothed with a Gaussian of one pixel, for finding ridges."""
+        import cv2
+
+        return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
+
+
+def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
+    """Check an image and turn it into floats; colour is turned into grey with a warning."""
+    grey, warnings = _grey(image)
+    rows, columns = grey.shape
+    if rows < 16 or columns < 16:
+        raise PictureError(f"the picture is only {columns} x {rows} pixels; a sheet needs more.")
+    if optics.image_size is not None and optics.image_size != (columns, rows):
+        raise PictureError(
+            f"the picture is {columns} x {rows} pixels but the optics were calibrated for "
+            f"{optics.image_size[0]} x {optics.image_size[1]}; calibrate this camera setting."
+        )
+    full_scale = _full_scale(image, optics)
+    clipped = float(np.mean(grey >= full_scale))
+    if clipped > 0.9:
+        raise PictureError(
+            f"the picture is saturated ({clipped:.0%} of the pixels are at full scale); "
+            "shorten the exposure."
+        )
+    noise = pixel_noise(grey, full_scale)
+    low, high = float(grey.min()), float(grey.max())
+    # a camera of ten bits leaves most of sixteen empty: what little there is may show all
+    if high - low < min(0.01 * full_scale, MOST_OF_NOISE * noise):
+        raise PictureError(
+            f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
+            "check lens cap, light and exposure."
+        )
+    return Picture(grey, noise, full_scale, clipped, tuple(warnings))
+
+
+def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
+    if not isinstance(image, np.ndarray) or image.size == 0:
+        raise PictureError("this is not an image: an array of pixels is needed.")
+    if image.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+        raise PictureError(f"the image holds {image.dtype} values; 8 or 16 bit grey is needed.")
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]
+    if image.ndim == 3 and image.shape[2] in (3, 4):
+        if (image[:, :, 0] == image[:, :, 1]).all() and (image[:, :, 1] == image[:, :, 2]).all():
+            return np.ascontiguousarray(image[:, :, 0], dtype=np.float32), []
+        # OpenCV's order: blue, green, red
+        grey = image[:, :, :3].astype(np.float32) @ np.array([0.114, 0.587, 0.299], np.float32)
+        return np.ascontiguousarray(grey), ["the picture is in colour; its grey values were used"]
+    if image.ndim != 2:
+        raise PictureError(f"the image has shape {image.shape}; rows and columns are needed.")
+    grey = np.ascontiguousarray(image, dtype=np.float32)
+    if image.dtype.kind == "f" and not np.isfinite(grey).all():
+        raise PictureError("the image holds values that are not finite.")
+    return grey, []
+
+
+def _full_scale(image: npt.NDArray[Any], optics: Optics) -> float:
+    if image.dtype == np.uint8:
+        return 255.0
+    if image.dtype == np.uint16:
+        return float(2 ** (optics.bits if optics.bits > 8 else 16) - 1)
+    return float(2**optics.bits - 1)
+
+
+def pixel_noise(grey: MapArray, full_scale: float) -> float:
+    """One pixel's noise, from second differences in rows and columns (blind to ramps and edges).
+
+    At least a third of an 8-bit level, so that a flawless synthetic picture has a scale too.
+    """
+    part = grey[::4] if grey.size > 100_000 else grey
+    d = part[:, 2::3] - 2 * part[:, 1:-1:3] + part[:, :-2:3]
+    spread = float(np.median(np.abs(d))) / 0.6745
+    return max(spread / 6**0.5, full_scale / 255 * 0.3 if full_scale < 300 else 0.3)
+
+
+@lru_cache(maxsize=8)
+def plane_map(optics: Optics, shape: tuple[int, int]) -> MapArray:
+    """(rows, columns, 2): each pixel's place in the sheet's plane, world times px_per_m, y up."""
+    rows, columns = shape
+    if not optics.has_lens and optics.homography is None:
+        return _affine(optics, shape)
+    # the lens is smooth: every fourth pixel, linear between, is good to 0.002 pixels
+    step = 4
+    v = np.arange(0, rows + step, step, dtype=float)
+    u = np.arange(0, columns + step, step, dtype=float)
+    grid = np.stack(np.meshgrid(u, v), axis=-1)
+    coarse = (optics.pixel_to_world(grid.reshape(-1, 2)) * optics.px_per_m).reshape(grid.shape)
+    wv, wu = _linear_weights(rows, v), _linear_weights(columns, u)
+    out = np.empty((rows, columns, 2), dtype=np.float32)
+    for axis in range(2):
+        out[:, :, axis] = wv @ coarse[:, :, axis] @ wu.T
+    return out
+
+
+def _affine(optics: Optics, shape: tuple[int, int]) -> MapArray:
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    origin, right, down = optics.pixel_to_world(corners) * optics.px_per_m
+    v = np.arange(shape[0])[:, None, None]
+    u = np.arange(shape[1])[None, :, None]
+    return np.ascontiguousarray(
+        origin + u * (right - origin) + v * (down - origin), dtype=np.float32
+    )
+
+
+def _linear_weights(count: int, nodes: FloatArray) -> FloatArray:
+    at = np.arange(count)
+    cell = np.minimum(at // 4, len(nodes) - 2)
+    part = (at - nodes[cell]) / 4
+    weights = np.zeros((count, len(nodes)))
+    weights[at, cell] = 1 - part
+    weights[at, cell + 1] = part
+    return weights

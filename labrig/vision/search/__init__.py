@@ -1,0 +1,1 @@
+"""Search an image for the path of the sheet."""

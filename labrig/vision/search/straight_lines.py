@@ -1,0 +1,238 @@
+"""Straight things that are no sheet, such as wires: they reach the border, or leave a found curve.
+
+Where one runs along the sheet no pixel tells the two apart, but everywhere else it does: a wire is
+found at the border, where no sheet is, or beside a curve, which no sheet leaves; it is followed
+straight through the picture, and its pixels are left out, as those of the rolls are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.image.image import Picture
+from labrig.vision.search.ridge_tracing import RidgeMaps
+from labrig.vision.search.straight_ridges import entries, followed
+
+FloatArray = npt.NDArray[np.float64]
+MapArray = npt.NDArray[np.float32]
+BoolArray = npt.NDArray[np.bool_]
+MaskArray = npt.NDArray[np.uint8]
+
+INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
+BESIDE_PX = 4.0  # from what is used beside a curve to where another thing is seen; in the maps
+WIDTH_REACH_PX = 8
+MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
+LEAST_WITH_TWO_SIDES = 0.4
+SAME_PX = 4.0
+END_PX = 16.0  # how well a line's end is found
+GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
+BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
+STRAIGHT_RAD = 0.35  # about a curve's direction at its end, which is found less well
+BACK = 12  # nodes that show a curve's direction
+MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
+
+
+@dataclass(frozen=True, eq=False)
+class Wire:
+    """A line in raw pixels from where it comes in to where it is last seen."""
+
+    path: FloatArray  # (n, 2)
+    seen: BoolArray  # (n,)
+    half_px: float  # further beside it nothing of it is seen
+
+    def runs_with(self, curve: FloatArray, reach: float) -> bool:
+        """Whether it lies on a curve (n, 2) for longer than a crossing takes.
+
+        A crossing is a gap in the curve; what runs with it pulls it aside.
+        """
+        return self._length_px(self._gaps(curve) < self.half_px + reach) > MOST_CROSSING * reach
+
+    def length_beside_px(self, curve: FloatArray, reach: float) -> float:
+        """Of what is seen of it further than `reach` from a curve (n, 2)."""
+        return self._length_px((self._gaps(curve) > reach) & self.seen)
+
+    def _length_px(self, part: BoolArray) -> float:
+        steps = np.hypot(*np.diff(self.path, axis=0).T)
+        return float(steps[part[1:]].sum())
+
+    def begins_at(self, clamp: FloatArray, least_px: float) -> bool:
+        """Whether it passes the clamp (2,) and hardly goes on behind it, as the sheet does."""
+        gap = np.hypot(*(self.path - clamp).T)
+        at = int(gap.argmin())
+        behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
+        return bool(gap[at] < SAME_PX + self.half_px and min(behind) < least_px)
+
+    def is_all_of(self, curve: FloatArray, reach: float) -> bool:
+        """Whether a whole curve (n, 2) lies on it, and both end together: as a straight sheet does.
+
+        Behind the clamp it may go on, as the joint between two jaws does.
+        """
+        ends = self.path[[0, -1]] - curve[-1]
+        gap = curve[::4, None] - self.path[None]
+        beside = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
+        return bool(np.hypot(ends[:, 0], ends[:, 1]).min() < END_PX and beside.max() < reach)
+
+    def ends_with(self, curve: FloatArray) -> bool:
+        """Whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
+
+        That is what the last part of the sheet looks like where it is straight.
+        """
+        ahead = curve[-1] - curve[-1 - BACK]
+        ahead /= np.hypot(*ahead)
+        away = self.path[self.seen] - curve[-1]
+        along, beside = away @ ahead, np.abs(away @ [-ahead[1], ahead[0]])
+        straight_on = beside < SAME_PX + self.half_px + STRAIGHT_RAD * np.maximum(along, 0.0)
+        reaches = np.hypot(away[:, 0], away[:, 1]).min() < END_PX
+        return bool(reaches and along[straight_on].max(initial=0.0) < END_PX)
+
+    def shows_at(self, place: FloatArray) -> bool:
+        """Whether it is seen at a place (2,)."""
+        return bool(np.hypot(*(self.path - place).T).min() < SAME_PX + self.half_px)
+
+    def _gaps(self, curve: FloatArray) -> FloatArray:
+        gap = self.path[:, None] - curve[None]
+        return np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
+
+
+def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
+    """The straight ridges of a sign that reach the picture's border."""
+    maps = ridges.maps[:1]
+    found: list[Wire] = []
+    for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
+        if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
+            u, v, angle, inset = (float(value) for value in entry)
+            line = followed(maps, sign, u, v, angle, inset, GAP_PX)
+            found += _wire(picture, ridges, line, sign)
+    return found
+
+
+def find_branches(
+    picture: Picture,
+    ridges: RidgeMaps,
+    sign: float,
+    curve: FloatArray,
+    seen: BoolArray,
+    apart: float,
+) -> list[Wire]:
+    """The straight ridges that leave a curve (n, 2): that are seen `apart` from it.
+
+    A sheet does not branch: a line that runs with the curve and goes on where that bends away is
+    no part of it, wherever its ends are. `seen` (n - 1,): where the curve looks like a sheet.
+    """
+    maps = ridges.maps[:1]
+    found: list[Wire] = []
+    from_gaps = _from_gaps(ridges, curve, seen)
+    for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, apart):
+        if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
+            continue
+        away = followed(maps, sign, u, v, angle, 0.0, BRANCH_GAP_PX)
+        if away is not None:
+            # from its far end back, so that what lies along the curve belongs to it, too
+            (du, dv), (far_u, far_v) = away[0][0] - away[0][-1], away[0][-1]
+            line = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0, BRANCH_GAP_PX)
+            found += _wire(picture, ridges, line, sign)
+    return found
+
+
+def _wire(
+    picture: Picture, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
+) -> list[Wire]:
+    """The wire of a line in the ridge maps; none where it is an edge."""
+    if line is None:
+        return []
+    path = ridges.raw(line[0])
+    half = _half_width(picture, path, sign, ridges.scale)
+    return [Wire(path, line[1], half)] if half is not None else []
+
+
+def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
+    """(rows, columns): not 0 where a wire is seen."""
+    import cv2
+
+    mask = np.zeros(shape, np.uint8)
+    for wire in wires:
+        points = np.round(wire.path * 16).astype(np.int32).reshape(-1, 1, 2)
+        width = max(1, round(2 * wire.half_px))
+        cv2.polylines(
+            mask, [points], isClosed=False, color=1, thickness=width, lineType=cv2.LINE_8, shift=4
+        )
+    return mask
+
+
+def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
+    """Where ridges come in: u, v, inward angle and inset."""
+    rows, columns = layer.shape[1:]
+    right, bottom = columns - 1 - inset, rows - 1 - inset
+    across, down = np.arange(inset, right), np.arange(inset, bottom)
+    if len(across) < 40 or len(down) < 40:
+        return []
+    one, other = np.ones_like(across), np.ones_like(down)
+    u = np.concatenate([across, right * other, across[::-1] + 1, inset * other])
+    v = np.concatenate([inset * one, down, bottom * one, down[::-1] + 1])
+    found = entries(layer, sign, u, v)
+    inwards = np.array([columns / 2, rows / 2]) - found[:, :2]
+    return [np.append(entry, inset) for entry in _turned(found, inwards)]
+
+
+def _from_curve(
+    ridges: RidgeMaps, sign: float, curve: FloatArray, beside: float
+) -> list[FloatArray]:
+    """Where ridges cross the lines `beside` a curve: u, v and the angle away from it."""
+    ahead = np.gradient(curve, axis=0)
+    normal = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    normal *= beside / np.hypot(ahead[:, 0], ahead[:, 1])[:, None]
+    ring = np.concatenate([curve + normal, (curve - normal)[::-1]])
+    foot = np.concatenate([curve, curve[::-1]])
+    gap = ring[::4, None] - curve[None, ::4]
+    alone = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1) > beside - 2
+    alone = np.repeat(alone, 4)[: len(ring)]
+    place = np.round((ring + 0.5) / ridges.scale - 0.5).astype(np.int64)
+    rows, columns = ridges.maps.shape[2:]
+    inside = ((place >= 0) & (place < (columns, rows))).all(axis=1)
+    kept = alone & inside
+    if kept.sum() < 9:
+        return []
+    found = entries(ridges.maps[0], sign, *place[kept].T)
+    away = (ring - foot)[kept]
+    nearest = np.hypot(*(found[:, None, :2] - place[kept][None]).transpose(2, 0, 1)).argmin(axis=1)
+    return list(_turned(found, away[nearest]))
+
+
+def _from_gaps(ridges: RidgeMaps, curve: FloatArray, seen: BoolArray) -> list[FloatArray]:
+    """Where gaps in a curve begin and end: u, v and the angle of what is seen, into the gap."""
+    ends = np.flatnonzero(np.diff(seen.astype(int)))[1:-1] + 1  # the clamp and the sheet's own end
+    found = []
+    for end in ends:
+        before = bool(seen[end - 1])
+        inside = np.clip(end - BACK if before else end + BACK, 0, len(curve) - 1)
+        du, dv = curve[end] - curve[inside]
+        place = (curve[end] + 0.5) / ridges.scale - 0.5
+        found.append(np.append(place, math.atan2(dv, du)))
+    return found
+
+
+def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
+    """Entries turned round where they would not lead to the side of `to` (n, 2)."""
+    back = np.cos(found[:, 2]) * to[:, 0] + np.sin(found[:, 2]) * to[:, 1] < 0
+    return found + np.outer(back, [0.0, 0.0, math.pi])
+
+
+def _half_width(picture: Picture, path: FloatArray, sign: float, scale: int) -> float | None:
+    """Half of what is seen of it across; None for an edge, which has no other side."""
+    from labrig.vision.search.ridge_points import ridge_offsets
+
+    ahead = np.gradient(path, axis=0)
+    ahead /= np.hypot(ahead[:, 0], ahead[:, 1])[:, None]
+    u, v = np.ascontiguousarray(path.T)
+    reach = np.full(len(u), WIDTH_REACH_PX * scale)
+    across = (-ahead[:, 1].copy(), ahead[:, 0].copy())
+    _, height, width = ridge_offsets(picture.smooth, u, v, *across, reach, sign)
+    good = np.isfinite(width) & (height > picture.noise)
+    if good.mean() < LEAST_WITH_TWO_SIDES:
+        return None
+    return 0.5 * float(np.median(width[good])) + MARGIN_PX

@@ -1,0 +1,170 @@
+"""Straight ridges: where they cross a ring of places, and how far each can be followed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision._jit import jit
+from labrig.vision.search.path_search import ridge_score
+
+FloatArray = npt.NDArray[np.float64]
+MapArray = npt.NDArray[np.float32]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+HALF_BEND = 4.0  # a ridge that bends by this is half sure
+LEAST_SURE, LEAST_BEGIN = 0.2, 0.1  # of the first stretch, on the line
+SEEN = 0.3  # of any piece, beside the line
+ANGLES = np.linspace(-0.45, 0.45, 37)  # about the direction that one place of the ring shows
+BEGINS_PX = 10.0  # a sheet ends further than that from the border
+FIRST_PX, STEP_PX, CORRIDOR_PX = 60.0, 2.0, 4
+MOST_ENTRIES = 10  # on a ring
+LEAST_BEND = 3.0  # of a ridge that crosses the ring there, in units of the noise
+BOW_PX = 10.0  # how far from straight the lens may make it
+PIECE_STEPS = 10
+
+
+@jit
+def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[FloatArray, FloatArray]:
+    """How much a ridge the places are in whichever direction, and that direction."""
+    bend, angle = np.empty(len(u)), np.empty(len(u))
+    for i in range(len(u)):
+        m = layer[:, v[i], u[i]]
+        gap, mean = 0.5 * (m[0] - m[2]), 0.5 * (m[0] + m[2])
+        across = 0.5 * math.atan2(m[1], gap) + (math.pi / 2 if sign > 0 else 0.0)
+        slope = abs(m[3] * math.cos(across) + m[4] * math.sin(across))
+        bend[i] = math.hypot(gap, m[1]) - sign * mean - 0.7 * slope
+        angle[i] = across + math.pi / 2
+    return bend, angle
+
+
+def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArray:
+    """(n, 3) where ridges cross a closed ring of places, strongest first: u, v and angle."""
+    bend, angle = _bends(layer, sign, u, v)
+    peaks = np.flatnonzero(bend > LEAST_BEND)
+    around = peaks[:, None] + np.arange(-4, 5)
+    peaks = peaks[bend[peaks] >= bend[around % len(bend)].max(axis=1)]
+    peaks = peaks[np.argsort(-bend[peaks])][:MOST_ENTRIES]
+    return np.stack([u[peaks], v[peaks], angle[peaks]], axis=1)
+
+
+def followed(
+    maps: MapArray, sign: float, u: float, v: float, angle: float, inset: float, gap_px: float
+) -> tuple[FloatArray, BoolArray] | None:
+    """(n, 2) the line at (u, v) in about this direction to where it is last seen; (n,) where it is.
+
+    It begins `inset` before that place and may be hidden for `gap_px`. None when there is none of
+    the least length.
+    """
+    rows, columns = maps.shape[2:]
+    t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
+    turn, sure = _direction(maps, sign, u, v, angle, ANGLES, inset, FIRST_PX)
+    here = np.array([turn])
+    _, begin = _direction(maps, sign, u, v, angle, here, inset, BEGINS_PX)
+    if sure < LEAST_SURE or begin < LEAST_BEGIN:
+        return None
+    angle += turn
+    u, v = u - inset * math.cos(angle), v - inset * math.sin(angle)
+    first = round(FIRST_PX / STEP_PX)
+    terms = np.stack([np.ones_like(t), t / t[-1], (t / t[-1]) ** 2], axis=1)
+    line = np.zeros(3)  # its offset beside the straight line, a parabola
+    far, done = first, False
+    while not done:
+        done = far == len(t)
+        for _ in range(2):
+            now = terms[:far] @ line
+            offset, weight = _beside(maps, sign, *_on(u, v, angle, t[:far], now), angle)
+            line = _parabola(terms[:far], now + offset, weight, line)
+        far = min(len(t), 2 * far)
+    place = _on(u, v, angle, t, terms @ line)
+    _, weight = _beside(maps, sign, *place, angle)
+    path = np.stack(place, axis=1)
+    inside = (path >= 0).all(axis=1) & (path[:, 0] < columns) & (path[:, 1] < rows)
+    mean = np.convolve(np.where(inside, weight, 0.0), np.ones(PIECE_STEPS) / PIECE_STEPS, "same")
+    last = _last_seen(mean > SEEN, gap_px)
+    return (path[:last], mean[:last] > SEEN) if last >= first else None
+
+
+def _on(
+    u: float, v: float, angle: float, t: FloatArray, beside: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Places at distances along a line, and beside it."""
+    c, s = math.cos(angle), math.sin(angle)
+    return u + c * t - s * beside, v + s * t + c * beside
+
+
+@jit
+def _direction(
+    maps: MapArray,
+    sign: float,
+    u: float,
+    v: float,
+    angle: float,
+    turns: FloatArray,
+    back: float,
+    length: float,
+) -> tuple[float, float]:
+    """The turn from `angle` under which it looks most like a ridge, and how much.
+
+    From `back` before (u, v) on, for `length`.
+    """
+    best, most = 0.0, -1e9
+    count = int(length / STEP_PX)
+    for turn in turns:
+        c, s = math.cos(angle + turn), math.sin(angle + turn)
+        total = 0.0
+        for q in range(count):
+            place = (q + 0.5) * STEP_PX - back
+            total += ridge_score(maps, sign, u + c * place, v + s * place, c, s, 1, HALF_BEND)
+        if total > most:
+            best, most = turn, total
+    return best, most / count
+
+
+@jit
+def _beside(
+    maps: MapArray, sign: float, u: FloatArray, v: FloatArray, angle: float
+) -> tuple[FloatArray, FloatArray]:
+    """Where the ridge is beside each place, pixels to its left, and how sure that is."""
+    offset, weight = np.zeros(len(u)), np.zeros(len(u))
+    c, s = math.cos(angle), math.sin(angle)
+    sure = np.empty(2 * CORRIDOR_PX + 1)
+    for i in range(len(u)):
+        for q in range(len(sure)):
+            d = q - CORRIDOR_PX
+            sure[q] = ridge_score(maps, sign, u[i] - s * d, v[i] + c * d, c, s, 1, HALF_BEND)
+        most = sure.max()
+        if most < LEAST_SURE:
+            continue
+        total = 0.0
+        for q in range(len(sure)):
+            if sure[q] > 0.7 * most:
+                total += sure[q]
+                offset[i] += sure[q] * (q - CORRIDOR_PX)
+        offset[i] /= total
+        weight[i] = most
+    return offset, weight
+
+
+def _parabola(
+    terms: FloatArray, offset: FloatArray, weight: FloatArray, line: FloatArray
+) -> FloatArray:
+    """The line through most of the offsets."""
+    for _ in range(3):
+        miss = (offset - terms @ line) / 2.5
+        robust = weight * np.maximum(0.0, 1 - miss**2) ** 2
+        normal = (terms * robust[:, None]).T @ terms + np.diag([1e-6, 1e-6, 1 / BOW_PX**2])
+        line = np.linalg.solve(normal, terms.T @ (robust * offset))
+    return np.asarray(line)
+
+
+def _last_seen(seen: BoolArray, gap_px: float) -> int:
+    """Number of steps up to the last one that is seen without too long a gap before."""
+    at = np.flatnonzero(seen)
+    if not len(at):
+        return 0
+    breaks = np.flatnonzero(np.diff(at) > gap_px / STEP_PX)
+    return int(at[breaks[0]] if len(breaks) else at[-1]) + 1

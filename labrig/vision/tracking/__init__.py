@@ -1,0 +1,1 @@
+"""Curves from frame to frame, and where the rolls touch the sheet."""

@@ -1,0 +1,37 @@
+"""Curves frame by frame: the last one is followed, and looked for anew when it was lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.extract import neutral_curve
+
+
+class Tracker:
+    """Follows one sheet through pictures of one camera."""
+
+    def __init__(self, optics: Optics, strip: StripGeometry) -> None:
+        self.optics = optics
+        self.strip = strip
+        self.last: NeutralCurve | None = None
+
+    def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
+        """The curve in the next picture. A picture without one does not end the tracking."""
+        found = neutral_curve(image, self.optics, self.strip, start=self.last)
+        if found.ok:
+            self.last = found
+        return found
+
+    def curves(self, images: Iterable[npt.NDArray[Any]]) -> Iterator[NeutralCurve]:
+        """The curve in each picture."""
+        for image in images:
+            yield self.curve(image)
+
+    def lost(self) -> None:
+        """Forget the last curve, as after a change of the set-up."""
+        self.last = None

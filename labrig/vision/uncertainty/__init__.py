@@ -1,0 +1,1 @@
+"""From a curve in pixels to a curve in metres with its uncertainty."""

@@ -1,0 +1,1 @@
+"""Answer what a sheet can do, and which sheet a task needs."""

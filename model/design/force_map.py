@@ -1,0 +1,152 @@
+"""Forces of a sheet over positions and voltages, and the sheet cut to another size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from model.measurements import FloatArray, ModelError
+from model.mechanics.equilibrium import Status
+from model.parameter import Parameter
+from model.sheet.beam_problem import Setup
+from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.solution import Solved, solved
+
+
+@dataclass(frozen=True)
+class ForceMap:
+    """Over positions (P,) and voltages (V,); NaN where the place is not reachable."""
+
+    position_m: FloatArray
+    voltage_V: FloatArray
+    tangential_N: FloatArray  # (P, V) F
+    normal_N: FloatArray  # (P, V) along the arc's normal, outward positive
+    s_hat_m: FloatArray
+    reachable: npt.NDArray[np.bool_]
+    setups: list[Setup]  # position after position, each at all voltages
+    solved: Solved
+
+    def all_reachable(self) -> bool:
+        """Whether every place is reachable at every voltage."""
+        return bool(np.all(self.reachable))
+
+
+def force_map(
+    model: SheetModel, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
+) -> ForceMap:
+    """Solve all combinations at once."""
+    p, V = np.atleast_1d(np.asarray(position_m, float)), np.atleast_1d(np.asarray(voltage_V, float))
+    if model.effects:
+        setups = model.setups(configuration, [(float(x), float(v)) for x in p for v in V])
+    else:
+        by_voltage = [model.setup(configuration, float(p[0]), float(v)) for v in V]
+        R, origin = by_voltage[0].sheet.arc_radius_m, by_voltage[0].sheet.arc_origin_rad
+        setups = [replace(one, angle_rad=origin + float(x) / R) for x in p for one in by_voltage]
+    found = solved(setups)
+    shape = (len(p), len(V))
+    # along the sheet's normal N; the arc's outward normal is its tangent turned back by 90 degrees
+    normal = -found.normal_N * np.sin(found.gamma_rad)
+    return ForceMap(
+        p, V, found.force_N.reshape(shape), normal.reshape(shape), found.s_hat_m.reshape(shape),
+        (found.status == Status.SOLVED).reshape(shape), setups, found,
+    )  # fmt: skip
+
+
+def reached(found: ForceMap) -> ForceMap:
+    """The map, or an error where part of it is not reachable."""
+    if not found.all_reachable():
+        i, j = np.argwhere(~found.reachable)[0]
+        raise ModelError(
+            f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
+            f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"
+        )
+    return found
+
+
+def section(low_m: float, high_m: float, count: int = 61) -> FloatArray:
+    """Positions of a working section."""
+    if not (np.isfinite(low_m) and np.isfinite(high_m) and low_m < high_m):
+        raise ModelError(
+            f"a working section needs a beginning below its end, not {low_m * 1e3:g} to"
+            f" {high_m * 1e3:g} mm"
+        )
+    return np.linspace(low_m, high_m, count)
+
+
+def known_voltages(model: SheetModel, configuration: str) -> FloatArray:
+    """The driving voltages of the model, and 0 V."""
+    return np.array(sorted({0.0, *model.sheet(configuration).eibm}))
+
+
+def resized(
+    model: SheetModel, configuration: str, length_m: float, elongation_m: float
+) -> SheetModel:
+    """The same material cut to another free length, with another elongation.
+
+    Beyond the length that was measured the material is taken to go on as at its end.
+    """
+    if not (np.isfinite(length_m) and length_m > 0.0 and elongation_m >= 0.0):
+        raise ModelError("a sheet needs a positive length, and an elongation of zero or more")
+    one = model.sheet(configuration)
+    sheet = replace(one.sheet, free_length_m=length_m, elongation_m=elongation_m)
+    return replace(model, sheets={configuration: replace(one, sheet=sheet)})
+
+
+def varied(one: ConfiguredSheet, B: float, bending: dict[float, float]) -> ConfiguredSheet:
+    """B and, for each voltage, Me/B multiplied by factors."""
+    eibm = {
+        v: Along(a.s_m, a.values * B * bending.get(v, 1.0), a.sigma, a.unit)
+        for v, a in one.eibm.items()
+    }
+    return replace(one, B=replace(one.B, value=one.B.value * B), eibm=eibm)
+
+
+def propagate(
+    model: SheetModel,
+    configuration: str,
+    question: Callable[[SheetModel], Sequence[float]],
+    units: Sequence[str],
+) -> list[Parameter]:
+    """Answers with the uncertainty that B, the EIBMs and k0 bring with them.
+
+    Forces fix B, shapes fix Me/B, so these two are varied independently.
+    """
+    one = model.sheet(configuration)
+    values = np.array(question(model))
+    stiff = one.B.sigma / one.B.value
+    pairs = [(varied(one, 1.0 + stiff, {}), varied(one, 1.0 - stiff, {}))]
+    for voltage, along in one.eibm.items():
+        share = _relative(along)
+        own = np.sqrt(max(share**2 - stiff**2, 0.1 * share**2))
+        pairs.append(
+            (varied(one, 1.0, {voltage: 1.0 + own}), varied(one, 1.0, {voltage: 1.0 - own}))
+        )
+    if np.any(one.rest.sigma > 0.0):
+        off = float(np.sqrt(np.mean(one.rest.sigma**2)))
+        rests = [replace(one.rest, values=one.rest.values + sign * off) for sign in (1.0, -1.0)]
+        pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1])))
+    variance = np.zeros(len(values))
+    for up, down in pairs:
+        moved = [
+            np.array(question(replace(model, sheets={**model.sheets, configuration: sheet})))
+            for sheet in (up, down)
+        ]
+        if not np.all(np.isfinite(moved)):
+            raise ModelError(
+                "within the uncertainty of the model's parameters this question has no answer; make"
+                " the working section smaller or the demand lower"
+            )
+        variance += (0.5 * (moved[0] - moved[1])) ** 2
+    return [
+        Parameter(float(v), float(np.sqrt(s)), unit)
+        for v, s, unit in zip(values, variance, units, strict=True)
+    ]
+
+
+def _relative(along: Along) -> float:
+    """Uncertainty of a moment's mean, relative to it."""
+    mean = float(np.mean(np.abs(along.values)))
+    return float(np.sqrt(np.mean(along.sigma**2))) / mean if mean else 0.0

@@ -1,0 +1,149 @@
+"""The sixth question of section 5: the sheet of least area, and what an elongation does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from model.design.force_map import force_map, known_voltages, propagate, resized, section
+from model.design.working_section import shortest_sheet
+from model.measurements import FloatArray, ModelError
+from model.parameter import Parameter
+from model.sheet.sheet_model import SheetModel
+
+Direction = Literal["both", "positive", "negative"]
+LENGTHS = 20
+
+
+@dataclass(frozen=True)
+class Size:
+    """6: the sheet of least area that gives a force everywhere in the section."""
+
+    length_m: float
+    width_m: Parameter
+    area_m2: Parameter
+    elongation_m: float  # 0: without
+    # what was searched: free lengths, and the area that each needs (inf: not possible)
+    lengths_m: FloatArray
+    areas_m2: FloatArray
+
+
+def least_area(
+    model: SheetModel,
+    configuration: str,
+    low_m: float,
+    high_m: float,
+    force_N: float,
+    elongated: bool,
+    direction: Direction = "both",
+) -> Size:
+    """6: the best length first, for force over width does not depend on the width; then the width.
+
+    `elongated`: with a rigid elongation that reaches the object wherever the sheet does not. The
+    material keeps its properties along the sheet from the clamp on.
+    """
+    if not (np.isfinite(force_N) and force_N > 0.0):
+        raise ModelError("the required force must be a positive number")
+    R, p = model.sheet(configuration).sheet.arc_radius_m, section(low_m, high_m, 31)
+    extra = 1.5 * R if elongated else 0.0
+    if elongated:
+        lengths = np.linspace(0.05 * R, R, LENGTHS)
+    else:  # long enough also where the parameters are a little off
+        alone = resized(model, configuration, 2.5 * R, 0.0)
+        reach = shortest_sheet(alone, configuration, low_m, high_m).length_m
+        lengths = np.linspace(reach.value + 3.0 * reach.sigma, 1.8 * R, LENGTHS)
+
+    def area(changed: SheetModel, length: float) -> float:
+        strength = _per_width(changed, configuration, length, extra, p, direction)
+        return length * force_N / strength if strength > 0.0 else np.inf
+
+    areas = np.array([area(model, float(length)) for length in lengths])
+    if not np.any(np.isfinite(areas)):
+        raise ModelError(
+            f"no sheet of this material gives a force of {force_N * 1e3:g} mN ({direction} ways)"
+            f" over the whole section, {'with' if elongated else 'without'} elongation"
+        )
+    best = _refined(lambda length: area(model, length), lengths, areas)
+
+    def question(changed: SheetModel) -> list[float]:
+        need = area(changed, best)
+        return [need / best, need]
+
+    width, need = propagate(model, configuration, question, ("m", "m^2"))
+    return Size(
+        best, width, need, _elongation(model, configuration, best, extra, p), lengths, areas
+    )
+
+
+def _per_width(
+    model: SheetModel,
+    configuration: str,
+    length: float,
+    extra: float,
+    p: FloatArray,
+    direction: Direction,
+) -> float:
+    """Force over width that is possible everywhere, in N/m; 0 where a place is not reachable."""
+    found = force_map(
+        resized(model, configuration, length, extra), configuration, p,
+        known_voltages(model, configuration),
+    )  # fmt: skip
+    if not found.all_reachable():
+        return 0.0
+    up, down = found.tangential_N.max(axis=1), -found.tangential_N.min(axis=1)
+    choice = {"both": np.minimum(up, down), "positive": up, "negative": down}
+    return float(np.min(choice[direction])) / model.sheet(configuration).sheet.width_m
+
+
+def _elongation(
+    model: SheetModel, configuration: str, length: float, extra: float, p: FloatArray
+) -> float:
+    """What of the elongation is needed."""
+    if extra == 0.0:
+        return 0.0
+    found = force_map(
+        resized(model, configuration, length, extra), configuration, p,
+        known_voltages(model, configuration),
+    )  # fmt: skip
+    return max(0.0, float(np.max(found.s_hat_m)) - length)
+
+
+def _refined(area: Callable[[float], float], lengths: FloatArray, areas: FloatArray) -> float:
+    """The best length between its neighbours on the grid."""
+    from scipy.optimize import minimize_scalar  # slow to import
+
+    i = int(np.argmin(areas))
+    low, high = lengths[max(i - 1, 0)], lengths[min(i + 1, len(lengths) - 1)]
+    found = minimize_scalar(area, bounds=(low, high), method="bounded", options={"xatol": 1e-5})
+    return float(found.x) if found.fun <= areas[i] else float(lengths[i])
+
+
+@dataclass(frozen=True)
+class Linearity:
+    """What an elongation does: error of the best line through F(p) against the sheet's length."""
+
+    lengths_m: FloatArray  # of the sheet; the rest up to the arc is elongation
+    relative_error: FloatArray  # RMS error over the range of F; NaN: not reachable
+    slope_N_per_m: FloatArray
+    voltage_V: float
+
+
+def linearity(
+    model: SheetModel, configuration: str, low_m: float, high_m: float, voltage_V: float = 0.0
+) -> Linearity:
+    """The same material with ever less sheet and ever more elongation."""
+    R, p = model.sheet(configuration).sheet.arc_radius_m, section(low_m, high_m, 41)
+    lengths = np.append(np.linspace(0.1 * R, R, 10), 1.25 * R)
+    errors, slopes = np.full(len(lengths), np.nan), np.full(len(lengths), np.nan)
+    for i, length in enumerate(lengths):
+        changed = resized(model, configuration, float(length), 1.5 * R if length <= R else 0.0)
+        found = force_map(changed, configuration, p, voltage_V)
+        if found.all_reachable():
+            force = found.tangential_N[:, 0]
+            line = np.polyfit(p, force, 1)
+            errors[i] = np.sqrt(np.mean((np.polyval(line, p) - force) ** 2)) / np.ptp(force)
+            slopes[i] = line[0]
+    return Linearity(lengths, errors, slopes, voltage_V)

@@ -1,0 +1,1 @@
+"""The data vector of a diagnosis: summary statistics, acquisition times, row index."""

@@ -1,0 +1,1 @@
+"""The forward model, its sensitivities, and the mixed model of the residuals."""

@@ -1,0 +1,1 @@
+"""Components of the model that may be wrong, each with its nonparametric terms."""

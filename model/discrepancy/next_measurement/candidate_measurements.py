@@ -1,0 +1,364 @@
+"""What to measure next: for each entry of a menu, how far apart it would put two candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from model.discrepancy.data.acquisition_times import Timing
+from model.discrepancy.data.data_vector import Look, Seen
+from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.linearisation import Bases, linearise
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem
+from model.discrepancy.likelihood.row_noise import noise_of
+from model.discrepancy.search.evidence import Candidate, Projected, candidates
+from model.discrepancy.verdict.result import Next
+from model.effects.interface import Effect
+from model.identification.mixed_model import weigh
+from model.measurements import FloatArray, ModelError
+
+PULSE_S = 0.6
+LONGER = 3  # times as many pulses, in a long run
+LONG_MINUTES = 1.5  # a position with so many
+RUN_MINUTES = 1.0  # a position: move, moisten, 32 readings
+ZERO_MINUTES = 0.5  # the sheet out of the rolls, ten readings, and in again
+TURN_MINUTES = 3.0  # the rig over, and everything in its place again
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something that can be measured besides."""
+
+    name: str
+    what: str
+    minutes: Callable[[Look], float]
+    add: Callable[[Look], tuple[Seen, ...]]
+    protocol: dict[str, object]
+
+
+def _touching(one: Look) -> list[Seen]:
+    """Every position and voltage once, however often it was measured: as a session would again."""
+    found: dict[tuple[float, float], Seen] = {}
+    for seen in one.seen:
+        if not seen.free:
+            found.setdefault((seen.position_m, seen.voltage_V), seen)
+    return list(found.values())
+
+
+def _again(
+    seen: Seen,
+    mounting: int,
+    *,
+    at_m: float | None = None,
+    up: float = 1.0,
+    tilt_rad: float = 0.0,
+) -> Seen:
+    """The same in another set-up, with a number that no session has."""
+    at_m = seen.position_m if at_m is None else at_m
+    key = (seen.configuration, at_m, mounting, 0, tilt_rad)
+    return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad)
+
+
+def _places(one: Look) -> list[float]:
+    return sorted({s.position_m for s in _touching(one)})
+
+
+def _set_anew(one: Look, mounting: int) -> tuple[Seen, ...]:
+    """The first, the middle and the last position."""
+    places = _places(one)
+    chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
+    return tuple(_again(s, mounting) for s in _touching(one) if s.position_m in chosen)
+
+
+def _remount(one: Look) -> tuple[Seen, ...]:
+    return _set_anew(one, 90)
+
+
+def _reversed(one: Look) -> tuple[Seen, ...]:
+    return tuple(_again(s, 91, up=-1.0) for s in _touching(one))
+
+
+def _repeat(one: Look) -> tuple[Seen, ...]:
+    return tuple(_again(s, 92) for s in _touching(one))
+
+
+def _long(one: Look) -> tuple[Seen, ...]:
+    """Three positions with `LONGER` times as many readings under voltage."""
+    return tuple(_longer(s) if s.voltage_V else s for s in _set_anew(one, 99))
+
+
+def _longer(seen: Seen) -> Seen:
+    """The same pulses going on and on; before them nothing changes."""
+    clock, count = seen.kept_clock, LONGER * len(seen.kept_N)
+
+    def on(values: FloatArray, step: float) -> FloatArray:
+        step = float(np.median(np.diff(values))) if len(values) > 1 else step
+        return np.asarray(values[0] + step * np.arange(count))
+
+    pulses = 2.0  # from one pulse of this voltage to the next
+    seconds = pulses * PULSE_S
+    longer = replace(
+        clock.of(np.zeros(len(clock.voltage_V), dtype=bool)),
+        **{name: np.full(count, getattr(clock, name)[0]) for name in ("voltage_V", "pulse_s")},
+        session=np.full(count, float(np.mean(clock.session))),
+        opposite=np.resize(clock.opposite, count),
+        rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
+        pulse=on(clock.pulse, pulses), run_s=on(clock.run_s, seconds),
+        wetted_s=on(clock.wetted_s, seconds), driven_s=on(clock.driven_s, seconds),
+        worked_s=on(np.asarray(clock.worked_s), seconds),
+    )  # fmt: skip
+    own = seen.own_curves[-len(seen.kept_N) :]
+    curves = tuple(own[k % len(own)] for k in range(count)) if own else ()
+    counts = np.ones(count, dtype=bool)
+    return replace(seen, force_N=np.zeros(count), clock=longer, counts=counts, own_curves=curves)
+
+
+def _turned(one: Look) -> tuple[Seen, ...]:
+    return tuple(_again(s, 98, tilt_rad=np.pi) for s in _touching(one))
+
+
+def _half(one: Look) -> tuple[Seen, ...]:
+    """Half the voltage at every position; 0 V there, too."""
+    return tuple(
+        replace(
+            _again(s, 93), voltage_V=0.5 * s.voltage_V,
+            clock=replace(s.clock, voltage_V=0.5 * s.clock.voltage_V),
+        )
+        for s in _touching(one)
+    )  # fmt: skip
+
+
+def _free(one: Look) -> tuple[Seen, ...]:
+    """Six shapes without the load cell: twice at each voltage."""
+    result = []
+    for mounting in (94, 95):
+        for volts in sorted({s.voltage_V for s in one.seen}):
+            like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
+            if like is None:
+                continue
+            clock = Timing(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
+            result.append(
+                replace(
+                    like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
+                    run=(one.sheet.configuration, np.inf, mounting, 0, 0.0), tilt_rad=0.0,
+                    position_m=np.nan,
+                    force_N=np.zeros(0), clock=clock, counts=np.zeros(0, dtype=bool), own_curves=(),
+                )
+            )  # fmt: skip
+    return tuple(result)
+
+
+def _between(one: Look) -> tuple[Seen, ...]:
+    """Positions half-way between those measured."""
+    places = _places(one)
+    middle = {a: 0.5 * (a + b) for a, b in pairwise(places)}
+    return tuple(
+        _again(s, 97, at_m=middle[s.position_m]) for s in _touching(one) if s.position_m in middle
+    )
+
+
+def _shuffled(one: Look) -> tuple[Seen, ...]:
+    """All positions again, in an order that has nothing to do with their place on the arc."""
+    random = np.random.default_rng(7)
+    places = _places(one)
+    at = dict(zip(places, random.permutation(len(places)) / max(len(places) - 1, 1), strict=True))
+    return tuple(
+        replace(
+            _again(s, 96),
+            clock=replace(s.clock, session=np.full(len(s.force_N), at[s.position_m])),
+        )
+        for s in _touching(one)
+    )
+
+
+def _zeros(one: Look) -> tuple[Seen, ...]:
+    """All positions again, and what the load cell shows without contact before each."""
+    return _repeat(one) + tuple(
+        _load_cell_alone(s, 70 + i)
+        for i, s in enumerate(s for s in _repeat(one) if s.voltage_V == 0.0)
+    )
+
+
+def _load_cell_alone(like: Seen, mounting: int) -> Seen:
+    count = len(like.kept_N)
+    return replace(
+        like, name=f"{like.configuration}, without contact, +0 V",
+        run=(like.configuration, np.inf, mounting, 0, 0.0), position_m=np.nan,
+        force_N=np.zeros(count), clock=like.kept_clock, counts=np.ones(count, dtype=bool),
+        curve=None, own_curves=(), zero=True,
+    )  # fmt: skip
+
+
+def _minutes(runs: float) -> Callable[[Look], float]:
+    def always(one: Look) -> float:  # noqa: ARG001
+        return runs * RUN_MINUTES
+
+    return always
+
+
+def _runs(one: Look) -> float:
+    return RUN_MINUTES * len(_places(one))
+
+
+def _zero_runs(one: Look) -> float:
+    return _runs(one) + ZERO_MINUTES * len(_places(one))
+
+
+def _turned_runs(one: Look) -> float:
+    return TURN_MINUTES + _runs(one)
+
+
+MENU: tuple[Entry, ...] = (
+    Entry("free_shapes", "six free shapes of each configuration, the load cell moved away",
+          _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
+    Entry("remount", "three positions set anew", _minutes(3.0), _remount,
+          {"extras": {"remount": 3}}),
+    Entry("long_runs", "three positions with three times as many pulses",
+          _minutes(3.0 * LONG_MINUTES), _long, {"pulse_train": {"readings_per_voltage": 30}}),
+    Entry("no_touch_zero", "all positions again, each after the load cell's zero without contact",
+          _zero_runs, _zeros, {"extras": {"no_touch_zero": True}}),
+    Entry("reversed_approach", "all positions again, approached from the other side", _runs,
+          _reversed, {"extras": {"reversed_approach": True}}),
+    Entry("between", "positions half-way between those measured", _runs, _between,
+          {"extras": {"between": True}}),
+    Entry("half_voltage", "all positions at half the voltage", _runs, _half,
+          {"extras": {"half_voltage": True}}),
+    Entry("random_order", "all positions again in random order", _runs, _shuffled,
+          {"extras": {"random_order": True}}),
+    Entry("turned_over", "all positions again with the rig turned over", _turned_runs, _turned,
+          {"extras": {"tilt_deg": 180.0}}),
+    Entry("more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
+)  # fmt: skip
+
+
+def separation(fitted: Fitted, which: Sequence[Candidate], size: float) -> float:
+    """Sigmas from the first candidate, `size` times its own size, to all the others can imitate."""
+    study = fitted.problem.study
+    weighed = Projected.of(study, fitted.linear, fitted.solution)
+    A, _ = weighed.normal(study, np.stack([c.columns[:, 0] for c in which], axis=1))
+    own, others = A[0, 1:], A[1:, 1:]
+    rest = A[0, 0] - own @ np.linalg.lstsq(others, own, rcond=1e-12)[0]
+    return float(np.sqrt(max(rest, 0.0))) * size
+
+
+def next_measurement(
+    fitted: Fitted,
+    between: Sequence[Effect],
+    values: Sequence[dict[str, float]],
+    sizes: Sequence[float],
+) -> Next | None:
+    """The entry that separates the first two best for its time; None: there is none.
+
+    `values` are the form of each, `sizes` the multiples of it that the data speak of.
+    """
+    if len(between) < 2:
+        return None
+    pair = _as_long(fitted, [Suspect(*s) for s in zip(between, values, sizes, strict=True)][:2])
+    now = _apart(fitted, pair)
+    best: tuple[float, Entry, float, float] | None = None
+    for entry in MENU:
+        try:
+            then = _apart(extended(fitted, entry), pair)
+        except (ModelError, np.linalg.LinAlgError):
+            continue
+        minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
+        worth = max(then**2 - now**2, 0.0) / minutes
+        if best is None or (min(then, 8.0), worth) > (min(best[2], 8.0), best[0]):
+            best = (worth, entry, then, minutes)
+    if best is None:
+        return None
+    _, entry, then, minutes = best
+    first, second = (one.effect.name for one in pair)
+    why = (
+        f"{entry.what}: it would set {first} and {second} {then:.1f} sigma apart"
+        f" (now {now:.1f}), in about {minutes:.0f} minutes"
+    )
+    return Next(why, entry.name, now, then, minutes, entry.protocol)
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """One of two effects that look alike."""
+
+    effect: Effect
+    values: dict[str, float]  # its form
+    size: float  # multiples of it
+
+    def forms(self, fitted: Fitted) -> list[Candidate]:
+        """All its forms in a design, its own one first."""
+        pool = candidates(fitted, [self.effect], tolerant=False)
+        return sorted(pool, key=lambda c: dict(c.values) != self.values)
+
+
+def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:
+    """Both as large as they must be to explain what the one that explains more does.
+
+    The second one's own size may be what the first one has left of it, next to nothing.
+    """
+    first, second = pair
+    units = [separation(fitted, one.forms(fitted)[:1], 1.0) for one in pair]
+    length = max(one.size * unit for one, unit in zip(pair, units, strict=True))
+    sizes = [
+        length / unit if unit > 0.0 else one.size for one, unit in zip(pair, units, strict=True)
+    ]
+    return replace(first, size=sizes[0]), replace(second, size=sizes[1])
+
+
+def _apart(fitted: Fitted, pair: tuple[Suspect, Suspect]) -> float:
+    """Sigmas from either of two to the nearest form of the other; the smaller of the two."""
+    forms = [one.forms(fitted) for one in pair]
+    return min(
+        separation(fitted, (own[0], other), one.size)
+        for one, own, others in zip(pair, forms, forms[::-1], strict=True)
+        for other in others
+    )
+
+
+def extended(fitted: Fitted, entry: Entry) -> Fitted:
+    """The design with an entry added: only its geometry counts, no data are made up."""
+    problem = fitted.problem
+    looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.study.looks]
+    rests = [scene.rest for scene in problem.study.scenes]
+    study = Study(looks, rests)
+    noise = noise_of(study)
+    larger = Problem.of(study, problem.bases, noise)
+    bases = problem.bases
+    if any(
+        len(a.voltages_V) != len(b.voltages_V)
+        for a, b in zip(looks, problem.study.looks, strict=True)
+    ):
+        bases = _with_half(problem, study)
+        larger = replace(larger, bases=bases)
+    theta = fitted.theta
+    if bases.size > problem.bases.size:
+        theta = np.concatenate([theta, _half_start(problem, bases, theta)])
+    linear = linearise(study, bases, noise, theta)
+    log_sigma = larger.guess.copy()
+    n = min(len(log_sigma), len(fitted.solution.log_sigma))
+    log_sigma[:n] = fitted.solution.log_sigma[:n]
+    return Fitted(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
+
+
+def _with_half(problem: Problem, study: Study) -> Bases:
+    """Parameters of the further voltages, after all others."""
+    parts, place = [], problem.bases.size
+    for one, own in zip(problem.bases.parts, study.looks, strict=True):
+        eibm = dict(one.eibm)
+        for volts in own.voltages_V:
+            if volts not in eibm:
+                eibm[volts], place = (place, 1.0), place + 1
+        parts.append(replace(one, eibm=eibm))
+    return replace(problem.bases, parts=tuple(parts), size=place)
+
+
+def _half_start(problem: Problem, bases: Bases, theta: FloatArray) -> FloatArray:
+    more = np.zeros(bases.size - problem.bases.size)
+    for one in bases.parts:
+        for volts, (i, _) in one.eibm.items():
+            if i >= problem.bases.size:
+                like = one.eibm.get(2.0 * volts)
+                more[i - problem.bases.size] = 0.5 * theta[like[0]] if like else 0.0
+    return more

@@ -1,0 +1,1 @@
+"""Search the candidates: their evidence, ranking, refinement and cross-validation."""

@@ -1,0 +1,124 @@
+"""How models do on positions that were left out of choosing and fitting them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.data.data_vector import Index
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.search.evidence import Candidate, Projected, Score, score
+from model.discrepancy.verdict.prediction_error import refitted
+from model.identification.mixed_model import inverse_symmetric, weigh
+from model.measurements import FloatArray
+
+
+def left_out(
+    base: Fitted, final: Fitted, pool: Sequence[Candidate], groups: list[Index]
+) -> tuple[FloatArray, FloatArray, list[str]]:
+    """Residuals of rows when they are left out, and what was chosen each time.
+
+    Those of the base model, and those of the model that is chosen without them, (N,) each.
+
+    The choice is repeated among `pool` each time; where it is one of the final model's effects,
+    that model's columns predict what was left out.
+    """
+    before, after = refitted(base).copy(), refitted(final).copy()
+    new = final.found[len(base.found) :]
+    own, chosen = {one.effect.name for one in new}, []
+    # with the base model's own noise, scatter would pass for what an effect does in every set-up
+    judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
+    for runs in groups:
+        rows = np.flatnonzero(np.isin(base.problem.study.layout.run_of, runs))
+        before[rows] = _predicted(base, base.linear.columns, runs)[rows]
+        best = _best_without(judge, pool, runs) if own and pool else None
+        name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
+        if final is base or (own and not name):
+            after[rows] = before[rows]
+        elif best is None or name in own:
+            after[rows] = _predicted(final, final.linear.columns, runs)[rows]
+        else:
+            columns = np.concatenate([base.linear.columns, best.candidate.columns], axis=1)
+            extra = np.full(best.candidate.columns.shape[1], best.scale**-2.0)
+            after[rows] = _predicted(judge, columns, runs, extra)[rows]
+        chosen.append(name)
+    return before, after, chosen
+
+
+def _information(
+    fitted: Fitted, columns: FloatArray, runs: Index, extra: FloatArray | None
+) -> tuple[FloatArray, FloatArray]:
+    """Normal equations of all runs but these."""
+    data, layout = fitted.linear.data, fitted.problem.study.layout
+    kept = np.setdiff1d(np.arange(len(layout.runs)), runs)
+    X = layout.pad(columns)[kept]
+    W, y = fitted.solution.weights[kept], layout.pad(fitted.linear.residual)[kept]
+    WX = W @ X
+    precision, away = data.precision, data.away
+    if extra is not None:
+        precision = np.concatenate([precision, extra])
+        away = np.concatenate([away, np.zeros(len(extra))])
+    p = X.shape[2]
+    A = X.reshape(-1, p).T @ WX.reshape(-1, p) + np.diag(precision)
+    return A, WX.reshape(-1, p).T @ y.ravel() - precision * away
+
+
+def _predicted(
+    fitted: Fitted, columns: FloatArray, runs: Index, extra: FloatArray | None = None
+) -> FloatArray:
+    """Residuals of everything when the parameters come from all runs but these."""
+    A, b = _information(fitted, columns, runs, extra)
+    result: FloatArray = fitted.linear.residual - columns @ (inverse_symmetric(A) @ b)
+    return result
+
+
+def predictive_gains(before: Fitted, after: Fitted) -> FloatArray:
+    """Ln of how much more likely each position's data are in the second model than in the first.
+
+    The position is left out of both fits.
+    """
+    groups = position_groups(before)
+    return np.array([_likely(after, runs) - _likely(before, runs) for runs in groups])
+
+
+def _likely(fitted: Fitted, runs: Index) -> float:
+    """Ln of the density of some runs' data as the others predict them, but for a constant.
+
+    What the others do not know, such as how a form differs in just these runs, is as unsure as it
+    was beforehand.
+    """
+    layout = fitted.problem.study.layout
+    A, b = _information(fitted, fitted.linear.columns, runs, None)
+    covariance = inverse_symmetric(A)
+    X = layout.pad(fitted.linear.columns)[runs]
+    error = (layout.pad(fitted.linear.residual)[runs] - X @ (covariance @ b)).ravel()
+    V = np.einsum("rip,pq,sjq->risj", X, covariance, X, optimize=True)
+    for r, weights in enumerate(fitted.solution.weights[runs]):
+        V[r, :, r, :] += np.linalg.inv(weights)
+    V = V.reshape(len(error), len(error))
+    return -0.5 * float(np.linalg.slogdet(V)[1] + error @ np.linalg.solve(V, error))
+
+
+def _best_without(base: Fitted, pool: Sequence[Candidate], runs: Index) -> Score:
+    """The candidate that the other runs choose, with the noise as it was found."""
+    study, layout = base.problem.study, base.problem.study.layout
+    weights = base.solution.weights.copy()
+    weights[runs] = 0.0
+    A, b = _information(base, base.linear.columns, runs, None)
+    covariance = inverse_symmetric(A)
+    error = layout.pad(base.linear.residual - base.linear.columns @ (covariance @ b))
+    We = (weights @ error[:, :, None])[:, :, 0]
+    WX = (weights @ base.linear.data.X)[layout.run_of, layout.row_of]
+    projected = Projected(weights, WX, covariance, We[layout.run_of, layout.row_of])
+    return max((score(study, projected, c) for c in pool), key=lambda s: s.log_bayes)
+
+
+def position_groups(fitted: Fitted) -> list[Index]:
+    """Runs by position, over all configurations; free shapes are never left out."""
+    groups: dict[float, list[int]] = {}
+    for r, run in enumerate(fitted.problem.study.layout.runs):
+        if np.isfinite(run[1]):
+            groups.setdefault(round(run[1], 7), []).append(r)
+    return [np.array(g, dtype=np.int64) for g in groups.values()]

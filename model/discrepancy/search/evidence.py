@@ -1,0 +1,194 @@
+"""How well each candidate explains what the present model leaves.
+
+A candidate is a set of columns: its form, and the ways in which the form may differ, with a common
+scale. The scale is integrated over a range of sizes, so that a candidate pays for being flexible
+(Bayes factor by Laplace, exact here since all is Gaussian).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import atoms
+from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.linearisation import Linear
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.effects.interface import Effect, Values
+from model.identification.mixed_model import Solution, deviance, estimate
+from model.measurements import FloatArray
+
+SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
+FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
+SURPRISE = -4.0  # ln of the odds of a sign that an effect does not have as a rule
+BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect with one choice of its shape, as columns (N, 1 + J)."""
+
+    name: str
+    values: Mapping[str, float]
+    columns: FloatArray
+    sizes: tuple[float, ...]
+    effect: Effect | None = None
+    slot: str = ""
+    part: str = ""  # of the slot; empty: all of it
+
+
+@dataclass(frozen=True)
+class Score:
+    """What a candidate is worth at a solution."""
+
+    candidate: Candidate
+    log_bayes: float
+    amplitude: float  # most likely multiple of the candidate's own size
+    scale: float  # the size at which the evidence is largest
+    length: float  # whitened length of the form at unit size, after the base is refitted
+
+
+def members(effect: Effect) -> list[dict[str, float]]:
+    """Values to try: each shape, at the plausible size."""
+    result: list[dict[str, float]] = [{}]
+    for i, knob in enumerate(effect.knobs):
+        # a knob that is refined in its logarithm has its plausible value, others a plausible step
+        usual = knob.plausible if knob.log or i else knob.neutral + knob.plausible
+        tried = knob.tried or (usual,)
+        result = [{**r, knob.name: v} for r in result for v in tried]
+    return result
+
+
+def candidates(
+    fitted: Fitted, effects: Sequence[Effect], *, tolerant: bool = True
+) -> list[Candidate]:
+    """Every effect in each of its shapes, as columns at the present model.
+
+    Not `tolerant`: its form alone, without the ways in which it may differ.
+    """
+    study, states = fitted.problem.study, fitted.linear.states
+    result = []
+    dated = any(
+        np.ptp(part.clock.session) > 0.0 for part in study.layout.parts if len(part.clock.session)
+    )
+    for effect in effects:
+        if effect.needs_session and not dated:
+            continue
+        for values in members(effect):
+            steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
+            columns = atoms(study, states, effect, steps, tolerant=tolerant)
+            sizes = FULL if effect.size.tried else SIZES
+            result.append(Candidate(effect.name, values, columns, sizes, effect, effect.slot))
+    return result
+
+
+@dataclass(frozen=True)
+class Projected:
+    """Weights, with the present model's columns projected out."""
+
+    weights: FloatArray  # (R, n, n)
+    WX: FloatArray  # (N, p) by rows
+    covariance: FloatArray
+    pulled: FloatArray  # (N,) P y
+
+    @staticmethod
+    def of(study: Study, linear: Linear, solution: Solution) -> Projected:
+        """At a solution."""
+        layout, data = study.layout, linear.data
+        WX = (solution.weights @ data.X)[layout.run_of, layout.row_of]
+        error = data.y - data.X @ solution.beta
+        We = (solution.weights @ error[:, :, None])[:, :, 0]
+        return Projected(
+            solution.weights, WX, solution.covariance, We[layout.run_of, layout.row_of]
+        )
+
+    def normal(self, study: Study, S: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """S'PS and S'Py."""
+        layout = study.layout
+        WS = (self.weights @ layout.pad(S))[layout.run_of, layout.row_of]
+        XS = self.WX.T @ S
+        return S.T @ WS - XS.T @ self.covariance @ XS, S.T @ self.pulled
+
+
+def score(study: Study, projected: Projected, candidate: Candidate) -> Score:
+    """Evidence of a candidate at given noise."""
+    A, b = projected.normal(study, candidate.columns)
+    D, U = np.linalg.eigh(0.5 * (A + A.T))
+    D = np.maximum(D, 0.0)
+    z = U.T @ b
+    scales = np.array(candidate.sizes)
+    gains = [
+        0.5 * float(np.sum(v * z**2 / (1.0 + v * D)) - np.sum(np.log1p(v * D))) for v in scales**2
+    ]
+    best = int(np.argmax(gains))
+    value = float(np.logaddexp.reduce(gains) - np.log(len(gains)))
+    variance = scales[best] ** 2
+    c = U @ (variance * z / (1.0 + variance * D))
+    return Score(
+        candidate, value, float(c[0]), float(scales[best]), float(np.sqrt(max(A[0, 0], 0.0)))
+    )
+
+
+def averaged(log_bayes: Sequence[float]) -> float:
+    """Ln of the mean Bayes factor of shapes of which nobody knows beforehand which it is."""
+    return float(np.logaddexp.reduce(log_bayes) - np.log(len(log_bayes)))
+
+
+def allowed(one: Score) -> bool:
+    """Whether the size is one that the effect can have: some have a sign."""
+    effect = one.candidate.effect
+    if effect is None:
+        return True
+    size = effect.size
+    value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
+    if size.tried:
+        return one.amplitude > 0.0 or size.low < 0.0
+    return min(size.low, BEYOND * size.low) <= value <= BEYOND * size.high
+
+
+def surprise(one: Score) -> float:
+    """Ln of how much less likely it was beforehand: 0, unless its sign is not the usual one."""
+    effect = one.candidate.effect
+    if effect is None or effect.size.usual == 0.0:
+        return 0.0
+    size = effect.size
+    value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
+    return SURPRISE if (value - size.neutral) * size.usual < 0.0 else 0.0
+
+
+def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:
+    """Evidence with the noise estimated beside the candidate, which it would else hide in."""
+    from model.discrepancy.likelihood.linearisation import with_columns
+
+    study = fitted.problem.study
+    q = one.candidate.columns.shape[1]
+    best, kept = -np.inf, fitted.solution
+    scale = one.scale
+    while scale <= 1.01 * max(one.candidate.sizes):
+        linear = with_columns(study, fitted.linear, one.candidate.columns, scale**-2.0)
+        solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 0.02)
+        value = deviance(linear.data, solution.log_sigma, fitted.problem.guess)[0]
+        value += 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
+        gain = 0.5 * (fitted.deviance - value)
+        if gain <= best:
+            break
+        # only a candidate that is worth something is worth another size
+        best, kept, scale = gain, solution, 3.0 * scale if gain > 2.0 else np.inf
+    return best - float(np.log(len(one.candidate.sizes))), kept
+
+
+def prior_terms(fitted: Fitted) -> float:
+    """Ln of the determinant of the priors of the effects that are in the model already."""
+    return float(np.sum(np.log(fitted.linear.data.precision[fitted.problem.bases.size :])))
+
+
+def unit_values(effect: Effect, values: Values, amplitude: float) -> dict[str, float]:
+    """Values of an effect whose columns were found with this amplitude."""
+    size, result = effect.size, dict(values)
+    if not size.tried and size.log:
+        result[size.name] = size.neutral * float((values[size.name] / size.neutral) ** amplitude)
+    elif not size.tried:
+        result[size.name] = size.neutral + amplitude * (values[size.name] - size.neutral)
+    return result

@@ -1,0 +1,62 @@
+"""How much of an effect that is in a model is deviation from the catalogue's form."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import whole_step
+from model.discrepancy.likelihood.forward_model import Step
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.verdict.prediction_error import variance
+from model.measurements import FloatArray
+
+MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
+
+
+def form_share(fitted: Fitted, index: int) -> float:
+    """Share of what the effect does to the data, squared, that its form alone would not do.
+
+    `index` is its place among those found.
+    """
+    one, span, study = fitted.found[index], fitted.spans[index], fitted.problem.study
+    steps = steps_of(fitted, index)
+    if not steps:
+        return 0.0
+    rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
+    free = slice(span.start + len(one.knobs()), span.stop)
+    deviation = fitted.linear.columns[:, free] @ fitted.solution.beta[free]
+    return _share(fitted, np.stack(rows, axis=1), deviation)
+
+
+def steps_of(fitted: Fitted, index: int) -> list[tuple[int, Step]]:
+    """What the effect changes in each configuration that has it."""
+    one, study = fitted.found[index], fitted.problem.study
+    others = tuple(f.active for f in fitted.found if f is not one)
+    result = []
+    for c, name in enumerate(study.names):
+        if name in one.values:
+            state = fitted.linear.states[c]
+            result.append((c, whole_step(study, c, state, state.base, others, one.active)))
+    return result
+
+
+def _share(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
+    """Of what an effect does, how much no choice of its size in each configuration would do."""
+    by = 1.0 / np.sqrt(variance(fitted))
+    own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
+    total = own.sum(axis=1) + (deviation - _on_base(fitted, deviation)) * by
+    size = np.linalg.lstsq(own, total, rcond=1e-9)[0]
+    square = float(total @ total)
+    return float(np.sum((total - own @ size) ** 2) / square) if square > 0.0 else 0.0
+
+
+def _on_base(fitted: Fitted, column: FloatArray) -> FloatArray:
+    """The part of a column that the base parameters can take up."""
+    size, study = fitted.problem.bases.size, fitted.problem.study
+    layout, W = study.layout, fitted.solution.weights
+    X = layout.pad(fitted.linear.columns[:, :size])
+    p = X.shape[2]
+    A = X.reshape(-1, p).T @ (W @ X).reshape(-1, p) + np.diag(fitted.linear.data.precision[:size])
+    b = X.reshape(-1, p).T @ (W @ layout.pad(column)[:, :, None])[:, :, 0].ravel()
+    result: FloatArray = fitted.linear.columns[:, :size] @ np.linalg.lstsq(A, b, rcond=1e-12)[0]
+    return result

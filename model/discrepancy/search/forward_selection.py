@@ -1,0 +1,189 @@
+"""Forward search: which candidate explains what is left, is it worth it, and what is left then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import Found, whole_step
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem, settle
+from model.discrepancy.search.cross_validation import predictive_gains
+from model.discrepancy.search.evidence import Projected, score
+from model.discrepancy.search.form_share import MOST_FORM, form_share
+from model.discrepancy.search.outliers import numbers_of, without
+from model.discrepancy.search.ranking import ALIKE, Contender, rank
+from model.discrepancy.search.refinement import refine_best
+from model.effects.interface import Effect
+from model.identification.mixed_model import weigh
+from model.measurements import FloatArray
+
+MOST_OUTLIERS = 2
+FURTHER = 1.5  # ln of the Bayes factor by which all but the first effect must exceed the threshold
+LOOSE = 0.5  # share of form from which on an effect may stand for others
+PASSENGER = 0.08  # size against the effects found before, below which it may be their form
+
+
+@dataclass
+class Turn:
+    """One turn of the search."""
+
+    before: Fitted
+    ranking: list[Contender]
+    chosen: Contender | None = None
+
+
+@dataclass
+class Outcome:
+    """How the search went."""
+
+    base: Fitted
+    turns: list[Turn]
+    final: Fitted
+    outliers: list[int] = field(default_factory=list)  # numbers of conditions left out
+
+    @property
+    def chosen(self) -> list[Contender]:
+        """The effects that were added, in their order."""
+        return [turn.chosen for turn in self.turns if turn.chosen is not None]
+
+    @property
+    def gain(self) -> float:
+        """Evidence of all of them together."""
+        return 0.5 * (self.base.deviance - self.final.deviance)
+
+
+def supported(before: Fitted, after: Fitted) -> bool:
+    """Whether positions that are left out speak for the effect, not just a single one of them."""
+    gains = predictive_gains(before, after)
+    if len(gains) < 3:
+        return True
+    total = float(np.sum(gains))
+    return total > 0.0 and total - float(np.max(gains)) > -0.1 * total
+
+
+def search(
+    problem: Problem,
+    theta: FloatArray,
+    effects: Sequence[Effect],
+    threshold: float,
+    most: int = 3,
+    found: tuple[Found, ...] = (),
+) -> Outcome:
+    """Add effects while the data ask for them.
+
+    One that is mostly deviation from its form may stand for several others: they are tried without
+    it, and taken where they explain more.
+    """
+    outcome = _forward(problem, theta, effects, threshold, most, found)
+    loose = {c.name for c in outcome.chosen if _share(c) > LOOSE}
+    if not loose or most < 2:
+        return outcome
+    rest = [e for e in effects if e.name not in loose]
+    other = _forward(problem, theta, rest, threshold, most, found)
+    several = len(other.chosen) > 1 and all(_share(c) <= LOOSE for c in other.chosen)
+    return other if several and other.gain > outcome.gain + ALIKE else outcome
+
+
+def _share(contender: Contender) -> float:
+    """How much of an effect is deviation from its form."""
+    return 0.0 if contender.fitted is None else form_share(contender.fitted, -1)
+
+
+def _forward(
+    problem: Problem,
+    theta: FloatArray,
+    effects: Sequence[Effect],
+    threshold: float,
+    most: int,
+    found: tuple[Found, ...],
+) -> Outcome:
+    """Add the best effect, and the best one then, while the data ask for them."""
+    fitted = settle(problem, theta, found)
+    outcome, rounds_of_outliers = Outcome(fitted, [], fitted), 0
+    while len(outcome.turns) < most + 1:
+        turn = Turn(fitted, rank(fitted, effects))
+        if not turn.ranking or turn.ranking[0].gain < threshold:
+            outcome.turns.append(turn)
+            break
+        top, first = turn.ranking[0], turn.ranking[0].score.candidate
+        sure = top.gain >= threshold + FURTHER
+        if first.slot == "outlier" and sure and rounds_of_outliers < MOST_OUTLIERS:
+            rounds_of_outliers += 1
+            fitted = _left_out(outcome, fitted, numbers_of(first.name))
+            continue
+        outcome.turns.append(turn)
+        turn.ranking = refine_best(fitted, turn.ranking)
+        turn.chosen = _worth(turn, threshold) if len(outcome.turns) <= most else None
+        if turn.chosen is None or turn.chosen.fitted is None:
+            break
+        fitted = turn.chosen.fitted
+    outcome.final = fitted
+    return outcome
+
+
+def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
+    """The model without these conditions; the base is fitted without them, too."""
+    outcome.outliers += numbers
+    problem, base = without(fitted.problem, numbers), outcome.base
+    again = settle(problem, fitted.theta, fitted.found)
+    nothing_new = len(fitted.found) == len(base.found)
+    outcome.base = again if nothing_new else settle(problem, base.theta, base.found)
+    return again
+
+
+def apart(fitted: Fitted, contender: Contender) -> float:
+    """Evidence of a further effect where each number may be off by some of what the others do.
+
+    What is small against them everywhere may be what is left of their own form.
+    """
+    if not fitted.found:
+        return contender.gain
+    study, data = fitted.problem.study, fitted.linear.data
+    # with the usual scatter, in which nothing hides
+    usual = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
+    doubt = study.layout.pad((PASSENGER * _rows(fitted)) ** 2)
+    worth = []
+    for one in (data, replace(data, fixed=data.fixed + doubt)):
+        projected = Projected.of(study, fitted.linear, weigh(one, usual))
+        worth.append(score(study, projected, contender.score.candidate).log_bayes)
+    certain, doubted = worth
+    kept = float(np.clip(doubted / certain, 0.0, 1.0)) if certain > 0.0 else 1.0
+    return kept * contender.gain
+
+
+def _rows(fitted: Fitted) -> FloatArray:
+    """What all effects of a model do to the rows, (N,)."""
+    study, active = fitted.problem.study, fitted.active
+    rows = np.zeros(study.layout.size)
+    for one in active:
+        others = tuple(a for a in active if a is not one)
+        for c, state in enumerate(fitted.linear.states):
+            if study.names[c] in one.values:
+                step = whole_step(study, c, state, state.base, others, one)
+                rows += np.abs(study.rows_of(c, state, step))
+    return rows
+
+
+def _worth(turn: Turn, threshold: float) -> Contender | None:
+    """The best effect of the catalogue whose form is in the data, if they ask for it."""
+    threshold += FURTHER if turn.before.found else 0.0
+    rest = _rest_of_forms(turn)
+    for one in turn.ranking:
+        if not one.known or one.fitted is None:
+            continue
+        worth, share = apart(turn.before, one), form_share(one.fitted, -1)
+        # beside others a deviation may be what is left of theirs: then the form itself must count
+        itself = (1.0 - share) * worth if turn.before.found else 0.0
+        if share > MOST_FORM and itself < threshold:
+            continue
+        asked = min(one.gain, worth) >= threshold and one.gain > rest - ALIKE
+        return one if asked and supported(turn.before, one.fitted) else None
+    return None
+
+
+def _rest_of_forms(turn: Turn) -> float:
+    """What a free form explains in the slot of an effect before: more of that one's form."""
+    slots = {f"unknown:{f.effect.slot}" for f in turn.before.found}
+    return max((c.gain for c in turn.ranking if c.name in slots), default=-np.inf)

@@ -1,0 +1,59 @@
+"""The threshold: what the best candidate gains in sessions simulated with nothing missing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.search.evidence import Candidate, Projected, averaged, score
+from model.identification.mixed_model import estimate
+from model.measurements import FloatArray
+
+DEFAULT = 6.0  # ln of the Bayes factor; see docs/discrepancy.md for how often it errs
+FALSE_NAMES = 0.01
+
+
+def null_gains(
+    fitted: Fitted,
+    pool: Sequence[Candidate],
+    count: int,
+    seed: int,
+    progress: Callable[[str, float], None] | None = None,
+) -> FloatArray:
+    """Largest evidence of any candidate in each of `count` sessions drawn from the fitted model.
+
+    Noise and scatter are drawn as they were found, within what is known of them, and are estimated
+    anew in each session.
+    """
+    random = np.random.default_rng(seed)
+    study, linear, problem = fitted.problem.study, fitted.linear, fitted.problem
+    factor = np.linalg.cholesky(np.linalg.inv(fitted.solution.weights))
+    empty = np.all(linear.data.X == 0.0, axis=2) & (linear.data.fixed == 1.0)
+    result = np.zeros(count)
+    for i in range(count):
+        y = (factor @ random.standard_normal((*linear.data.y.shape, 1)))[:, :, 0]
+        y[empty] = 0.0
+        data = replace(linear.data, y=y, away=np.zeros_like(linear.data.away))
+        flat = y[study.layout.run_of, study.layout.row_of]
+        solution = estimate(data, problem.guess, fitted.solution.log_sigma, 0.05)
+        drawn = replace(linear, residual=flat, data=data)
+        weighed = Projected.of(study, drawn, solution)
+        gains: dict[str, list[float]] = {}
+        for c in pool:
+            gains.setdefault(c.name, []).append(score(study, weighed, c).log_bayes)
+        result[i] = max(averaged(shapes) for shapes in gains.values())
+        if progress is not None:
+            progress("simulating sessions with nothing missing", (i + 1) / count)
+    return result
+
+
+def threshold(gains: FloatArray) -> float:
+    """The gain that one in a hundred of such sessions exceeds: by the tail's exponential decay."""
+    ordered = np.sort(gains)
+    start = float(np.quantile(ordered, 0.8))
+    excess = ordered[ordered > start] - start
+    mean = float(np.mean(excess)) if len(excess) else 1.0
+    return max(start + mean * float(np.log(0.2 / FALSE_NAMES)), 2.0)

@@ -1,0 +1,106 @@
+"""Single conditions that stand apart: a slip of the hand, not a missing effect."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.data.data_vector import Index
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem
+from model.discrepancy.likelihood.random_effects import ASSUMED
+from model.discrepancy.search.evidence import Candidate
+from model.measurements import FloatArray
+
+SIZES = (0.3, 1.0, 3.0, 10.0)
+FORCE_N, MODE_M = 1e-4, 2e-5
+SET_UP = ("stiffness", "eibm", "position", "clamp_tilt", "registration", "force_zero")
+SET_UP_SIZES = (4.0, 8.0, 16.0)
+OUT = 1e6  # how much noisier a condition left out is taken to be
+
+
+def outlier_candidates(fitted: Fitted) -> list[Candidate]:
+    """One for each condition, whose force and curve may be anything, and one for each set-up."""
+    study, result, number = fitted.problem.study, _setups(fitted), 0
+    for c, part in enumerate(study.layout.parts):
+        scene, state = study.scenes[c], fitted.linear.states[c]
+        for k in range(scene.K):
+            columns = []
+            own = part.trend_rows[(part.trend_of == k) & part.is_mean]
+            if len(own):
+                columns.append(_at(study.layout.size, own, FORCE_N))
+            if scene.has_curve[k]:
+                rows = part.mode_rows[k]
+                columns += [
+                    _at(study.layout.size, rows[m : m + 1], MODE_M / (1 + m))
+                    for m in range(min(4, scene.modes))
+                ]
+                if scene.voltage_V[k] != 0.0:  # its EIBM was another one
+                    both = np.zeros(study.layout.size)
+                    both[rows] = 0.05 * state.modes_by_eibm[k]
+                    both[own] = 0.05 * state.by_eibm[k]
+                    columns.append(both)
+            name = f"outlier:{number}"
+            result.append(Candidate(name, {}, np.stack(columns, axis=1), SIZES, None, "outlier"))
+            number += 1
+    return result
+
+
+def _setups(fitted: Fitted) -> list[Candidate]:
+    """Set-ups with another B, EIBM, position, tilt, registration and zero than all others."""
+    layout, result = fitted.problem.study.layout, []
+    sigma = np.exp(fitted.solution.log_sigma)
+    numbers = condition_runs(fitted.problem)
+    for r in range(len(layout.runs)):
+        columns = []
+        for value, name, Z in zip(sigma, ASSUMED, fitted.linear.data.groups, strict=False):
+            if name in SET_UP:
+                for q in range(Z.shape[2]):
+                    column = np.zeros(layout.size)
+                    own = layout.run_of == r
+                    column[own] = value * Z[r, layout.row_of[own], q]
+                    columns.append(column)
+        own_numbers = [str(n) for n, run in enumerate(numbers) if run == r]
+        if len(own_numbers) > 1:
+            name = "outlier:" + ",".join(own_numbers)
+            result.append(
+                Candidate(name, {}, np.stack(columns, axis=1), SET_UP_SIZES, None, "outlier")
+            )
+    return result
+
+
+def condition_runs(problem: Problem) -> list[int]:
+    """The run of each condition, by its number over all configurations."""
+    layout = problem.study.layout
+    return [layout.runs.index(one.run) for look in problem.study.looks for one in look.seen]
+
+
+def _at(size: int, rows: Index, value: float) -> FloatArray:
+    column = np.zeros(size)
+    column[rows] = value
+    return column
+
+
+def numbers_of(name: str) -> list[int]:
+    """The conditions of an outlier candidate."""
+    return [int(n) for n in name.removeprefix("outlier:").split(",")]
+
+
+def condition_name(problem: Problem, number: int) -> str:
+    """As people call it."""
+    names = [one.name for look in problem.study.looks for one in look.seen]
+    return names[number]
+
+
+def without(problem: Problem, numbers: list[int]) -> Problem:
+    """The same data with some conditions so noisy that they do not count."""
+    fixed, study = problem.noise.fixed.copy(), problem.study
+    first = 0
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        for k in (n - first for n in numbers):
+            if 0 <= k < scene.K:
+                fixed[part.trend_rows[part.trend_of == k]] += OUT * 1e-8
+                rows = part.mode_rows[k]
+                fixed[rows[rows >= 0]] += OUT * 1e-8
+        first += scene.K
+    return replace(problem, noise=replace(problem.noise, fixed=fixed))

@@ -1,0 +1,159 @@
+"""Everything that could be added to a model, with what it is worth; the best first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.locations.slots import unknowns
+from model.discrepancy.search.evidence import (
+    Candidate,
+    Projected,
+    Score,
+    allowed,
+    averaged,
+    candidates,
+    rescored,
+    score,
+    surprise,
+)
+from model.discrepancy.search.outliers import outlier_candidates
+from model.effects.interface import Effect
+from model.identification.mixed_model import Solution, weigh
+
+CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
+ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
+SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
+TINY = 1e-9
+BENT = 0.1  # share of the evidence by which a straight line may misjudge the shape of a strong one
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A candidate with its evidence."""
+
+    score: Score
+    gain: float  # ln of the Bayes factor against the present model, averaged over its shapes
+    solution: Solution | None = None
+    fitted: Fitted | None = None  # where it was refined
+    tried: tuple[Fitted, ...] = ()  # fits of all of its shapes that were refined
+    shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
+    # ln of how much less its shapes explain on the average than the best, and of a surprise
+    among: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Of the effect, `unknown:SLOT`, or `outlier:NUMBER`."""
+        return self.score.candidate.name
+
+    @property
+    def known(self) -> bool:
+        """Whether it is an effect of the catalogue."""
+        return self.score.candidate.effect is not None
+
+
+def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[Contender]:
+    """Everything that could be added, best first; the promising ones with the noise beside them."""
+    inside = {f.effect.name for f in fitted.found}
+    every = candidates(fitted, [e for e in effects if e.name not in inside])
+    if slots:
+        every += unknowns(fitted)
+    every += outlier_candidates(fitted)
+    scores = _by_name(fitted, every, fitted.solution)
+    best = {name: found[0] for name, found in scores.items()}
+    usual = best_scores(fitted, every, usual_scatter(fitted))
+    hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
+    result, tried = [], 0
+    for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
+        outlier = one.candidate.slot == "outlier"
+        promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
+        if not promising and name not in hidden:
+            result.append(Contender(one, one.log_bayes))
+            continue
+        tried += promising and not outlier
+        looks = [one]
+        if name in hidden and not _alike(one, usual[name]):
+            looks.append(usual[name])
+        both = [(*rescored(fitted, look), look) for look in looks]
+        gain, solution, chosen = max(both, key=lambda item: item[0])
+        shapes = _other_shapes(chosen, scores.get(name, []))
+        among = _among(fitted, [c for c in every if c.name == name], solution)
+        among += surprise(chosen)
+        result.append(Contender(chosen, gain + among, solution, shapes=shapes, among=among))
+    result.sort(key=lambda c: -c.gain)
+    return result
+
+
+def _among(fitted: Fitted, shapes: Sequence[Candidate], solution: Solution) -> float:
+    """Ln of the mean of what an effect's shapes explain over what the best of them does."""
+    if len(shapes) == 1:
+        return 0.0
+    study = fitted.problem.study
+    weighed = weigh(fitted.linear.data, solution.log_sigma)
+    projected = Projected.of(study, fitted.linear, weighed)
+    found = [score(study, projected, one).log_bayes for one in shapes]
+    return averaged(found) - max(found)
+
+
+def best_scores(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
+    """The best score of each name, at given scatter; best first."""
+    return {name: found[0] for name, found in _by_name(fitted, every, solution).items()}
+
+
+def _by_name(
+    fitted: Fitted, every: Sequence[Candidate], solution: Solution
+) -> dict[str, list[Score]]:
+    """The scores of all shapes of each name, at given scatter; best first."""
+    study = fitted.problem.study
+    projected = Projected.of(study, fitted.linear, solution)
+    scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
+    scores.sort(key=lambda s: -s.log_bayes)
+    result: dict[str, list[Score]] = {}
+    for one in scores:
+        result.setdefault(one.candidate.name, []).append(one)
+    return {name: _nearest_first(found) for name, found in result.items()}
+
+
+def _nearest_first(scores: list[Score]) -> list[Score]:
+    """Of sizes that explain about as much, tried one by one, that which is most nearly it.
+
+    From one that is many times too large or too small, a fit may not find there.
+    """
+    effect = scores[0].candidate.effect
+    if effect is None or not effect.size.tried:
+        return scores
+    alike = [s for s in scores if s.log_bayes > scores[0].log_bayes - ALIKE]
+    first = min(alike, key=lambda s: abs(np.log(max(abs(s.amplitude), TINY))))
+    return [first, *(s for s in scores if s is not first)]
+
+
+def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
+    """Shapes that explain about as much, where effects are refined in all but their shape."""
+    known, result = [_shape(chosen)], list[Score]()
+    for one in scores:
+        least = scores[0].log_bayes - max(ALIKE, BENT * scores[0].log_bayes)
+        if one.log_bayes > least and _shape(one) not in known and len(result) < SHAPES:
+            known.append(_shape(one))
+            result.append(one)
+    return tuple(result)
+
+
+def _shape(one: Score) -> tuple[float, ...]:
+    """Values of the knobs that stay as they are tried."""
+    effect = one.candidate.effect
+    stay = () if effect is None else effect.knobs[1:]
+    return tuple(one.candidate.values[k.name] for k in stay if not k.log)
+
+
+def _alike(one: Score, other: Score) -> bool:
+    """Whether they are the same columns of the same scale."""
+    return one.candidate is other.candidate and one.scale == other.scale
+
+
+def usual_scatter(fitted: Fitted) -> Solution:
+    """The same fit with no more scatter than is usual: what acts in every set-up hides in it."""
+    least = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
+    return weigh(fitted.linear.data, least)

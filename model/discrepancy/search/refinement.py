@@ -1,0 +1,182 @@
+"""Contenders put into the model: solved with it, all values fitted, from where that leads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import Found
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
+from model.discrepancy.likelihood.random_effects import ASSUMED
+from model.discrepancy.search.evidence import Candidate, Score, unit_values
+from model.discrepancy.search.form_share import MOST_FORM, form_share
+from model.discrepancy.search.ranking import BENT, Contender, best_scores, usual_scatter
+from model.effects.interface import Effect
+from model.measurements import FloatArray, ModelError
+
+CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
+CLOSE_LEAST = 10.0  # ... or absolute
+REFINED = 4
+STUCK = 0.2  # share of form that says that the size may have been found at the wrong place
+STRAINED = 4.0  # times the usual scatter that says so, too
+SAME = 0.5  # of the deviance within which two fits ended at the same place
+STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+PLAIN = 2  # that are refined because they explain most with the usual scatter
+VAGUE_M = 1.0  # of numbers that are not to count
+INSIDE = 0.9  # of its bounds that a size may have to begin with
+
+
+def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
+    """The effects of the catalogue that are close to the best one, refined; best first."""
+    known = [c for c in ranking if c.known]
+    if not known:
+        return ranking
+    top = known[0].gain
+    least = top - max(CLOSE_LEAST, CLOSE * top)
+    chosen = [c for c in known if c.gain >= least][:REFINED]
+    plain = _plain(fitted, known)
+    chosen += [c for c in known if c.name in plain and c not in chosen]
+    done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
+    promising = _promising(fitted, list(done.values()))
+    done |= {name: refined(fitted, done[name], done[name].shapes) for name in promising}
+    doubtful = [name for name in promising if _doubtful(done[name])]
+    begins = [fitted.theta, by_forces(fitted)] if doubtful else []
+    for name in doubtful:
+        done[name] = _refined_again(fitted, done[name], begins)
+    rest = [c for c in ranking if c.name not in done]
+    return sorted([*done.values(), *rest], key=lambda c: -c.gain)
+
+
+def refined(fitted: Fitted, contender: Contender, shapes: Sequence[Score]) -> Contender:
+    """With the effect in the model, its values fitted and everything linearised there.
+
+    Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
+    """
+    known = None if contender.solution is None else contender.solution.log_sigma
+    result = contender
+    for one in shapes:
+        found = (*fitted.found, _found(fitted, one, one.amplitude))
+        result = _better(fitted, result, one, _settled(fitted, fitted.theta, found, known))
+    return result
+
+
+def by_forces(fitted: Fitted) -> FloatArray:
+    """Base parameters that forces and the curves at 0 V ask for.
+
+    What curves under voltage say may be the very thing that is to be explained.
+    """
+    problem, study = fitted.problem, fitted.problem.study
+    vague = np.zeros(study.layout.size)
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
+    noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
+    try:
+        return settle(replace(problem, noise=noise), fitted.theta, fitted.found).theta
+    except (ModelError, np.linalg.LinAlgError):
+        return fitted.theta
+
+
+def _refined_again(fitted: Fitted, contender: Contender, begins: Sequence[FloatArray]) -> Contender:
+    """From other beginnings: a straight line from where the effect is absent may lead nowhere.
+
+    It begins at a usual size or where it leads with the usual scatter, lets nothing hide in
+    scatter or form, and only then lets the form differ; not twice from the same place.
+    """
+    one = contender.score
+    usual = best_scores(fitted, [one.candidate], usual_scatter(fitted)).get(contender.name)
+    size = 1.0 if usual is None else usual.amplitude
+    first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
+    found = (*fitted.found, first)
+    places: list[float] = []
+    for theta in begins:
+        strict = _settled(fitted, theta, found, None, STRICT)
+        if strict is None or any(abs(strict.deviance - p) < SAME for p in places):
+            continue
+        places.append(strict.deviance)
+        freed = _settled(fitted, strict.theta, strict.found, strict.solution.log_sigma)
+        contender = _better(fitted, contender, one, freed)
+        if not _doubtful(contender):
+            break
+    return contender
+
+
+def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
+    """The contender, or with this shape and fit where they are better than what it has."""
+    best = contender.fitted
+    if other is None:
+        return contender
+    contender = replace(contender, tried=(*contender.tried, other))
+    if best is not None and _rank(best) <= _rank(other):
+        return contender
+    # its size was chosen from several, as in `score`
+    gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
+    gain += contender.among
+    return replace(contender, score=one, gain=gain, fitted=other)
+
+
+def _rank(fitted: Fitted) -> tuple[bool, float]:
+    """Smaller: better; what is an effect in name only comes last."""
+    return form_share(fitted, -1) > MOST_FORM, fitted.deviance
+
+
+def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:
+    """A scored effect at a multiple of its own size."""
+    effect = one.candidate.effect
+    if effect is None:
+        raise TypeError(f"{one.candidate.name} is no effect of the catalogue")
+    width = max(one.scale, 2.0 * abs(one.amplitude), 2.0 * abs(amplitude))
+    return Found(effect, _begun(fitted, effect, one.candidate, amplitude), width)
+
+
+def _begun(
+    fitted: Fitted, effect: Effect, candidate: Candidate, amplitude: float
+) -> dict[str, dict[str, float]]:
+    """Its values at a multiple of its own size, within bounds; alike in all configurations."""
+    size, values = effect.size, unit_values(effect, candidate.values, amplitude)
+    if not (size.tried or size.log):
+        low, high = INSIDE * size.low, INSIDE * size.high
+        values[size.name] = float(np.clip(values[size.name], low, high))
+    return {name: dict(values) for name in fitted.problem.study.names}
+
+
+def _strained(fitted: Fitted) -> bool:
+    """Whether set-ups seem to differ by much more than is usual."""
+    times = fitted.solution.log_sigma - fitted.problem.guess
+    return bool(np.max(times[: len(ASSUMED)]) > np.log(STRAINED))
+
+
+def _settled(
+    fitted: Fitted,
+    theta: FloatArray,
+    found: tuple[Found, ...],
+    log_sigma: FloatArray | None,
+    form: float = 1.0,
+) -> Fitted | None:
+    """A model with these effects, from there on; None where it does not settle.
+
+    `form` is how much of the tolerance of the effects' forms there is.
+    """
+    try:
+        return settle(fitted.problem, theta, found, log_sigma, form)
+    except (ModelError, np.linalg.LinAlgError):
+        return None
+
+
+def _promising(fitted: Fitted, done: list[Contender]) -> set[str]:
+    """The one that explains most, and those that would with the usual scatter."""
+    return {max(done, key=lambda c: c.gain).name, *_plain(fitted, done)}
+
+
+def _plain(fitted: Fitted, contenders: list[Contender]) -> list[str]:
+    """The one that explains most with the usual scatter, and another one that comes close."""
+    scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
+    best = max((s.log_bayes for s in scores.values()), default=0.0)
+    return [name for name, s in scores.items() if s.log_bayes >= (1.0 - BENT) * best][:PLAIN]
+
+
+def _doubtful(contender: Contender) -> bool:
+    """Whether its size may have been found at the wrong place."""
+    best = contender.fitted
+    return best is None or form_share(best, -1) > STUCK or _strained(best)

@@ -1,0 +1,114 @@
+"""What these data could see at all, and which effects look alike in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.search.evidence import Candidate, Projected
+from model.discrepancy.verdict.result import Signatures
+from model.effects.interface import Effect
+from model.measurements import FloatArray
+
+SEEN = 4.0  # sigmas at which an effect is found four times out of five
+LARGE = 3.0  # an effect that cannot be seen at so many times its plausible size is invisible
+APART = 4.0  # sigmas below which two effects form a class
+TYPICAL = 8.0  # sigmas at which two effects that were not found are compared
+
+
+def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) -> list[Candidate]:
+    """One candidate for each effect: the shape that was found, or the middle one."""
+    groups: dict[str, list[Candidate]] = {}
+    for one in pool:
+        groups.setdefault(one.name, []).append(one)
+    result = []
+    for name, own in groups.items():
+        wanted = chosen.get(name)
+        match = [c for c in own if wanted is not None and dict(c.values) == dict(wanted)]
+        result.append(match[0] if match else own[len(own) // 2])
+    return result
+
+
+def signatures(
+    fitted: Fitted, pool: Sequence[Candidate], amplitude: Mapping[str, float]
+) -> Signatures:
+    """Lengths and distances in sigmas, the base refitted; forms given the tolerance they have.
+
+    Two effects are compared at the size that was found, else at one that would just be found.
+    """
+    study = fitted.problem.study
+    weighed = Projected.of(study, fitted.linear, fitted.solution)
+    main = np.stack([c.columns[:, 0] for c in pool], axis=1)
+    A, _ = weighed.normal(study, main)
+    length = np.sqrt(np.maximum(np.diag(A), 0.0))
+    safe = np.where(length > 1e-9, length, 1.0)
+    cosine = A / safe[:, None] / safe[None, :]
+    n = len(pool)
+    distance = np.zeros((n, n))
+    for i, one in enumerate(pool):
+        size = abs(amplitude.get(one.name, 0.0)) * length[i] or min(TYPICAL, LARGE * length[i])
+        for j in range(n):
+            if i != j:
+                share = max(0.0, 1.0 - min(cosine[i, j] ** 2, 1.0))
+                distance[i, j] = size * np.sqrt(share)
+    return Signatures(tuple(c.name for c in pool), length, distance, cosine)
+
+
+def invisible(fitted: Fitted, found: Signatures, effects: Mapping[str, Effect]) -> dict[str, str]:
+    """Effects that these data cannot show at any likely size, with what would show them."""
+    result = {}
+    streams = _streams(fitted)
+    for name, length in zip(found.names, found.detectability, strict=True):
+        effect = effects.get(name)
+        if effect is None or length * LARGE >= SEEN:
+            continue
+        needs = effect.isolates
+        if effect.slot == "time" and not streams:
+            needs = "the readings in their order, and the series within a pulse: " + needs
+        result[name] = needs
+    for name, effect in effects.items():
+        if name not in found.names:  # not even its form can be worked out
+            result[name] = "when in the session each reading was taken: " + effect.isolates
+    return result
+
+
+def _streams(fitted: Fitted) -> bool:
+    """Whether there are repeats in order or series."""
+    parts = fitted.problem.study.layout.parts
+    return any(len(p.bin_rows) or np.any(~p.is_mean) for p in parts)
+
+
+def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ...], ...]:
+    """Groups of effects that look alike: closer than `APART` at the sizes compared."""
+    names = [n for n in found.names if n not in unseen]
+    place = {n: i for i, n in enumerate(found.names)}
+    left, result = set(names), []
+    for name in names:
+        if name not in left:
+            continue
+        near = [
+            other for other in names
+            if other in left and other != name
+            and min(found.distance[place[name], place[other]],
+                    found.distance[place[other], place[name]]) < APART
+        ]  # fmt: skip
+        if near:
+            group = (name, *near)
+            left -= set(group)
+            result.append(group)
+    return tuple(result)
+
+
+def class_of(name: str, found: Signatures, size: FloatArray | None = None) -> tuple[str, ...]:
+    """Effects closer than `APART` to one, at its size."""
+    del size
+    if name not in found.names:
+        return ()
+    i = found.names.index(name)
+    return tuple(
+        other
+        for j, other in enumerate(found.names)
+        if j != i and found.distance[i, j] < APART and found.detectability[j] > 0.0
+    )

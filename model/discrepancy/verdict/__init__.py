@@ -1,0 +1,1 @@
+"""From the candidates to a verdict, with its parameters, prediction errors and messages."""

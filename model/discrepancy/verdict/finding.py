@@ -1,0 +1,242 @@
+"""From how the search went to what is told: names, verdict, gaps, and what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from model.discrepancy.data.data_checks import remarks
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.random_effects import ASSUMED
+from model.discrepancy.locations.nonparametric import form_of, unknown_of, with_free_form
+from model.discrepancy.next_measurement.candidate_measurements import next_measurement
+from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
+from model.discrepancy.search.cross_validation import left_out, position_groups
+from model.discrepancy.search.evidence import Candidate, candidates
+from model.discrepancy.search.forward_selection import Outcome
+from model.discrepancy.search.outliers import condition_name
+from model.discrepancy.search.ranking import Contender
+from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.verdict import prediction_error as gaps
+from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
+from model.discrepancy.verdict.localisation import places
+from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
+from model.discrepancy.verdict.posterior import (
+    LEFT,
+    SLOT_MARGIN,
+    SURE,
+    Choice,
+    Leftover,
+    choices,
+    leftover,
+    with_shapes,
+)
+from model.discrepancy.verdict.result import (
+    BeforeAfter,
+    Diagnosis,
+    Named,
+    Next,
+    Ranked,
+    Row,
+    Signatures,
+    Unknown,
+    Verdict,
+)
+from model.effects.interface import Effect
+from model.identification.mixed_model import weigh
+from model.measurements import Measurements
+
+MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
+MUCH = 6.0  # times the usual scatter from one set-up to the next that no rig has by chance
+RIVALS = 6  # best names among which the choice is repeated with each position left out
+
+
+@dataclass(frozen=True)
+class _Decision:
+    """What the search comes to."""
+
+    named: list[Choice]
+    known: Fitted  # with the effects that are named
+    unknown: Unknown | None
+    final: Fitted  # with the free form of what is unknown, too
+
+
+def _scatter(final: Fitted) -> dict[str, float]:
+    """From one set-up to the next, by name."""
+    return dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False))
+
+
+@dataclass(frozen=True)
+class _LeftOut:
+    """How base and final model do on positions that were left out."""
+
+    gap: BeforeAfter
+    closed: float
+    chosen: list[str]  # with each position left out
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A search that is over, and what it was asked."""
+
+    measurements: Measurements
+    options: Options
+    ready: Prepared
+    outcome: Outcome
+    effects: Sequence[Effect]  # that were considered
+    threshold: float
+    threshold_from: str
+
+    @cached_property
+    def diagnosis(self) -> Diagnosis:
+        """Everything that is told."""
+        base, decision = self.outcome.base, self._decision()
+        pool = candidates(base, self.effects)
+        seen = self._signatures(pool, decision)
+        unseen = invisible(base, seen, {e.name: e for e in self.effects})
+        named = tuple(_named(c, decision.known, seen) for c in decision.named)
+        doubt = self._doubt(decision)
+        verdict = self._verdict(named, decision.unknown, doubt)
+        apart = self._left_out(pool, decision)
+        noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
+        fitted = BeforeAfter(
+            *(gaps.gap(gaps.refitted(f), noise, where) for f in (base, decision.final))
+        )
+        outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
+        model = sheet_model(
+            decision.known, decision.unknown, self.measurements, self.options, fitted.after
+        )
+        return Diagnosis(
+            verdict, sentence(verdict, named, decision.unknown, apart.gap, doubt), named, unseen,
+            decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
+            self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
+            classes(seen, unseen), apart.rows,
+            _scatter(decision.final), outliers,
+            (*self.ready.notes, *remarks(self.measurements, base),
+             *notes(named, outliers, apart.chosen)), model,
+            base=base_parameters(decision.known),
+        )  # fmt: skip
+
+    @property
+    def _enough(self) -> bool:
+        return setups(self.ready) >= FEWEST_SETUPS
+
+    def _decision(self) -> _Decision:
+        """Names, or what is unknown, or both."""
+        base = self.outcome.base
+        named, known = choices(self.outcome, self.effects, self.threshold)
+        rest = self._unexplained(known)
+        if rest is not None and len(named) < len(self.outcome.chosen):
+            # what was taken for the rest of another one's form is more than that
+            more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
+            if self._unexplained(full) is None:
+                named, known, rest = more, full, None
+        if rest is None:
+            known = with_shapes(known, named)
+            return _Decision(named, known, None, known)
+        if _alone(rest, base, known):
+            named, known = [], base
+        free = rest.first if known is base or rest.last is None else rest.last
+        at = base if free is rest.first else known
+        final = with_free_form(known, free)
+        return _Decision(named, with_shapes(known, named), unknown_of(at, free), final)
+
+    def _unexplained(self, known: Fitted) -> Leftover | None:
+        """What free forms find beside the names, where it is too much for the rest of a form."""
+        rest = leftover(self.outcome, known, self.effects) if self._enough else None
+        if rest is None or rest.share < LEFT:
+            return None
+        return rest if rest.apart >= self.threshold + SLOT_MARGIN else None
+
+    def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
+        """What could be seen of the base model, with the noise as it is once the finding is in."""
+        base = self.outcome.base
+        solution = weigh(base.linear.data, decision.final.solution.log_sigma)
+        chosen = (t.chosen for t in self.outcome.turns if t.chosen is not None)
+        sizes = {c.name: c.score.amplitude for c in chosen}
+        return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
+
+    def _doubt(self, decision: _Decision) -> str:
+        """Why these data cannot tell, where nothing is found; empty: they can."""
+        if not self._enough:
+            return too_few(setups(self.ready))
+        if decision.named or decision.unknown is not None:
+            return ""
+        log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
+        times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
+        most = max(DIFFERS, key=lambda name: times[name])
+        if times[most] > MUCH:
+            return scattered(most, times[most])
+        best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
+        if best is not None and best.gain > self.threshold + SLOT_MARGIN:
+            return refused(best.name)
+        return ""
+
+    def _verdict(self, named: Sequence[Named], unknown: Unknown | None, doubt: str) -> Verdict:
+        if doubt:
+            return "cannot_tell"
+        if unknown is not None:
+            return "unknown_effect"
+        if not named:
+            return "nothing_missing"
+        if any(n.confusable_with and n.confidence < SURE for n in named):
+            return "indistinguishable"
+        return "effect_named"
+
+    def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
+        base, final = self.outcome.base, decision.final
+        noise, where = gaps.variance(final), gaps.cells(base, self.outcome.outliers)
+        rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][:RIVALS]
+        names = {*rivals, *(c.effect.name for c in decision.named)}
+        few = [c for c in pool if c.name in names]
+        before, after, chosen = left_out(base, final, few, position_groups(base))
+        both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
+        closed = np.nan if final is base else gaps.closed_share(both, gaps.floor(noise, where))
+        return _LeftOut(both, closed, chosen, gaps.table(base, final, before, after))
+
+    def _next(self, named: Sequence[Named]) -> Next | None:
+        """What would tell a name from the first one that it may be confused with."""
+        pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
+        ranked = {c.name: c for t in self.outcome.turns for c in t.ranking if c.known}
+        effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
+        if pair is None or any(p not in effects or p not in ranked for p in pair):
+            return None
+        both = [ranked[p].score for p in pair]
+        return next_measurement(
+            self.outcome.base, [effects[p] for p in pair],
+            [dict(s.candidate.values) for s in both], [abs(s.amplitude) for s in both],
+        )  # fmt: skip
+
+    def _ranking(self, seen: Signatures) -> tuple[Ranked, ...]:
+        lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
+        first: Sequence[Contender] = self.outcome.turns[0].ranking if self.outcome.turns else []
+        return tuple(
+            Ranked(
+                c.name, c.score.candidate.slot, c.gain, c.score.amplitude,
+                lengths.get(c.name, c.score.length),
+            )
+            for c in first if c.score.candidate.slot != "outlier"
+        )  # fmt: skip
+
+
+def _alone(rest: Leftover, base: Fitted, known: Fitted) -> bool:
+    """Whether one free form explains more than all the names together."""
+    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
+    return rest.first.gain * (1.0 - LEFT) > explained + SLOT_MARGIN
+
+
+def _named(one: Choice, final: Fitted, seen: Signatures) -> Named:
+    effect = one.effect
+    place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
+    found, (share, form) = final.found[place], form_of(final, place)
+    near = class_of(effect.name, seen)
+    confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
+    own = {name: parameters_of(found, name, final) for name in found.values}
+    return Named(
+        effect.name, effect.slot, next(iter(own.values())),
+        own if effect.by_configuration else {}, one.confidence, confusable, share, form,
+    )  # fmt: skip

@@ -1,0 +1,116 @@
+"""What was fitted, as parameters with their uncertainty and as a model for the next job."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import Found
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.locations.nonparametric import unknown_effect
+from model.discrepancy.prepare import Options
+from model.discrepancy.verdict.result import Gap, Unknown
+from model.effects.interface import Knob
+from model.measurements import Measurements
+from model.parameter import Parameter
+from model.sheet.beam_problem import ActiveEffect
+from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+
+FEW = 12.0  # degrees of freedom of the intervals: there are about so many set-ups
+
+
+def sheet_model(
+    final: Fitted,
+    unknown: Unknown | None,
+    measurements: Measurements,
+    options: Options,
+    merit: Gap,
+) -> SheetModel:
+    """The model with what was found, an unknown effect as an empirical term; `merit` is its gap."""
+    sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.study.names)}
+    effects = [_active(f, final) for f in final.found]
+    if unknown is not None:
+        effects.append(unknown_effect(unknown))
+    figures = {
+        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
+    }  # fmt: skip
+    held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
+    return SheetModel(
+        sheets, tuple(effects), measurements.source, measurements.checksum, held,
+        {k: v for k, v in figures.items() if np.isfinite(v)},
+    )  # fmt: skip
+
+
+def _active(one: Found, final: Fitted) -> ActiveEffect:
+    own = {name: parameters_of(one, name, final) for name in one.values}
+    if one.effect.by_configuration:
+        return ActiveEffect(one.effect.name, {}, own)
+    return ActiveEffect(one.effect.name, next(iter(own.values())), {})
+
+
+def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Parameter]:
+    """An effect's values with their uncertainty, derived ones included."""
+    values = dict(one.values[configuration])
+    sigma = one.sigma.get(configuration, {})
+    result = {
+        k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW, k.log)
+        for k in one.effect.knobs
+    }
+    study = final.problem.study
+    sheet = study.scenes[study.names.index(configuration)].sheet
+    derived = one.effect.derived(values, sheet)
+    size = one.effect.size.name
+    h = 0.01 * abs(values[size]) or 1e-9
+    moved = one.effect.derived({**values, size: values[size] + h}, sheet)
+    for name, value in derived.items():
+        slope = (moved[name] - value) / h
+        unit = one.effect.extra.get(name, "")
+        result[name] = Parameter(value, abs(slope) * sigma.get(size, 0.0), unit, FEW)
+    return result
+
+
+def _step(knob: Knob) -> float:
+    """Uncertainty of a place that was only tried here and there: it may be anywhere between."""
+    if knob.unit != "mm" or len(knob.tried) < 2:
+        return 0.0
+    return float(np.max(np.diff(knob.tried)) / np.sqrt(3.0))
+
+
+def _sheet(final: Fitted, c: int) -> ConfiguredSheet:
+    """B, k0 and EIBM of one configuration."""
+    study, part = final.problem.study, final.problem.bases.parts[c]
+    scene, theta = study.scenes[c], final.theta
+    sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
+    B = float(np.exp(theta[part.stiffness]))
+    stiffness = Parameter(B, B * float(sigma[part.stiffness]), "N m^2", FEW)
+    stated = scene.sheet.initial_curvature
+    if stated is not None:
+        along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
+    else:
+        rest = scene.rest(scene.s_m)
+        for i, row in part.rest.items():
+            rest = rest + theta[i] * row
+        along = Along(scene.s_m, rest, np.zeros(len(rest)), "1/m")
+    eibm = {}
+    for volts, (i, sign) in part.eibm.items():
+        level = B * float(theta[i])
+        relative = np.hypot(sigma[part.stiffness], sigma[i] / max(abs(theta[i]), 1e-9))
+        value = Parameter(sign * level, abs(level) * float(relative), "N m", FEW)
+        eibm[volts] = Along.constant(value)
+    geometry = replace(scene.sheet, initial_curvature=(along.s_m, along.values))
+    return ConfiguredSheet(geometry, stiffness, along, eibm)
+
+
+def base_parameters(final: Fitted) -> dict[str, dict[str, Parameter]]:
+    """B and EIBM of each configuration, by the names that people see."""
+    result = {}
+    for c, name in enumerate(final.problem.study.names):
+        sheet = _sheet(final, c)
+        own = {"B_Nm2": sheet.B}
+        for volts, along in sorted(sheet.eibm.items()):
+            own[f"EIBM {volts:+g} V"] = Parameter(
+                float(along.values[0]), float(along.sigma[0]), "N m", FEW
+            )
+        result[name] = own
+    return result

@@ -1,0 +1,82 @@
+"""Where simulation and measurement disagree: forces, curves and signals that stand out."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from model.discrepancy.likelihood.contact_solution import Scene
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.verdict.prediction_error import refitted, variance
+from model.discrepancy.verdict.result import Where
+from model.identification.mixed_model import inverse_symmetric
+from model.measurements import FloatArray
+
+MOST_PLACES = 12
+Z_LEAST = 3.3  # of a cell that is mentioned; about one in a thousand by chance
+Observable = Literal["force", "curve", "signal"]
+
+
+def staged(base: Fitted) -> FloatArray:
+    """Residuals (N,) with B from 0 V alone, then the EIBM given B: they say where it is wrong.
+
+    All at once would smear what acts under voltage over everything.
+    """
+    study, problem, linear = base.problem.study, base.problem, base.linear
+    layout = study.layout
+    at_rest = np.zeros(layout.size, dtype=bool)
+    for part, scene in zip(layout.parts, study.scenes, strict=True):
+        zero = scene.voltage_V == 0.0
+        at_rest[part.trend_rows[zero[part.trend_of]]] = True
+        rows = part.mode_rows[zero & scene.has_curve]
+        at_rest[rows.ravel()] = True
+    if not at_rest.any() or at_rest.all():
+        return refitted(base)
+    stiff = np.zeros(linear.columns.shape[1], dtype=bool)
+    for one in problem.bases.parts:
+        stiff[[one.stiffness, *one.rest]] = True
+    variance_ = variance(base)
+    y = linear.residual.copy()
+    for columns, rows in ((stiff, at_rest), (~stiff, ~at_rest)):
+        X = linear.columns[rows][:, columns] / np.sqrt(variance_[rows])[:, None]
+        A = X.T @ X + np.diag(linear.data.precision[columns])
+        b = X.T @ (y[rows] / np.sqrt(variance_[rows]))
+        y = y - linear.columns[:, columns] @ (inverse_symmetric(A) @ b)
+    return y
+
+
+def places(base: Fitted, noise: FloatArray) -> tuple[Where, ...]:
+    """The cells that stand out of noise and scatter (variances (N,)), the strongest first."""
+    residual, study = staged(base), base.problem.study
+    z = residual / np.sqrt(noise)
+    found: list[Where] = []
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        for i, (row, k) in enumerate(zip(part.trend_rows, part.trend_of, strict=True)):
+            late = "in a first pulse" if part.is_early[i] else "how the readings go with time"
+            detail = "" if part.is_mean[i] else late
+            found.append(_where("force", scene, k, float(z[row]), None, detail))
+        for k in np.flatnonzero(scene.has_curve).tolist():
+            rows = part.mode_rows[k]
+            off = scene.along(k, residual[rows])
+            at = float(scene.curve_s[k, int(np.argmax(np.abs(off)))])
+            found.append(_where("curve", scene, k, _excess(z[rows]), at * 1e3))
+        for row, k in zip(part.bin_rows, part.bin_of, strict=True):
+            found.append(_where("signal", scene, k, float(z[row]), None, "within the pulse"))
+    found = [w for w in found if abs(w.z) >= Z_LEAST]
+    found.sort(key=lambda w: -abs(w.z))
+    return tuple(found[:MOST_PLACES])
+
+
+def _excess(z: FloatArray) -> float:
+    """How far several numbers together stand out, in sigmas of one; 0: not clearly."""
+    n, chi2 = len(z), float(np.sum(z**2))
+    return float(np.sqrt(chi2 - n)) if chi2 > n + 3.0 * np.sqrt(2.0 * n) else 0.0
+
+
+def _where(
+    observable: Observable, scene: Scene, k: int, z: float, s_mm: float | None, detail: str = ""
+) -> Where:
+    at, name = float(scene.stated_m[k]), scene.sheet.configuration
+    position = None if np.isnan(at) else round(at * 1e3, 6)
+    return Where(observable, name, float(scene.voltage_V[k]), position, s_mm, z, detail)

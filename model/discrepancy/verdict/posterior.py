@@ -1,0 +1,183 @@
+"""From the search's turns to names: which, how surely, and what they may be confused with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.likelihood.form_error import Found
+from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
+from model.discrepancy.search.forward_selection import FURTHER, Outcome, Turn, apart
+from model.discrepancy.search.ranking import Contender, rank
+from model.discrepancy.search.refinement import refine_best
+from model.effects.interface import Effect
+
+TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
+HARDLY = 0.02  # posterior below which an alternative is not kept
+SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
+LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
+SLOT_MARGIN = 4.5  # ln of the Bayes factor by which a free form must be better than a name
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A named effect with what it was chosen from."""
+
+    effect: Effect
+    confidence: float
+    alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
+    gain: float
+    of_slot: float  # posterior of all effects of its slot
+    tried: tuple[Fitted, ...] = ()  # fits of its shapes
+
+
+def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
+    """Of the catalogue's effects in a ranking, given that one of them is it."""
+    known = [c for c in ranking if c.known]
+    if not known:
+        return {}
+    gains = np.array([c.gain for c in known]) / TEMPER
+    weights = np.exp(gains - np.max(gains))
+    return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
+
+
+def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
+    """What was chosen from a ranking, and how surely."""
+    effect = chosen.score.candidate.effect
+    if effect is None:
+        raise TypeError(f"{chosen.name} is no effect of the catalogue")
+    chances = posterior(ranking)
+    own = chances.get(chosen.name, 0.0)
+    others = sorted(
+        ((n, p) for n, p in chances.items() if n != chosen.name and p > HARDLY),
+        key=lambda item: -item[1],
+    )
+    alike = {c.name for c in ranking if c.known and c.score.candidate.slot == effect.slot}
+    of_slot = sum(p for n, p in chances.items() if n in alike)
+    return Choice(effect, own, tuple(others), chosen.gain, of_slot, chosen.tried)
+
+
+def choices(
+    outcome: Outcome, effects: Sequence[Effect], threshold: float, rests: bool = False
+) -> tuple[list[Choice], Fitted]:
+    """Every effect that was found, each against its alternatives with the others in place.
+
+    An effect that the others make superfluous is taken out again, and so is, unless `rests`, what
+    is rather left of another one's form; what the model had before the search stays.
+    """
+    turns = [t for t in outcome.turns if t.chosen is not None]
+    final, first = outcome.final, len(outcome.base.found)
+    result = []
+    for i, turn in enumerate(turns):
+        if turn.chosen is None:
+            continue
+        if i == len(turns) - 1:
+            result.append(choice(turn.chosen, turn.ranking))
+            continue
+        rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
+        without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
+        ranking = refine_best(without, rank(without, effects, slots=False))
+        own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
+        gain = 0.5 * (without.deviance - final.deviance)
+        if min(gain, apart(without, own)) < threshold + FURTHER:
+            shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
+            return choices(shorter, effects, threshold, rests)
+        result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
+    left = None if rests else rest_of_another(result)
+    if left is None:
+        return result, final
+    rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
+    without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
+    shorter = Outcome(outcome.base, turns[:left] + turns[left + 1 :], without)
+    return choices(shorter, effects, threshold)
+
+
+def with_shapes(fitted: Fitted, named: Sequence[Choice]) -> Fitted:
+    """The model with uncertainties that hold the other shapes of each effect, too.
+
+    A shape that explains as much may have other values.
+    """
+    tried = {one.effect.name: one.tried for one in named if len(one.tried) > 1}
+    if not tried:
+        return fitted
+    found = [_mixed(f, tried[f.effect.name]) if f.effect.name in tried else f for f in fitted.found]
+    return replace(fitted, found=tuple(found))
+
+
+def _mixed(one: Found, tried: Sequence[Fitted]) -> Found:
+    """With the scatter of the values of all fits about the best, as likely as they explain."""
+    deviance = np.array([f.deviance for f in tried])
+    best = tried[int(np.argmin(deviance))].found[-1].values
+    weights = np.exp(0.5 * (np.min(deviance) - deviance) / TEMPER)
+    weights /= weights.sum()
+
+    logs = {knob.name for knob in one.effect.knobs if knob.log}
+
+    def wider(name: str, knob: str, sigma: float) -> float:
+        values = np.array([f.found[-1].values[name][knob] for f in tried])
+        away = values - best[name][knob]
+        if knob in logs:
+            away = one.values[name][knob] * np.log(values / best[name][knob])
+        return float(np.sqrt(sigma**2 + weights @ np.square(away)))
+
+    sigma = {
+        name: {knob: wider(name, knob, size) for knob, size in own.items()}
+        for name, own in one.sigma.items()
+    }
+    return replace(one, sigma=sigma)
+
+
+def rest_of_another(named: Sequence[Choice]) -> int | None:
+    """Place of an effect that is rather what is left of a stronger one's form.
+
+    Forms differ in more ways than are tolerated. What several effects of several slots explain as
+    well is such a rest, and so is a change in time beside another one if it is no clear name.
+    """
+    strongest = max(named, key=lambda one: one.gain, default=None)
+    for i, one in sorted(enumerate(named), key=lambda item: item[1].gain):
+        if one is strongest or one.confidence >= SURE:
+            continue
+        stronger = [other for other in named if other.gain > one.gain]
+        in_time = one.effect.slot == "time" and any(o.effect.slot == "time" for o in stronger)
+        if in_time or one.of_slot < SURE:
+            return i
+    return None
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """What free forms find in what a model leaves."""
+
+    gain: float  # of the best free form on the final model
+    total: float  # of the best free form on the base model, or of the catalogue's effects
+    slot: str  # of the best free form
+    first: Contender  # the free form on the base model
+    last: Contender | None  # the same on the final model
+    apart: float  # its gain beside what the names explain
+
+    @property
+    def share(self) -> float:
+        """Of the excess that is left."""
+        return max(self.gain, 0.0) / max(self.total, 1e-9)
+
+
+def leftover(outcome: Outcome, final: Fitted, effects: Sequence[Effect]) -> Leftover | None:
+    """How much free forms could still explain."""
+    first = [c for c in outcome.turns[0].ranking if c.name.startswith("unknown:")]
+    if not first:
+        return None
+    best = max(first, key=lambda c: c.gain)
+    explained = 0.5 * (outcome.base.deviance - final.deviance) if final.found else 0.0
+    same = (
+        outcome.turns[-1]
+        if outcome.turns[-1].before is final
+        else Turn(final, rank(final, effects))
+    )
+    last = [c for c in same.ranking if c.name.startswith("unknown:")]
+    rest = max(last, key=lambda c: c.gain, default=None)
+    gain = rest.gain if rest is not None else 0.0
+    total = max(best.gain, explained + max(gain, 0.0))
+    beside = apart(final, rest) if rest is not None else 0.0
+    return Leftover(gain, total, best.name.split(":")[1], best, rest, beside)

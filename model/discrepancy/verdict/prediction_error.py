@@ -1,0 +1,162 @@
+"""How far models are from the data, against what noise alone would leave."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.data.data_vector import Index
+from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.verdict.result import BeforeAfter, Gap, Row
+from model.measurements import FloatArray
+
+CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Rows by what people ask for: numbers are indices into all rows, each group one number."""
+
+    force: tuple[Index, ...]  # mean forces
+    curve: tuple[Index, ...]  # modes of each curve
+    drift: tuple[Index, ...]  # trends and first pulses of each condition's readings
+    sway: tuple[Index, ...]  # the same of how far out their curves are
+    pulse: tuple[Index, ...]  # parts of a pulse
+    weight: FloatArray  # (N,) of squares: trends are told for a reading
+
+
+def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
+    """Where all that stands; conditions `without`, by number over all, do not count."""
+    study, first = fitted.problem.study, 0
+    found = Cells((), (), (), (), (), np.ones(study.layout.size))
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        # without contact there is nothing that the sheet's model could be wrong about
+        counts = np.array(
+            [first + k not in without and not one.zero for k, one in enumerate(scene.look.seen)]
+        )
+        readings = np.bincount(part.reading_of, minlength=scene.K)
+        found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
+        found.weight[part.sway_rows] = 1.0 / readings[part.sway_of]
+        own = np.flatnonzero(counts)
+        trends = [part.trend_rows[(part.trend_of == k) & ~part.is_mean] for k in own]
+        sways = [part.sway_rows[part.sway_of == k] for k in own]
+        found = replace(
+            found,
+            force=found.force + _each(part.trend_rows[part.is_mean & counts[part.trend_of]]),
+            curve=found.curve
+            + tuple(part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)),
+            drift=found.drift + tuple(rows for rows in trends if len(rows)),
+            sway=found.sway + tuple(rows for rows in sways if len(rows)),
+            pulse=found.pulse + _each(part.bin_rows[counts[part.bin_of]]),
+        )
+        first += scene.K
+    return found
+
+
+def _each(rows: Index) -> tuple[Index, ...]:
+    """Every row a group of its own."""
+    return tuple(np.asarray(rows, dtype=np.int64).reshape(-1, 1))
+
+
+def variance(fitted: Fitted) -> FloatArray:
+    """Of every row: noise and the scatter of set-ups (N,)."""
+    layout = fitted.problem.study.layout
+    V = np.linalg.inv(fitted.solution.weights)
+    diagonal: FloatArray = np.einsum("rii->ri", V)[layout.run_of, layout.row_of]
+    return diagonal
+
+
+def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
+    """Root mean squares; chi2 of mean forces and curves, each row by itself."""
+    both = [*where.force, *where.curve]
+    chi2 = np.nan
+    if both:
+        rows = np.concatenate(both)
+        chi2 = float(np.mean(residual[rows] ** 2 / variance_[rows]))
+    return _gap(residual**2, where, chi2)
+
+
+def floor(variance_: FloatArray, where: Cells) -> Gap:
+    """What the noise alone would leave."""
+    return _gap(variance_, where, 1.0)
+
+
+def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
+    weighed = square * where.weight
+
+    def rms(groups: tuple[Index, ...]) -> float:
+        if not groups:
+            return np.nan
+        return 1e3 * float(np.sqrt(np.mean([np.sum(weighed[g]) for g in groups])))
+
+    kinds = (where.force, where.curve, where.drift, where.sway, where.pulse)
+    force, curve, drift, sway, pulse = (rms(groups) for groups in kinds)
+    return Gap(force, curve, chi2, drift, pulse, sway)
+
+
+def closed_share(left_out: BeforeAfter, least: Gap) -> float:
+    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most.
+
+    Mean forces and curves in units of their noise are one of them: what only fine shapes tell is
+    little in mm, where coarse ones differ from set-up to set-up.
+    """
+    best, share = 0.0, np.nan
+    for name, clear in (
+        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0), ("chi2_per_dof", CLEAR),
+        ("drift_rmse_mN", CLEAR), ("drift_rmse_mm", CLEAR), ("pulse_rmse_mN", CLEAR),
+    ):  # fmt: skip
+        before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
+        if name != "chi2_per_dof":  # which is a mean of squares already
+            before, after, noise = before**2, after**2, noise**2
+        if np.isfinite(before) and before > clear**2 * noise:
+            standing = before / noise
+            if standing > best:
+                best = standing
+                share = 1.0 - max(after - noise, 0.0) / (before - noise)
+    return float(share)
+
+
+def refitted(fitted: Fitted) -> FloatArray:
+    """Residuals (N,) with the linear parameters where they are best."""
+    beta = fitted.solution.beta
+    result: FloatArray = fitted.linear.residual - fitted.linear.columns @ beta
+    return result
+
+
+def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) -> tuple[Row, ...]:
+    """Every condition, measured and simulated; `before`, `after` (N,) are left-out residuals."""
+    noise = np.sqrt(variance(final))
+    forces = [refitted(base), refitted(final), before, after]
+    rows = []
+    for c, (part, seen) in enumerate(
+        zip(base.problem.study.layout.parts, base.problem.study.looks, strict=True)
+    ):
+        for k, one in enumerate(seen.seen):
+            if one.zero:
+                continue
+            mean = part.trend_rows[(part.trend_of == k) & part.is_mean]
+            force = float(np.mean(one.kept_N)) if len(mean) else np.nan
+            sigma = float(noise[mean[0]]) if len(mean) else np.nan
+            told = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
+            measured = base.problem.study.scenes[c].measured(k)
+            first, last = (_simulated(fitted, c, k) for fitted in (base, final))
+            rows.append(
+                Row(
+                    one.configuration, None if one.free else one.position_m, one.voltage_V, force,
+                    sigma, told[0], told[1], *measured, first[0], last[0], first[1], last[1],
+                    told[2], told[3],
+                )
+            )  # fmt: skip
+    return tuple(rows)
+
+
+def _simulated(fitted: Fitted, c: int, k: int) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+    """Places (x, y) of a curve's points as a model has them, and how far off they are."""
+    study = fitted.problem.study
+    scene, solved = study.scenes[c], fitted.linear.states[c].solved
+    s, x, y = scene.measured(k)
+    n = len(s)
+    off = scene.along(k, refitted(fitted)[study.part(c).mode_rows[k]])[:n]
+    return (x - off * solved.nx[k, :n], y - off * solved.ny[k, :n]), off

@@ -1,0 +1,260 @@
+"""What `diagnose` hands back, and its JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from model.effects.interface import Slot
+from model.measurements import FloatArray
+from model.parameter import Parameter
+from model.sheet.beam_problem import Under
+from model.sheet.sheet_model import SheetModel
+
+Verdict = Literal[
+    "effect_named", "nothing_missing", "indistinguishable", "unknown_effect", "cannot_tell"
+]
+
+
+@dataclass(frozen=True)
+class Named:
+    """An effect that the model now includes."""
+
+    name: str
+    slot: Slot
+    parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
+    by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
+    confidence: float
+    confusable_with: tuple[str, ...]
+    form_share: float  # of the effect's size that is deviation from the catalogue's form
+    form: FormCurve | None = None
+
+
+@dataclass(frozen=True)
+class FormCurve:
+    """An effect's form as the data have it, beside the catalogue's: the family, not the formula."""
+
+    along: str  # "s", "position", ...
+    unit: str  # of the coordinate
+    at: FloatArray
+    catalogue: FloatArray
+    inferred: FloatArray
+    band: FloatArray  # standard uncertainty
+    what: str  # of the values
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Something that no effect of the catalogue explains."""
+
+    slot: Slot
+    configuration: str
+    s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
+    profile: FloatArray
+    band: FloatArray  # standard uncertainty
+    unit: str
+    along: str  # "s", "place", "position", "force", "time"
+    depends: str  # on voltage, position and time: one sentence
+    at_unit: str = "mm"  # of the coordinate
+    under: Under = ""  # which voltages it acts at, and which way
+
+    @property
+    def peak_mm(self) -> float:
+        """Where |profile| is largest."""
+        return float(self.s_mm[int(np.argmax(np.abs(self.profile)))])
+
+
+@dataclass(frozen=True)
+class Where:
+    """A cell in which simulation and measurement disagree."""
+
+    observable: Literal["force", "curve", "signal"]
+    configuration: str
+    voltage_V: float
+    position_mm: float | None
+    s_mm: float | None
+    z: float
+    detail: str = ""  # reading or time, where it is that
+
+
+@dataclass(frozen=True)
+class Gap:
+    """How far a model is from the measurements: mean forces, curves, and both in time."""
+
+    force_rmse_mN: float
+    curve_rmse_mm: float
+    chi2_per_dof: float  # of mean forces and curves
+    drift_rmse_mN: float = float("nan")  # how a condition's readings go along the run
+    pulse_rmse_mN: float = float("nan")  # parts of a pulse against its sampling point
+    drift_rmse_mm: float = float("nan")  # how far out the readings' curves are, along the run
+
+    def to_json(self) -> dict[str, float | None]:
+        """Numbers that do not exist are null."""
+        return {k: _number(v) for k, v in self.__dict__.items()}
+
+
+@dataclass(frozen=True)
+class BeforeAfter:
+    """The base model, and the model with what was found."""
+
+    before: Gap
+    after: Gap
+
+    def to_json(self) -> dict[str, Any]:
+        """Both."""
+        return {"before": self.before.to_json(), "after": self.after.to_json()}
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """A line of the ranking."""
+
+    name: str
+    slot: str
+    log_bayes: float
+    size: float  # most likely size, in units of the plausible one
+    detectability: float  # whitened length of the effect at its plausible size
+    why_not: str = ""  # why it is not named although it may rank high
+
+
+@dataclass(frozen=True)
+class Row:
+    """One condition, measured and simulated; curves in metres, at the measured points."""
+
+    configuration: str
+    position_m: float | None
+    voltage_V: float
+    force_N: float
+    sigma_N: float  # of the mean force, all noise and scatter included
+    before_N: float
+    after_N: float
+    s_m: FloatArray
+    x_m: FloatArray
+    y_m: FloatArray
+    before_xy_m: tuple[FloatArray, FloatArray]
+    after_xy_m: tuple[FloatArray, FloatArray]
+    before_off_m: FloatArray  # distance measured - simulated along the normal
+    after_off_m: FloatArray
+    held_out_before_N: float = float("nan")
+    held_out_after_N: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Next:
+    """What to measure to be sure."""
+
+    why: str
+    extra: str  # name of the entry of the menu
+    separation: float  # sigmas between the candidates now
+    expected: float  # and after it
+    minutes: float
+    protocol: Mapping[str, Any]  # tables of a protocol.toml
+
+
+@dataclass(frozen=True)
+class Signatures:
+    """How alike effects look in these data."""
+
+    names: tuple[str, ...]
+    detectability: FloatArray  # (n,) sigmas at the plausible size, the base refitted
+    distance: FloatArray  # (n, n) sigmas between two of the size found or plausible
+    cosine: FloatArray  # (n, n)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Everything that was found."""
+
+    verdict: Verdict
+    sentence: str
+    effects: tuple[Named, ...]
+    invisible: Mapping[str, str]  # name -> what would show it
+    unknown: Unknown | None
+    where: tuple[Where, ...]
+    fitted: BeforeAfter
+    held_out: BeforeAfter
+    closed: float  # share of the gap on left-out conditions that the finding closes; NaN: none
+    next_measurement: Next | None
+    ranking: tuple[Ranked, ...]
+    threshold: float  # ln of the Bayes factor from which on something is named
+    threshold_from: str  # where it comes from
+    signatures: Signatures
+    classes: tuple[tuple[str, ...], ...]  # effects that these data cannot tell apart
+    rows: tuple[Row, ...]
+    scatter: Mapping[str, float]
+    outliers: tuple[str, ...]
+    notes: tuple[str, ...]
+    model: SheetModel
+    seconds: float = 0.0
+    base: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)  # B, EIBM
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that `diagnose --json` prints."""
+        return {
+            "verdict": self.verdict,
+            "effects": [_named(e) for e in self.effects],
+            "invisible": list(self.invisible),
+            "unknown": None if self.unknown is None else _unknown(self.unknown),
+            "where": [_where(w) for w in self.where],
+            "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},
+            "next_measurement": None
+            if self.next_measurement is None
+            else {
+                "why": self.next_measurement.why,
+                "protocol": dict(self.next_measurement.protocol),
+            },
+            "sentence": self.sentence,
+            "notes": list(self.notes),
+        }
+
+
+def _named(one: Named) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "slot": one.slot,
+        "parameters": {
+            k: {"value": _number(p.value), "sigma": _number(p.sigma)}
+            for k, p in one.parameters.items()
+        },
+        "interval90": {k: [_number(v) for v in p.interval()] for k, p in one.parameters.items()},
+        "by_configuration": {
+            name: {
+                k: {"value": _number(p.value), "sigma": _number(p.sigma)} for k, p in own.items()
+            }
+            for name, own in one.by_configuration.items()
+        },
+        "confidence": round(one.confidence, 6),
+        "confusable_with": list(one.confusable_with),
+        "form_share": round(one.form_share, 4),
+    }
+
+
+def _unknown(one: Unknown) -> dict[str, Any]:
+    return {
+        "slot": one.slot,
+        "s_mm": one.s_mm.tolist(),
+        "profile": one.profile.tolist(),
+        "band": one.band.tolist(),
+        "unit": one.unit,
+        "along": one.along,
+        "configuration": one.configuration,
+        "depends": one.depends,
+    }
+
+
+def _where(one: Where) -> dict[str, Any]:
+    result: dict[str, Any] = {
+        "observable": one.observable, "configuration": one.configuration,
+        "voltage_V": one.voltage_V, "position_mm": one.position_mm, "s_mm": one.s_mm,
+        "z": round(one.z, 2),
+    }  # fmt: skip
+    if one.detail:
+        result["detail"] = one.detail
+    return result
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,220 @@
+"""Simpler models people use, fitted to the same measurements: what large deflection is worth.
+
+- constant curvature: the loaded sheet is a circular arc, (2) holds with its mean moment;
+- linear beam: small deflections, uniform EIBM;
+- equivalent beam: small deflections, and instead of a moment the voltage makes a force at the
+  sheet's tip, the blocked force.
+Each has B and one number for each voltage, found by least squares from all forces and curves; k0 is
+known. The full model with constant EIBM is fitted to the same sum of squares; that with an EIBM
+along the sheet is the one `fit` finds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.fit import ConfigurationFit, fit
+from model.identification.observations import Observation, Observed, observe
+from model.identification.options import FitOptions
+from model.identification.residuals import distance_to
+from model.identification.starting_values import rest_field
+from model.measurements import FloatArray, Measurements, ModelError
+from model.mechanics.equilibrium import Status, problems, solve
+from model.mechanics.field import Field
+
+FORCE_SCALE_N, CURVE_SCALE_M = 1e-4, 3e-4  # what is weighed as one: the paper's own order of error
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One condition over B: force, and the shape of the sheet as points."""
+
+    force_per_m2: float
+    x_m: FloatArray
+    y_m: FloatArray
+
+
+# sheet, k0, moment over B (or tip force over B), polar angle -> answer
+Simple = Callable[[Observed, Field, float, float], Answer]
+
+
+def constant_curvature(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+    """An arc through the contact, or an arc whose straight elongation passes it."""
+    R, length = observed.sheet.arc_radius_m, observed.sheet.free_length_m
+    k = 2.0 * np.sin(angle) / R
+    s_hat = 2.0 * angle / k if abs(k) > 1e-9 else R
+    if s_hat > length:
+        for _ in range(60):  # distance of the contact from the elongation's line, by secant
+            h = 1e-6
+            off, ahead = _aside(k, length, R, angle), _aside(k + h, length, R, angle)
+            step = off * h / (ahead - off)
+            k -= float(np.clip(step, -20.0, 20.0))
+            if abs(step) < 1e-10:
+                break
+        x, y = _arc(k, np.array([length]))
+        s_hat = length + float(np.hypot(R * np.cos(angle) - x[0], R * np.sin(angle) - y[0]))
+    loaded = min(s_hat, length)
+    s = np.linspace(0.0, loaded, 61)
+    x, y = _arc(k, s)
+    phi = k * loaded
+    lever = (R * np.cos(angle) - x) * np.cos(phi) + (R * np.sin(angle) - y) * np.sin(phi)
+    mean_lever = float(np.trapezoid(lever, s)) / loaded
+    push = (rest.mean(loaded) + bend - k) / mean_lever
+    whole = np.linspace(0.0, length, 201)
+    return Answer(float(push * np.cos(phi - angle)), *_arc(k, whole))
+
+
+def _arc(k: float, s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    half = 0.5 * k * s
+    chord = s * np.sinc(half / np.pi)
+    return chord * np.cos(half), chord * np.sin(half)
+
+
+def _aside(k: float, length: float, R: float, angle: float) -> float:
+    x, y = _arc(k, np.array([length]))
+    phi = k * length
+    return float(
+        -(R * np.cos(angle) - x[0]) * np.sin(phi) + (R * np.sin(angle) - y[0]) * np.cos(phi)
+    )
+
+
+def linear_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+    """Small deflections: y'' = k0 + Me/B - (N/B)(R - x), y(R) = R beta."""
+    return _small(observed, rest, lambda x: np.full_like(x, bend), angle)
+
+
+def equivalent_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+    """The voltage as a force f at the tip: y'' = k0 + (f/B)(l - x) - (N/B)(R - x)."""
+    length = observed.sheet.free_length_m
+    return _small(observed, rest, lambda x: bend * (length - x) / (0.5 * length), angle)
+
+
+def _small(
+    observed: Observed, rest: Field, active: Callable[[FloatArray], FloatArray], angle: float
+) -> Answer:
+    R, length = observed.sheet.arc_radius_m, observed.sheet.free_length_m
+    x = np.linspace(0.0, length, 401)
+    lever = np.maximum(R - x, 0.0)
+    free, unit = (_twice(values, x) for values in (rest(x) + active(x), lever))
+    at_free, at_unit = (_at(y, x, R) for y in (free, unit))
+    push = (at_free - R * angle) / at_unit
+    return Answer(float(push), x, free - push * unit)
+
+
+def _twice(curvature: FloatArray, x: FloatArray) -> FloatArray:
+    h = x[1]
+    slope = np.concatenate([[0.0], np.cumsum(0.5 * h * (curvature[1:] + curvature[:-1]))])
+    rise: FloatArray = np.concatenate([[0.0], np.cumsum(0.5 * h * (slope[1:] + slope[:-1]))])
+    return rise
+
+
+def _at(y: FloatArray, x: FloatArray, place: float) -> float:
+    """Height at a place; beyond the sheet along its last direction."""
+    if place <= x[-1]:
+        return float(np.interp(place, x, y))
+    return float(y[-1] + (place - x[-1]) * (y[-1] - y[-2]) / (x[-1] - x[-2]))
+
+
+def full_model(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+    """Large deflection, constant EIBM."""
+    sheet = observed.sheet
+    kappa = rest + Field.constant(bend, sheet.free_length_m)
+    found = solve(problems(kappa, angle, sheet.arc_radius_m, 10.0 * sheet.arc_radius_m))
+    if found.status[0] != Status.SOLVED:
+        raise ModelError("no equilibrium")
+    shape = found.shapes(np.linspace(0.0, sheet.free_length_m, 201))
+    return Answer(float(found.force(1.0)[0]), shape.x_m[0], shape.y_m[0])
+
+
+MODELS: dict[str, Simple] = {
+    "full model, constant EIBM": full_model,
+    "constant curvature": constant_curvature,
+    "linear beam": linear_beam,
+    "equivalent beam": equivalent_beam,
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the comparison."""
+
+    configuration: str
+    model: str
+    B_Nm2: float
+    bend_per_m: dict[float, float]  # Me/B by voltage (mean over the sheet for the equivalent beam)
+    force_rmse_N: float
+    curve_rmse_m: float
+
+
+def compare(measurements: Measurements, options: FitOptions | None = None) -> tuple[Row, ...]:
+    """Every model against every configuration."""
+    by_fit = fit(measurements, options)
+    options = options or FitOptions()
+    names = options.configurations or tuple(
+        n for n in measurements.sheets if any(c.configuration == n for c in measurements.conditions)
+    )
+    rows = []
+    for name in names:
+        observed = observe(measurements, name)
+        rest, _ = rest_field(observed.sheet, observed)
+        rows += [_fitted(label, simple, observed, rest) for label, simple in MODELS.items()]
+        rows.append(_along(by_fit.configurations[name]))
+    return tuple(rows)
+
+
+def _along(one: ConfigurationFit) -> Row:
+    bends = {v: p.value / one.B.value for v, p in one.eibm.items()}
+    errors = one.rmse["varying"]
+    return Row(
+        one.configuration, "full model, EIBM along the sheet", one.B.value, bends,
+        errors.force_N, errors.curve_m,
+    )  # fmt: skip
+
+
+def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Row:
+    from scipy.optimize import least_squares  # slow to import
+
+    used = [o for o in observed.touching() if np.isfinite(o.force_N)]
+    if len(used) < 1 + len(observed.voltages_V):
+        raise ModelError(
+            f"configuration '{observed.sheet.configuration}' has too few conditions to compare"
+            " models"
+        )
+    volts = observed.voltages_V
+
+    def errors(theta: FloatArray) -> tuple[FloatArray, FloatArray]:
+        bends = {0.0: 0.0, **dict(zip(volts, theta[1:], strict=True))}
+        forces, curves = [], []
+        for o in used:
+            answer = simple(observed, rest, float(bends[o.voltage_V]), _angle(observed, o))
+            forces.append(float(np.exp(theta[0])) * answer.force_per_m2 - o.force_N)
+            if o.curve is not None:
+                curves.append(
+                    distance_to(answer.x_m, answer.y_m, o.curve, observed.sheet.free_length_m)
+                )
+        return np.array(forces), np.array(curves)
+
+    def residual(theta: FloatArray) -> FloatArray:
+        force, curve = errors(theta)
+        return np.concatenate([force / FORCE_SCALE_N, curve / CURVE_SCALE_M])
+
+    begin = np.array([np.log(1e-6), *(20.0 * np.sign(v) for v in volts)])
+    found = least_squares(residual, begin, x_scale=[0.1, *(5.0 for _ in volts)])
+    force, curve = errors(np.asarray(found.x))
+    return Row(
+        observed.sheet.configuration, label, float(np.exp(found.x[0])),
+        dict(zip(volts, (float(v) for v in found.x[1:]), strict=True)),
+        float(np.sqrt(np.mean(force**2))),
+        float(np.sqrt(np.mean(curve**2))) if len(curve) else float("nan"),
+    )  # fmt: skip
+
+
+def _angle(observed: Observed, o: Observation) -> float:
+    sheet = observed.sheet
+    return sheet.arc_origin_rad + (o.position_m or 0.0) / sheet.arc_radius_m
+
+
+__all__ = ["MODELS", "Answer", "Row", "compare"]

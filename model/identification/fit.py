@@ -1,0 +1,247 @@
+"""`fit`: from measurements to a `SheetModel`, with everything a report prints about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from model.identification.joint import Joint, joint_fit
+from model.identification.observations import Observed, observe
+from model.identification.options import FitOptions
+from model.identification.paper import PaperFit, identify
+from model.identification.residuals import ConditionResidual, Rmse, residuals, rmse
+from model.measurements import FloatArray, Measurements, ModelError
+from model.parameter import Parameter
+from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+
+NODES = 51  # of a quantity along the sheet, as handed on
+POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
+
+
+@dataclass(frozen=True)
+class ConfigurationFit:
+    """One configuration's Tables 4 and 6 and figure 8."""
+
+    configuration: str
+    B: Parameter
+    B_per_width: Parameter
+    E: Parameter
+    eibm: dict[float, Parameter]  # constant EIBM by voltage, (9)
+    eibm_mean: dict[float, Parameter]  # mean over [0, l] of the EIBM along the sheet
+    eibm_mean_abs: Parameter  # mean absolute value over the voltages
+    eibm_mean_abs_per_width: Parameter
+    s_m: FloatArray
+    eibm_along_Nm: dict[float, tuple[FloatArray, FloatArray]]  # by voltage: Me(s), sigma
+    rest_per_m: FloatArray  # k0 at s_m as the model uses it
+    rest_measured_per_m: FloatArray  # k0 at s_m as the shapes have it
+    rmse: dict[Literal["constant", "varying"], Rmse]
+    paper: PaperFit | None  # (7)-(9) condition by condition; None without curves
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Outcome of `fit`."""
+
+    model: SheetModel  # constant EIBM: the base model
+    varying_model: SheetModel  # EIBM along the sheet
+    configurations: dict[str, ConfigurationFit]
+    residuals: tuple[ConditionResidual, ...]
+    rmse: dict[Literal["constant", "varying"], Rmse]  # all configurations
+    scatter: dict[str, float]  # from one set-up to the next, see `pool.SCATTER`
+    noise: dict[str, float]
+    bootstrap_ratio: dict[str, float]  # simulated over stated uncertainty, where asked for
+    notes: tuple[str, ...]
+    options: FitOptions
+    joint: Joint
+
+    def to_json(self) -> dict[str, Any]:
+        """For `fit --json`."""
+        constant = self.rmse["constant"]
+        return {
+            "configurations": {n: _to_json(one) for n, one in self.configurations.items()},
+            "rmse": {"force_mN": constant.force_N * 1e3, "curve_mm": constant.curve_m * 1e3},
+        }
+
+
+def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
+    """Identify every configuration; `ModelError` says what the data lack."""
+    options = options or FitOptions()
+    used, held_out = _without(measurements, options)
+    names = options.configurations or tuple(
+        n for n in used.sheets if any(c.configuration == n for c in used.conditions)
+    )
+    if not names:
+        raise ModelError(
+            "there are no measurements: no condition of any configuration of the sheet"
+        )
+    observed = [observe(used, name) for name in names]
+    for one in observed:
+        if not one.voltages_V:
+            raise ModelError(
+                f"configuration '{one.sheet.configuration}' was measured at 0 V alone, which says"
+                " nothing of the EIBM; measure it under voltage, too, or leave it out with"
+                " --configuration"
+            )
+    joint = joint_fit(observed, options)
+    parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
+    ratio = _bootstrap(joint, options)
+    models = [
+        SheetModel(
+            {name: part.sheet(varying) for name, part in parts.items()},
+            source=measurements.source, checksum=measurements.checksum, held_out=held_out,
+        )
+        for varying in (False, True)
+    ]  # fmt: skip
+    rows = residuals(observed, models[0], models[1])
+    errors = {kind: rmse(rows, kind) for kind in ("constant", "varying")}
+    done = []
+    for model, kind in zip(models, ("constant", "varying"), strict=True):
+        merit = {"force_rmse_N": errors[kind].force_N, "curve_rmse_m": errors[kind].curve_m}
+        done.append(replace(model, merit={k: v for k, v in merit.items() if np.isfinite(v)}))
+    configurations = {name: part.table(rows) for name, part in parts.items()}
+    notes = _notes(measurements, parts, configurations, rows, ratio)
+    return Fit(
+        done[0], done[1], configurations, rows,
+        {"constant": errors["constant"], "varying": errors["varying"]},
+        joint.scatter(), joint.noise(), ratio, notes, options, joint,
+    )  # fmt: skip
+
+
+class _Part:
+    """One configuration while its results are put together."""
+
+    def __init__(self, joint: Joint, n: int, observed: Observed, options: FitOptions) -> None:
+        self.joint, self.n, self.observed = joint, n, observed
+        system = joint.pool.systems[n]
+        self.name, self.length = observed.sheet.configuration, system.length
+        self.B = joint.stiffness(n)
+        self.voltages = observed.voltages_V
+        self.eibm = {v: joint.constant_eibm(n, v) for v in self.voltages}
+        self.s_m = np.linspace(0.0, self.length, NODES)
+        self.along = {v: joint.along(n, v, self.s_m) for v in self.voltages}
+        self.known = joint.rest_known[n]
+        self.measured = joint.rest(n)(self.s_m)
+        self.rest = system.rest if self.known else joint.rest(n)
+        curves = any(o.curve is not None for o in observed.touching())
+        self.paper: PaperFit | None = None
+        if curves and 0.0 in {o.voltage_V for o in observed.touching()}:
+            try:
+                self.paper = identify(observed, self.rest, options.weight_exponent)
+            except ModelError:
+                self.paper = None
+
+    def sheet(self, varying: bool) -> ConfiguredSheet:
+        """As a part of a model."""
+        stated = self.observed.sheet.initial_curvature
+        if self.known and stated is not None:
+            rest = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
+        else:
+            sigma = self.joint.rest_sigma(self.n, self.s_m)
+            rest = Along(self.s_m, self.measured, sigma, "1/m")
+        geometry = replace(self.observed.sheet, initial_curvature=(rest.s_m, rest.values))
+        eibm = {v: Along.constant(p) for v, p in self.eibm.items()}
+        if varying:
+            eibm = {v: Along(self.s_m, *self.along[v], "N m") for v in self.voltages}
+        return ConfiguredSheet(geometry, self.B, rest, eibm)
+
+    def table(self, rows: tuple[ConditionResidual, ...]) -> ConfigurationFit:
+        """Everything a report prints about it."""
+        one, width = self.sheet(varying=False), self.observed.sheet.width_m
+        own = tuple(r for r in rows if r.configuration == self.name)
+        size = self.joint.mean_abs_eibm(self.n, self.voltages)
+        return ConfigurationFit(
+            self.name, self.B, self.B.scaled(1.0 / width, "N m"), one.E, self.eibm,
+            {v: self.joint.mean_eibm(self.n, v) for v in self.voltages}, size,
+            size.scaled(1.0 / width, "N"), self.s_m, self.along, self.rest(self.s_m), self.measured,
+            {"constant": rmse(own, "constant"), "varying": rmse(own, "varying")}, self.paper,
+        )  # fmt: skip
+
+
+def _without(
+    measurements: Measurements, options: FitOptions
+) -> tuple[Measurements, tuple[str, ...]]:
+    """The measurements less those to be held out, and the names of these."""
+    kept, names = [], []
+    for condition in measurements.conditions:
+        out = any(
+            condition.configuration == held[0]
+            and condition.position_m is not None
+            and abs(condition.position_m - held[1]) < 1e-9
+            and (len(held) == 2 or condition.voltage_V == held[2])
+            for held in options.held_out
+        )
+        if out:
+            where = (condition.position_m or 0.0) * 1e3
+            names.append(f"{condition.configuration}, {where:g} mm, {condition.voltage_V:+g} V")
+        else:
+            kept.append(condition)
+    return replace(measurements, conditions=tuple(kept)), tuple(names)
+
+
+def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
+    if not options.bootstrap:
+        return {}
+    deviations = joint.bootstrap(options.bootstrap, options.seed)
+    result = {}
+    for n, system in enumerate(joint.pool.systems):
+        name = system.observed.sheet.configuration
+        for what, direction in joint.directions(n).items():
+            stated = np.sqrt(direction @ joint.solution.covariance @ direction)
+            result[f"{name} {what}"] = float(np.std(deviations @ direction) / stated)
+    return result
+
+
+def _notes(
+    measurements: Measurements,
+    parts: dict[str, _Part],
+    configurations: dict[str, ConfigurationFit],
+    rows: tuple[ConditionResidual, ...],
+    ratio: dict[str, float],
+) -> tuple[str, ...]:
+    notes = []
+    for c in measurements.conditions:
+        if c.position_m is not None and c.configuration in parts and not c.used():
+            why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
+            notes.append(
+                f"{c.configuration}, {c.position_m * 1e3:g} mm, {c.voltage_V:+g} V was left out:"
+                f" {why}"
+            )
+    for name, one in configurations.items():
+        if one.B.sigma > POOR * one.B.value:
+            share = 100.0 * one.B.sigma / one.B.value
+            notes.append(
+                f"B of '{name}' is hardly fixed by these data (±{share:.0f} %): only forces fix it,"
+                " shapes fix Me/B"
+            )
+        off = one.rest_measured_per_m - one.rest_per_m
+        if (
+            parts[name].known
+            and np.sqrt(np.mean(off**2)) > 0.02 * np.max(np.abs(one.rest_per_m)) + 0.1
+        ):
+            notes.append(
+                f"at 0 V the shapes of '{name}' differ from the stated initial curvature by"
+                f" {np.sqrt(np.mean(off**2)):.2f} per m"
+            )
+    notes += [f"{r.name}: the model with {k} EIBM {w}" for r in rows for k, w in r.why.items() if w]
+    notes += [
+        f"the uncertainty of {name} is {value:.1f} times as large in simulated repeats"
+        for name, value in ratio.items()
+        if value > 1.25
+    ]
+    return tuple(notes)
+
+
+def _to_json(one: ConfigurationFit) -> dict[str, Any]:
+    return {
+        "B_Nm2": one.B.to_json(),
+        "E_Pa": one.E.to_json(),
+        "EIBM_Nm": {str(float(v)): p.to_json() for v, p in one.eibm.items()},
+        "EIBM_along_sheet": {
+            str(float(v)): {
+                "s_mm": (one.s_m * 1e3).tolist(), "Me_Nm": values.tolist(), "sigma": sigma.tolist()
+            }
+            for v, (values, sigma) in one.eibm_along_Nm.items()
+        },
+    }  # fmt: skip

@@ -1,0 +1,88 @@
+"""B and EIBM of each set-up, beside the common ones of its configuration.
+
+A set-up's share in them is a random effect of the joint fit; what the data most likely say of it,
+and how unsure that is together with the common parameters, are Henderson's mixed model equations
+(Henderson 1975) at the scatter that was estimated.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.joint import Joint
+from model.identification.mixed_model import effects
+from model.identification.pooling import SCATTER
+from model.measurements import FloatArray
+from model.parameter import Parameter
+
+
+@dataclass(frozen=True)
+class SetUp:
+    """One run: the conditions that were measured without anything being set anew."""
+
+    configuration: str
+    position_m: float | None  # None: a free shape
+    mounting: int
+    run: int
+    B: Parameter
+    eibm: dict[float, Parameter]  # (9) by the voltages of this run
+
+
+def by_run(joint: Joint) -> tuple[SetUp, ...]:
+    """All set-ups, configuration by configuration, along the arc, in the order of mounting."""
+    added = np.concatenate(effects(joint.data, joint.solution), axis=1)  # (R, Q)
+    found = [_SetUp(joint, r, u).result() for r, u in enumerate(added)]
+    names = [s.observed.sheet.configuration for s in joint.pool.systems]
+    return tuple(sorted(found, key=lambda one: (names.index(one.configuration), *_order(one))))
+
+
+def _order(one: SetUp) -> tuple[float, int, int]:
+    place = np.inf if one.position_m is None else one.position_m
+    return place, one.mounting, one.run
+
+
+class _SetUp:
+    """One run while its values are put together."""
+
+    def __init__(self, joint: Joint, r: int, added: FloatArray) -> None:
+        self.joint, self.added = joint, added
+        self.conditions = list(joint.pool.runs.values())[r]
+        self.key = list(joint.pool.runs)[r]
+        data, solution = joint.data, joint.solution
+        widths = [group.shape[2] for group in data.groups]
+        self.first = dict(zip(SCATTER, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
+        sigma = np.exp(solution.log_sigma[: len(widths)])
+        G = np.repeat(sigma**2, widths)
+        Z = np.concatenate([group[r] for group in data.groups], axis=1)
+        X, W, self.C = data.X[r], solution.weights[r], solution.covariance
+        between = X.T @ W @ (Z * G)  # (p, Q)
+        self.mixed = -self.C @ between  # of what is estimated wrong in beta and in u
+        own = (Z * G).T @ W @ (Z * G)
+        self.of_u = np.diag(G) - own + between.T @ self.C @ between
+
+    def result(self) -> SetUp:
+        n = self.conditions[0][0]
+        directions = self.joint.directions(n)
+        eibm = {}
+        for c, (_, i) in enumerate(self.conditions):
+            volts = self.joint.pool.systems[n].observed.observations[i].voltage_V
+            if volts:
+                columns = [self.first["eibm"], self.first["eibm_condition"] + c]
+                common = self.joint.constant_eibm(n, volts)
+                eibm[volts] = self._here(common, directions[f"EIBM at {volts:+g} V"], columns)
+        B = self._here(self.joint.stiffness(n), directions["B"], [self.first["stiffness"]])
+        observation = self.joint.pool.systems[n].observed.observations[self.conditions[0][1]]
+        return SetUp(self.key[0], observation.position_m, self.key[2], self.key[3], B, eibm)
+
+    def _here(self, common: Parameter, direction: FloatArray, columns: list[int]) -> Parameter:
+        """A common value times one plus this set-up's shares, with the uncertainty of both."""
+        share = 1.0 + float(np.sum(self.added[columns]))
+        row, of = share * direction, np.zeros(len(self.added))
+        of[columns] = common.value
+        variance = row @ self.C @ row + 2.0 * row @ self.mixed @ of + of @ self.of_u @ of
+        # what makes the common value doubtful in a systematic way is no less so here
+        doubt = max(0.0, common.sigma**2 - float(direction @ self.C @ direction))
+        sigma = float(np.sqrt(max(0.0, float(variance)) + doubt * share**2))
+        return Parameter(common.value * share, sigma, common.unit)

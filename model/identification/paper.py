@@ -1,0 +1,132 @@
+"""Identification exactly as in the paper: (7) B, (8) EIBM along the sheet, (9) constant EIBM.
+
+Each condition is taken by itself: from its curve come the contact, its tangential angle and the
+moment of the measured force. `fit` does the same jointly; this is kept beside it for comparison.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.curve_smoothing import SmoothCurve, smooth, touch
+from model.identification.observations import Observation, Observed
+from model.measurements import FloatArray, ModelError
+from model.mechanics.field import Field
+from model.mechanics.free_shape import free_shape
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What one condition says by itself."""
+
+    observation: Observation
+    curve: SmoothCurve
+    N_N: float
+    s_hat_m: float
+    l_hat_m: float
+    turn_rad: float  # alpha_hat - alpha_hat0
+    mean_moment_Nm: float  # (3)
+    mean_moment_sigma_Nm: float
+    B_Nm2: float  # (7) for this condition; NaN where it is left out
+    weight: float
+    lever_m: tuple[FloatArray, FloatArray]  # s and (p_hat - r(s)).t_hat
+
+    def moment_Nm(self, s_m: FloatArray) -> FloatArray:
+        """M(s) of the measured force."""
+        inside = np.interp(s_m, *self.lever_m)
+        return np.where(s_m <= self.s_hat_m, -self.N_N * inside, 0.0)
+
+
+@dataclass(frozen=True)
+class PaperFit:
+    """The paper's Tables 4 and figure 8 for one configuration."""
+
+    configuration: str
+    samples: tuple[Sample, ...]
+    B_Nm2: float
+    B_sigma_Nm2: float  # from the scatter between positions
+    eibm_Nm: dict[float, float]  # (9), mean over positions
+    eibm_sigma_Nm: dict[float, float]
+    s_m: FloatArray
+    eibm_along_Nm: dict[float, FloatArray]  # (8), mean over positions
+    eibm_along_sigma_Nm: dict[float, FloatArray]
+    eibm_mean_Nm: dict[float, float]  # mean of (8) over [0, l]
+
+
+def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> PaperFit:
+    """(7), (8) and (9) of one configuration; k0 is `rest`."""
+    name = observed.sheet.configuration
+    samples = [
+        loaded(observed, o, rest, weight_exponent)
+        for o in observed.touching()
+        if o.curve is not None and np.isfinite(o.force_N)
+    ]
+    at_rest = [s for s in samples if s.observation.voltage_V == 0.0 and np.isfinite(s.B_Nm2)]
+    if not at_rest:
+        raise ModelError(
+            f"configuration '{name}': (7) needs force and curve at 0 V away from the rest position"
+        )
+    weights = np.array([s.weight for s in at_rest])
+    each = np.array([s.B_Nm2 for s in at_rest])
+    B = float(weights @ each / weights.sum())
+    if B <= 0.0:
+        raise ModelError(
+            f"configuration '{name}': (7) gives a negative stiffness; the forces have the opposite"
+            " sign of what the shapes say (check the load cell's sign and the arc's origin)"
+        )
+    share = weights / weights.sum()
+    degrees = max(len(each) - 1, 1)
+    sigma = float(np.sqrt(np.sum(share**2 * (each - B) ** 2) * (degrees + 1) / degrees))
+    s_m = np.linspace(0.0, observed.sheet.free_length_m, 51)
+    constant, constant_sigma, along, along_sigma = {}, {}, {}, {}
+    for voltage in observed.voltages_V:
+        here = [s for s in samples if s.observation.voltage_V == voltage]
+        if not here:
+            continue
+        values = np.array([B * s.turn_rad / s.l_hat_m - s.mean_moment_Nm for s in here])
+        constant[voltage], constant_sigma[voltage] = _mean(values[:, None], 0)
+        curves = [B * (s.curve.curvature(s_m) - rest(s_m)) - s.moment_Nm(s_m) for s in here]
+        along[voltage], along_sigma[voltage] = _mean_rows(np.array(curves))
+    return PaperFit(
+        name, tuple(samples), B, sigma, constant, constant_sigma, s_m, along, along_sigma,
+        {v: float(np.trapezoid(m, s_m) / s_m[-1]) for v, m in along.items()},
+    )  # fmt: skip
+
+
+def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> Sample:
+    """What one condition says by itself; `exponent` is q of (7)."""
+    sheet = observed.sheet
+    if o.curve is None:
+        raise ModelError(f"condition {o.name} has no curve")
+    curve = smooth(o.curve, sheet, o.name)
+    at = touch(curve, sheet, o.name)
+    N = o.force_N / np.cos(at.phi_hat_rad - at.polar_rad)  # (5)
+    l_hat = min(at.s_hat_m, sheet.free_length_m)
+    s = np.linspace(0.0, l_hat, 201)
+    x, y, _, _ = free_shape(curve.curvature, s)
+    lever = (at.x_m - x) * np.cos(at.phi_hat_rad) + (at.y_m - y) * np.sin(at.phi_hat_rad)
+    mean_lever = float(np.trapezoid(lever, s) / l_hat)
+    turn = float(curve.curvature.integral(l_hat)) - float(rest.integral(l_hat))
+    moment = -N * mean_lever
+    noise = np.sqrt(max(np.nan_to_num(o.force_variance_N2), 0.0) / max(o.readings, 1))
+    sigma = max(noise * mean_lever, 1e-12)
+    fixes = o.voltage_V == 0.0 and abs(moment) > sigma and turn != 0.0
+    return Sample(
+        o, curve, float(N), at.s_hat_m, l_hat, turn, moment, float(sigma),
+        l_hat * moment / turn if fixes else np.nan, abs(moment) ** exponent if fixes else 0.0,
+        (s, lever),
+    )  # fmt: skip
+
+
+def _mean(values: FloatArray, column: int) -> tuple[float, float]:
+    mean, sigma = _mean_rows(values)
+    return float(mean[column]), float(sigma[column])
+
+
+def _mean_rows(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean over positions and its standard uncertainty from their scatter."""
+    if len(rows) == 1:
+        return rows[0], np.full(rows.shape[1], np.nan)
+    return rows.mean(0), rows.std(0, ddof=1) / np.sqrt(len(rows))

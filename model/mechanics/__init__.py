@@ -1,0 +1,1 @@
+"""The beam in equilibrium: compiled kernel, NumPy reference, free shape, tip load."""

@@ -1,0 +1,282 @@
+"""Effects of the catalogue in the beam problem of a `SheetModel`: `Setup` to `Beam` and back.
+
+Some effects depend on the solution (a clamp that gives way under the load). So the problem is
+solved and the effects are applied in turn until nothing changes any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects import Effect, catalogue
+from model.effects.interface import Beam, Held
+from model.measurements import FloatArray, ModelError
+from model.mechanics.collocation import rule
+from model.mechanics.field import Field
+from model.sheet.beam_problem import ActiveEffect, Profile, Setup
+from model.sheet.solution import Solved, solved
+from model.sheet.typical_run import kept_readings, mean_over, typical_run
+
+NODES = 14  # along the free length, where effects are worked out
+MOST_ROUNDS = 60
+DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
+SETTLED = 1e-9
+UNKNOWN = "unknown"
+_ALONG_SHEET = ("rest", "eibm", "bend", "soft")
+_LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2}  # the size that matters; else 1
+_ALL = (*_ALONG_SHEET, "stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
+
+
+@dataclass(frozen=True)
+class Acting:
+    """An effect with its numbers for one configuration."""
+
+    effect: Effect
+    values: dict[str, float]
+    profile: Profile | None  # factors on its form
+
+
+def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
+    """The named effects that act in a configuration; a `ModelError` for one that cannot be used."""
+    known, result = catalogue(), []
+    for one in effects:
+        if one.name == UNKNOWN:
+            continue
+        if one.name not in known:
+            raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
+        values = one.values(configuration)
+        if values is not None:
+            numbers = _numbers(known[one.name], values)
+            result.append(Acting(known[one.name], numbers, one.profile))
+    return result
+
+
+def unknowns(effects: Sequence[ActiveEffect], configuration: str) -> list[ActiveEffect]:
+    """What is in no catalogue but in the model."""
+    return [
+        one for one in effects
+        if one.name == UNKNOWN and one.values(configuration) is not None and one.profile is not None
+    ]  # fmt: skip
+
+
+def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
+    """A value for each knob; one that only gives the form its shape may be left out."""
+    result = {}
+    for knob in effect.knobs:
+        if knob.name not in values and knob is effect.size:
+            raise ModelError(f"the effect '{effect.name}' of the model lacks its {knob.name}")
+        value = values.get(knob.name, knob.plausible)
+        if not knob.low <= value <= knob.high:
+            raise ModelError(
+                f"the effect '{effect.name}' of the model has {knob.name} = {value:g}; it must be"
+                f" within {knob.low:g} and {knob.high:g}"
+            )
+        result[knob.name] = value
+    return result
+
+
+def with_effects(
+    setups: Sequence[Setup], positions_m: Sequence[float | None], effects: Sequence[ActiveEffect]
+) -> list[Setup]:
+    """Setups of one configuration with the effects in them.
+
+    Friction and the like look at the other voltages of the same position among the setups.
+    """
+    name = setups[0].sheet.configuration
+    named, strange = acting(effects, name), unknowns(effects, name)
+    plain = _beam(setups, positions_m)
+    base = _in_course(plain, named)
+    beam, found = base, solved(_setups(setups, plain, base))
+    for turn in range(MOST_ROUNDS):
+        new = _applied(base, _held(found, beam), named, strange)
+        if turn >= DAMPED_AFTER:
+            new = _halfway(beam, new)
+        if _same(beam, new):
+            break
+        beam, found = new, solved(_setups(setups, plain, new))
+    else:
+        raise ModelError(
+            f"the model's effects ({', '.join(e.name for e in effects)}) do not settle with its"
+            " other parameters"
+        )
+    return _setups(setups, plain, beam)
+
+
+# -- one way and back
+
+
+def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
+    sheet = setups[0].sheet
+    s = sheet.free_length_m * np.asarray(rule(NODES).c)
+    B = np.array([one.B_Nm2 for one in setups])
+    runs = [typical_run(v, -v, sheet.rise_time_s) for v in (float(o.voltage_V) for o in setups)]
+    clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
+    none = np.zeros(len(setups))
+    ones = np.ones((len(setups), NODES))
+    return Beam(
+        sheet=sheet, s_m=s, voltage_V=np.array([one.voltage_V for one in setups]),
+        stated_m=np.array([np.nan if p is None else p for p in positions_m]),
+        up=np.ones(len(setups)), stiffness=B, rest=0.0 * ones,
+        eibm=np.stack([one.eibm(s) for one in setups]) / B[:, None], bend=0.0 * ones,
+        soft=np.stack([ones[0] if c.softness is None else c.softness(s) for c in setups]),
+        elongation_soft=none, shift_m=none.copy(),
+        tilt_rad=np.array([one.clamp_rad for one in setups]),
+        offset_m=np.array([one.offset_m for one in setups]),
+        piece_m=sheet.free_length_m * np.asarray(rule(NODES).b), clock=clock, reading_of=of,
+        share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
+    )  # fmt: skip
+
+
+def _setups(setups: Sequence[Setup], plain: Beam, beam: Beam) -> list[Setup]:
+    """The setups with everything in which a beam differs from the plain one."""
+    R = beam.sheet.arc_radius_m
+    moment = (beam.eibm + beam.bend) * beam.stiffness[:, None]
+    moment = moment - (plain.eibm + plain.bend) * plain.stiffness[:, None]
+    rest, soft = beam.rest - plain.rest, beam.soft - plain.soft
+    one = Field.constant(1.0, beam.sheet.free_length_m)
+    result = []
+    for k, setup in enumerate(setups):
+        softness = setup.softness
+        if np.any(soft[k]):
+            softness = (softness or one) + _field(beam, soft[k])
+            if float(np.min(softness(beam.s_m))) <= 0.0:
+                raise ModelError("with the model's effects its bending stiffness is not positive")
+        result.append(
+            replace(
+                setup, softness=softness, B_Nm2=float(beam.stiffness[k]),
+                angle_rad=setup.angle_rad + float(beam.shift_m[k]) / R,
+                rest=setup.rest + _field(beam, rest[k]) if np.any(rest[k]) else setup.rest,
+                eibm=setup.eibm + _field(beam, moment[k]) if np.any(moment[k]) else setup.eibm,
+                clamp_rad=float(beam.tilt_rad[k]), offset_m=float(beam.offset_m[k]),
+                elongation_soft=float(beam.elongation_soft[k]),
+            )
+        )  # fmt: skip
+    return result
+
+
+def _field(beam: Beam, values: FloatArray) -> Field:
+    """The polynomial through values at the nodes."""
+    length = beam.sheet.free_length_m
+    t = 2.0 * beam.s_m / length - 1.0
+    row = np.asarray(np.linalg.solve(np.vander(t, increasing=True), values), dtype=float)
+    return Field(np.array([0.0, length]), row[None])
+
+
+def _held(found: Solved, beam: Beam) -> Held:
+    shapes = found.shapes(np.append(beam.s_m, beam.sheet.free_length_m))
+    x, y, phi = (a[:, :-1] for a in (shapes.x_m, shapes.y_m, shapes.phi_rad))
+    # in the clamp's own frame, in which the contact's forces are worked out
+    tilt = beam.tilt_rad[:, None]
+    cos, sin = np.cos(tilt), np.sin(tilt)
+    own_x, own_y = cos * x + sin * y, cos * y - sin * x
+    R, offset = beam.sheet.arc_radius_m, beam.offset_m
+    beta = np.array([s.angle_rad for s in found.setups]) - beam.tilt_rad
+    end = found.phi_hat_rad - beam.tilt_rad
+    dx = (R * np.cos(beta) + offset * np.sin(end))[:, None] - own_x
+    dy = (R * np.sin(beta) - offset * np.cos(end))[:, None] - own_y
+    cos, sin = np.cos(end)[:, None], np.sin(end)[:, None]
+    before = beam.s_m <= found.s_hat_m[:, None]
+    return Held(
+        force_N=found.force_N, normal_N=found.normal_N, gamma_rad=found.gamma_rad,
+        s_hat_m=found.s_hat_m, lever=np.where(before, dx * cos + dy * sin, 0.0),
+        offset=np.where(before, dy * cos - dx * sin, 0.0), x_m=own_x, y_m=own_y,
+        phi_rad=phi - tilt, curvature=shapes.curvature_per_m[:, :-1],
+        end_phi_rad=shapes.phi_rad[:, -1] - beam.tilt_rad,
+    )  # fmt: skip
+
+
+# -- what the effects do
+
+
+def _in_course(beam: Beam, named: Sequence[Acting]) -> Beam:
+    """EIBM and stiffness as the mean of a typical run's readings has them.
+
+    An unknown course in time is a matter of single readings, not of their mean.
+    """
+    courses = [one for one in named if type(one.effect).course is not Effect.course]
+    if not courses:
+        return beam
+    eibm, stiffness = np.zeros(len(beam.voltage_V)), np.zeros(len(beam.voltage_V))
+    for k, volts in enumerate(beam.voltage_V):
+        run = typical_run(float(volts), -float(volts), beam.sheet.rise_time_s)
+        for one in courses:
+            found = one.effect.course(run.clock, one.values)
+            if found is not None:
+                eibm[k] += mean_over(found[0], run.at(float(volts)))
+                stiffness[k] += mean_over(found[1], run.at(float(volts)))
+    share = (1.0 + eibm) / (1.0 + stiffness)
+    return replace(
+        beam, stiffness=beam.stiffness * (1.0 + stiffness), eibm=beam.eibm * share[:, None]
+    )
+
+
+def _applied(
+    base: Beam, held: Held, named: Sequence[Acting], strange: Sequence[ActiveEffect]
+) -> Beam:
+    beam = base
+    for one in named:
+        changed = one.effect.beam(beam, held, one.values)
+        beam = changed if one.profile is None else _formed(beam, changed, one.profile)
+    for other in strange:
+        beam = _with_unknown(beam, other)
+    return beam
+
+
+def _formed(before: Beam, after: Beam, profile: Profile) -> Beam:
+    """An effect's change times the factors of the form that was inferred."""
+    if profile.along in ("force", "time"):
+        return after
+    by_place = profile.along == "s"
+    factor = profile(before.s_m) if by_place else profile(np.nan_to_num(before.stated_m))
+    changed = {}
+    for name in _ALONG_SHEET if by_place else _ALL:
+        old, new = getattr(before, name), getattr(after, name)
+        wide = factor if by_place or old.ndim == 1 else factor[:, None]
+        changed[name] = old + (new - old) * wide
+    return replace(after, **changed)
+
+
+def _with_unknown(beam: Beam, one: ActiveEffect) -> Beam:
+    """The term of an unknown effect, added at its slot."""
+    profile = one.profile
+    assert profile is not None  # noqa: S101 - see `unknowns`
+    share = profile.share(beam.voltage_V)
+    if profile.along == "position":
+        on_arc = share * profile(np.nan_to_num(beam.stated_m))
+        if one.slot == "position":
+            return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
+        if one.slot == "eibm":
+            return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
+    if profile.along != "s":
+        return beam
+    term = share[:, None] * profile(beam.s_m)
+    if one.slot == "rest_curvature":
+        return replace(beam, rest=beam.rest + term)
+    if one.slot == "eibm":
+        return replace(beam, eibm=beam.eibm * (1.0 + term))
+    if one.slot == "compliance":
+        return replace(beam, soft=beam.soft * (1.0 + term))
+    if one.slot == "even_moment":
+        driven = beam.voltage_V != 0.0
+        typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
+        return replace(beam, bend=beam.bend + typical * driven[:, None] * term)
+    return beam
+
+
+def _same(one: Beam, other: Beam) -> bool:
+    """Whether nothing that matters differs."""
+    for name in _ALL:
+        a, b = getattr(one, name), getattr(other, name)
+        size = float(np.max(np.abs(b), initial=0.0))
+        if np.max(np.abs(a - b), initial=0.0) > SETTLED * max(size, _LEAST.get(name, 1.0)):
+            return False
+    return True
+
+
+def _halfway(one: Beam, other: Beam) -> Beam:
+    return replace(
+        one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in _ALL}
+    )

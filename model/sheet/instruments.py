@@ -1,0 +1,119 @@
+"""What load cell and camera make of a condition, where a model says that they deceive.
+
+Effects of the load cell see a typical run's readings in the order of time; those of the camera see
+the curve's points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.effects.interface import Points, Weighed
+from model.measurements import FloatArray
+from model.mechanics.equilibrium import Shapes
+from model.sheet.applied_effects import acting, unknowns
+from model.sheet.beam_problem import ActiveEffect, Profile, Setup
+from model.sheet.solution import Solved
+from model.sheet.typical_run import TypicalRun, mean_over, typical_run
+
+
+def load_cell_N(
+    effects: Sequence[ActiveEffect],
+    found: Solved,
+    rows: Mapping[float, int],
+    voltage_V: float,
+    position_m: float,
+) -> float:
+    """What the load cell adds to the mean of a condition's readings.
+
+    `rows`: by voltage, which of the solutions it is; all of them are at this position. The run
+    alternates between `voltage_V` and the other driving voltage there.
+    """
+    others = [v for v in rows if v not in (0.0, voltage_V)]
+    run = typical_run(voltage_V, others[0] if others else 0.0)
+    name, total = found.setups[0].sheet.configuration, 0.0
+    for one in acting(effects, name):
+        weighed = _weighed(found, rows, run, position_m)
+        added = one.effect.force(weighed, one.values)
+        if added is not None:
+            mean = mean_over(np.asarray(added), run.at(voltage_V))
+            total += mean * _factor(one.profile, position_m)
+    for other in unknowns(effects, name):
+        if other.slot == "load_cell" and other.profile is not None:
+            total += _strange_N(
+                other.profile, position_m, found.force_N[rows[voltage_V]], voltage_V
+            )
+    return total
+
+
+def _strange_N(profile: Profile, position_m: float, force_N: float, voltage_V: float) -> float:
+    """What an unknown effect of the load cell adds; what goes with time is not known here."""
+    if profile.along not in ("position", "force"):
+        return 0.0
+    at = np.array([position_m if profile.along == "position" else force_N])
+    return 1e-3 * float(profile(at)[0] * profile.share(np.array([voltage_V]))[0])
+
+
+def _factor(profile: Profile | None, position_m: float) -> float:
+    if profile is None or profile.along != "position":
+        return 1.0
+    return float(profile(np.array([position_m]))[0])
+
+
+def _weighed(
+    found: Solved, rows: Mapping[float, int], run: TypicalRun, position_m: float
+) -> Weighed:
+    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
+    ones = np.ones(len(of))
+    return Weighed(
+        np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
+        np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
+        run.clock.wetted_s,
+    )  # fmt: skip
+
+
+def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
+    """The sheet as it was when the picture was taken, which may be older than the reading."""
+    name = setup.sheet.configuration
+    inner = acting(effects, name)
+    if setup.voltage_V == 0.0:
+        return setup
+    run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s)
+    seen = [
+        change
+        for one in inner
+        if (change := one.effect.pictured(run.clock, one.values)) is not None
+    ]
+    use = run.at(setup.voltage_V)
+    more = sum(mean_over(one, use) for one in seen)
+    at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
+    on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
+    for other in unknowns(effects, name):
+        along = None if other.profile is None else other.profile.along
+        if other.slot == "camera" and along == "position" and setup.touches:
+            more += on_its_way * _factor(other.profile, at_m)
+    return replace(setup, eibm=setup.eibm * (1.0 + more))
+
+
+def camera_m(
+    effects: Sequence[ActiveEffect], setup: Setup, curve: Shapes
+) -> tuple[FloatArray, FloatArray]:
+    """What the camera adds to the points of one curve, the first of `curve`."""
+    s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
+    dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
+    name = setup.sheet.configuration
+    points = Points(x_m[None], y_m[None], setup.sheet.free_length_m)
+    for one in acting(effects, name):
+        added = one.effect.curve(points, one.values)
+        if added is not None:
+            along = one.profile is not None and one.profile.along == "s"
+            share = one.profile(s_m) if one.profile is not None and along else 1.0
+            dx, dy = dx + share * added[0][0], dy + share * added[1][0]
+    for other in unknowns(effects, name):
+        if other.slot == "camera" and other.profile is not None and other.profile.along == "s":
+            off = 1e-3 * other.profile(s_m)
+            dx, dy = dx - off * np.sin(phi_rad), dy + off * np.cos(phi_rad)
+    return dx, dy

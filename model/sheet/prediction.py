@@ -1,0 +1,155 @@
+"""What a `SheetModel` says of a condition: reachable or why not, force, contact, shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from model.measurements import FloatArray
+from model.mechanics.contact_range import limit_m, other_solutions, stable
+from model.mechanics.equilibrium import Equilibria, Status
+from model.sheet.beam_problem import Setup
+from model.sheet.sheet_model import SheetModel
+from model.sheet.solution import Solved, sampled_s, solved
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One condition; where it is not reachable the numbers are NaN and the shape is empty."""
+
+    configuration: str
+    position_m: float
+    voltage_V: float
+    reachable: bool
+    why: str  # what is wrong or remarkable; empty when nothing is
+    F_N: float
+    N_N: float
+    s_hat_m: float
+    phi_hat_rad: float
+    s_m: FloatArray
+    x_m: FloatArray
+    y_m: FloatArray
+    curvature_per_m: FloatArray
+
+    def to_json(self) -> dict[str, Any]:
+        """For `simulate --json`; numbers that do not exist are null."""
+
+        def number(value: float) -> float | None:
+            return float(value) if np.isfinite(value) else None
+
+        return {
+            "configuration": self.configuration,
+            "position_mm": round(self.position_m * 1e3, 12),
+            "voltage_V": self.voltage_V,
+            "reachable": self.reachable,
+            "why": self.why,
+            "F_N": number(self.F_N),
+            "N_N": number(self.N_N),
+            "s_hat_mm": number(self.s_hat_m * 1e3),
+            "phi_hat_rad": number(self.phi_hat_rad),
+            "x_mm": (self.x_m * 1e3).tolist(),
+            "y_mm": (self.y_m * 1e3).tolist(),
+            "curvature_per_m": self.curvature_per_m.tolist(),
+        }
+
+
+def predict(
+    model: SheetModel,
+    configuration: str,
+    position_m: float,
+    voltage_V: float,
+    *,
+    as_seen: bool = True,
+) -> Prediction:
+    """The condition's force and shape on the branch that continues the free shape.
+
+    With `as_seen` they are what load cell and camera would show, where the model has effects of
+    these; otherwise what the sheet does.
+    """
+    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
+    setup, names = found.setups[0], (configuration, position_m, voltage_V)
+    if found.status[0] != Status.SOLVED:
+        nothing = np.zeros(0)
+        gone = np.nan
+        return Prediction(
+            *names, reachable=False, why="not reachable: " + _why_not(setup, _first(found)),
+            F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
+            s_m=nothing, x_m=nothing, y_m=nothing, curvature_per_m=nothing,
+        )  # fmt: skip
+    s = sampled_s(setup)
+    F, (x, y, curvature) = float(found.force_N[0]), _shape(model, found, s, as_seen=as_seen)
+    if model.effects and as_seen:
+        from model.sheet.instruments import load_cell_N
+
+        places = {v: k for k, v in enumerate(volts)}
+        F += load_cell_N(model.effects, found, places, voltage_V, position_m)
+    return Prediction(
+        *names,
+        reachable=True,
+        why="; ".join(_remarks(_first(found), setup)),
+        F_N=F,
+        N_N=float(found.normal_N[0]),
+        s_hat_m=float(found.s_hat_m[0]),
+        phi_hat_rad=float(found.phi_hat_rad[0]),
+        s_m=s,
+        x_m=x,
+        y_m=y,
+        curvature_per_m=curvature,
+    )
+
+
+def predict_free(
+    model: SheetModel, configuration: str, voltage_V: float, *, as_seen: bool = True
+) -> tuple[FloatArray, ...]:
+    """s, x, y of the sheet with nothing touching it."""
+    found = solved(model.setups(configuration, [(None, voltage_V)]))
+    s = sampled_s(found.setups[0])
+    x, y, _ = _shape(model, found, s, as_seen=as_seen)
+    return s, x, y
+
+
+def _shape(
+    model: SheetModel, found: Solved, s_m: FloatArray, *, as_seen: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """x, y and curvature of the first of the solutions."""
+    if not (model.effects and as_seen):
+        one = found.shapes(s_m)
+        return one.x_m[0], one.y_m[0], one.curvature_per_m[0]
+    from model.sheet.instruments import as_pictured, camera_m
+
+    setup = found.setups[0]
+    then = as_pictured(setup, model.effects)
+    one = (found if then is setup else solved([then])).shapes(s_m)
+    x, y = one.x_m[0], one.y_m[0]
+    dx, dy = camera_m(model.effects, setup, one)
+    return x + dx, y + dy, one.curvature_per_m[0]
+
+
+def _first(found: Solved) -> Equilibria:
+    """The equilibrium of the first setup, which may lie in a batch with others."""
+    return next(part for rows, part in found.parts if rows[0] == 0)
+
+
+def _why_not(setup: Setup, found: Equilibria) -> str:
+    limit, slips = limit_m(found.problems)
+    if not np.isfinite(limit):
+        return "no position of this sheet on the arc is an equilibrium"
+    origin = setup.sheet.arc_origin_rad - setup.clamp_rad
+    at = limit - origin * setup.sheet.arc_radius_m
+    if slips:
+        return f"the sheet slips out at {at * 1e3:.1f} mm"
+    return f"there is no equilibrium beyond {at * 1e3:.1f} mm"
+
+
+def _remarks(found: Equilibria, setup: Setup) -> list[str]:
+    remarks = []
+    if not stable(found):
+        remarks.append("not stable: the sheet would jump away from this shape")
+    others = other_solutions(found)
+    if others:
+        forces = ", ".join(f"{setup.B_Nm2 * nu * 1e3:.2f} mN" for nu in others)
+        remarks.append(f"more than one solution: also with N = {forces}")
+    return remarks

@@ -1,0 +1,262 @@
+"""`SheetModel`: what a fit hands back, a sheet's parameters with their uncertainty; it predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.mechanics.field import Field
+from model.parameter import Parameter, finite
+from model.sheet.beam_problem import ActiveEffect, Setup
+
+if TYPE_CHECKING:
+    from model.sheet.prediction import Prediction
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Along:
+    """A quantity along the sheet: nodes, straight lines between; one node: the same everywhere."""
+
+    s_m: FloatArray
+    values: FloatArray
+    sigma: FloatArray
+    unit: str
+
+    @staticmethod
+    def constant(parameter: Parameter) -> Along:
+        """The same everywhere."""
+        return Along(
+            np.zeros(1), np.array([parameter.value]), np.array([parameter.sigma]), parameter.unit
+        )
+
+    def field(self, length_m: float) -> Field:
+        """For computing with."""
+        return Field.linear(self.s_m, self.values, length_m)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For a model file."""
+        return {
+            "s_m": self.s_m.tolist(), "value": self.values.tolist(),
+            "sigma": self.sigma.tolist(), "unit": self.unit,
+        }  # fmt: skip
+
+    @staticmethod
+    def from_dict(data: object, where: str) -> Along:
+        """From a model file."""
+        if not isinstance(data, dict):
+            raise ModelError(f"{where}: a table with s_m, value, sigma and unit is wanted")
+        rows = {}
+        for key in ("s_m", "value", "sigma"):
+            row = data.get(key)
+            if not isinstance(row, list) or not row:
+                raise ModelError(f"{where}.{key}: a list of numbers is wanted")
+            rows[key] = np.array([finite(v, f"{where}.{key}") for v in row])
+        if not len(rows["s_m"]) == len(rows["value"]) == len(rows["sigma"]):
+            raise ModelError(f"{where}: s_m, value and sigma must be equally long")
+        return Along(rows["s_m"], rows["value"], rows["sigma"], str(data.get("unit", "")))
+
+
+@dataclass(frozen=True)
+class ConfiguredSheet:
+    """One configuration's parameters."""
+
+    sheet: SheetGeometry
+    B: Parameter  # N m^2
+    rest: Along  # k0, 1/m
+    eibm: Mapping[float, Along]  # by voltage, N m
+
+    @property
+    def E(self) -> Parameter:
+        """(6) equivalent Young modulus."""
+        return self.B.scaled(12.0 / (self.sheet.width_m * self.sheet.thickness_m**3), "Pa")
+
+    def eibm_at(self, voltage_V: float) -> Field:
+        """Me(s) at a voltage: known at the fitted ones and 0 V, in proportion between."""
+        length = self.sheet.free_length_m
+        known = {0.0: Field.constant(0.0, length)}
+        known.update({v: along.field(length) for v, along in self.eibm.items()})
+        volts = sorted(known)
+        if not volts[0] <= voltage_V <= volts[-1]:
+            raise ModelError(
+                f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to"
+                f" {volts[-1]:+g} V;"
+                f" {voltage_V:+g} V is outside"
+            )
+        if voltage_V in known:
+            return known[voltage_V]
+        high = next(i for i, v in enumerate(volts) if v > voltage_V)
+        low_V, high_V = volts[high - 1], volts[high]
+        share = (voltage_V - low_V) / (high_V - low_V)
+        return known[low_V] * (1.0 - share) + known[high_V] * share
+
+    def mean_eibm(self, voltage_V: float) -> float:
+        """Mean of Me over the free length."""
+        return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
+
+
+@dataclass(frozen=True)
+class SheetModel:
+    """Geometry, parameters, active effects; what it was fitted to and how well."""
+
+    sheets: Mapping[str, ConfiguredSheet]
+    effects: tuple[ActiveEffect, ...] = ()
+    source: str = ""  # the file it was fitted to
+    checksum: str = ""  # sha256 of that file
+    held_out: tuple[str, ...] = ()  # conditions that were left out
+    merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit
+
+    def sheet(self, configuration: str) -> ConfiguredSheet:
+        """A configuration's parameters."""
+        if configuration not in self.sheets:
+            known = ", ".join(sorted(self.sheets)) or "none"
+            raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
+        return self.sheets[configuration]
+
+    def setup(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
+        """The beam problem of a condition, effects included; without a position nothing touches."""
+        volts = self.beside(configuration, voltage_V) if self.effects else (voltage_V,)
+        return self.setups(configuration, [(position_m, v) for v in volts])[0]
+
+    def setups(
+        self, configuration: str, places: Sequence[tuple[float | None, float]]
+    ) -> list[Setup]:
+        """Beam problems of conditions, given by position and voltage, effects included."""
+        plain = [self._plain(configuration, *place) for place in places]
+        if not self.effects:
+            return plain
+        from model.sheet.applied_effects import with_effects
+
+        return with_effects(plain, [position for position, _ in places], self.effects)
+
+    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+        """A voltage, and those that it takes turns with in a run: 0 V and the other polarity."""
+        known = [0.0, *self.sheet(configuration).eibm]
+        opposite = float(np.clip(-voltage_V, min(known), max(known)))
+        if voltage_V == 0.0:
+            return (0.0, *(v for v in (max(known), min(known)) if v))
+        return tuple(dict.fromkeys((float(voltage_V), 0.0, opposite)))
+
+    def _plain(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
+        one = self.sheet(configuration)
+        if not np.isfinite(0.0 if position_m is None else position_m) or not np.isfinite(voltage_V):
+            raise ModelError("position and voltage must be finite numbers")
+        along = np.nan if position_m is None else position_m / one.sheet.arc_radius_m
+        return Setup(
+            one.sheet, voltage_V, one.sheet.arc_origin_rad + along,
+            one.B.value, one.rest.field(one.sheet.free_length_m), one.eibm_at(voltage_V),
+        )  # fmt: skip
+
+    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
+        """Force and shape of a condition, or why it is not reachable."""
+        from model.sheet.prediction import predict
+
+        return predict(self, configuration, position_m, voltage_V)
+
+    def with_effects(self, *effects: ActiveEffect) -> SheetModel:
+        """The same model with these effects."""
+        return replace(self, effects=effects)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain tables for a model file."""
+        return {
+            "labrig_model": FORMAT,
+            "fitted_to": {
+                "file": self.source, "sha256": self.checksum, "held_out": list(self.held_out)
+            },
+            "figures_of_merit": dict(self.merit),
+            "configurations": {name: _sheet_to_dict(one) for name, one in self.sheets.items()},
+            "effects": [e.to_dict() for e in self.effects],
+        }  # fmt: skip
+
+    @staticmethod
+    def from_dict(data: object) -> SheetModel:
+        """From the tables of a model file; errors name the key."""
+        if not isinstance(data, dict) or data.get("labrig_model") != FORMAT:
+            raise ModelError(f"this is not a model file of format {FORMAT} (key labrig_model)")
+        sheets = _table(data, "configurations")
+        fitted = data.get("fitted_to", {})
+        if not isinstance(fitted, dict):
+            raise ModelError("fitted_to: a table is wanted")
+        effects = data.get("effects", [])
+        if not isinstance(effects, list):
+            raise ModelError("effects: a list of tables is wanted")
+        merit = data.get("figures_of_merit", {})
+        return SheetModel(
+            {name: _sheet_from_dict(name, one) for name, one in sheets.items()},
+            tuple(ActiveEffect.from_dict(e, f"effects[{i}]") for i, e in enumerate(effects)),
+            str(fitted.get("file", "")), str(fitted.get("sha256", "")),
+            tuple(str(c) for c in fitted.get("held_out", [])),
+            {str(k): finite(v, f"figures_of_merit.{k}") for k, v in dict(merit).items()},
+        )  # fmt: skip
+
+
+_LENGTHS = {
+    "free_length_mm": "free_length_m", "width_mm": "width_m", "thickness_mm": "thickness_m",
+    "elongation_mm": "elongation_m", "clamped_length_mm": "clamped_length_m",
+    "arc_radius_mm": "arc_radius_m",
+}  # fmt: skip
+
+
+def _sheet_to_dict(one: ConfiguredSheet) -> dict[str, Any]:
+    geometry: dict[str, Any] = {
+        key: round(getattr(one.sheet, name) * 1e3, 12) for key, name in _LENGTHS.items()
+    }
+    geometry["arc_origin_deg"] = float(np.degrees(one.sheet.arc_origin_rad))
+    geometry["rise_time_s"] = one.sheet.rise_time_s
+    return {
+        "geometry": geometry,
+        "B_Nm2": one.B.to_dict(),
+        "E_Pa": one.E.to_dict(),
+        "initial_curvature": one.rest.to_dict(),
+        "eibm": {str(float(v)): along.to_dict() for v, along in sorted(one.eibm.items())},
+    }
+
+
+def _sheet_from_dict(name: str, data: object) -> ConfiguredSheet:
+    where = f"configurations.{name}"
+    if not isinstance(data, dict):
+        raise ModelError(f"{where}: a table is wanted")
+    geometry = _table(data, "geometry", where)
+    lengths = {
+        field_name: finite(geometry.get(key, 0.0), f"{where}.geometry.{key}") * 1e-3
+        for key, field_name in _LENGTHS.items()
+    }
+    for key in ("free_length_mm", "width_mm", "thickness_mm", "arc_radius_mm"):
+        if lengths[_LENGTHS[key]] <= 0.0:
+            raise ModelError(f"{where}.geometry.{key}: must be positive")
+    rest = Along.from_dict(data.get("initial_curvature"), f"{where}.initial_curvature")
+    sheet = SheetGeometry(
+        configuration=name,
+        arc_origin_rad=float(np.radians(finite(geometry.get("arc_origin_deg", 0.0), where))),
+        initial_curvature=(rest.s_m, rest.values),
+        rise_time_s=finite(geometry.get("rise_time_s", 0.0), f"{where}.geometry.rise_time_s"),
+        **lengths,
+    )
+    B = Parameter.from_dict(data.get("B_Nm2"), f"{where}.B_Nm2")
+    if B.value <= 0.0:
+        raise ModelError(f"{where}.B_Nm2.value: the bending stiffness must be positive")
+    eibm = {
+        _voltage(v, where): Along.from_dict(one, f"{where}.eibm.{v}")
+        for v, one in _table(data, "eibm", where).items()
+    }
+    return ConfiguredSheet(sheet, B, rest, eibm)
+
+
+def _voltage(text: object, where: str) -> float:
+    try:
+        return float(str(text))
+    except ValueError:
+        raise ModelError(f"{where}.eibm: '{text}' is not a voltage") from None
+
+
+def _table(data: dict[str, Any], key: str, where: str = "") -> dict[str, Any]:
+    table = data.get(key)
+    if not isinstance(table, dict):
+        raise ModelError(f"{where}{'.' if where else ''}{key}: a table is wanted")
+    return table

@@ -1,0 +1,168 @@
+"""Solves setups of one configuration, wherever their contacts and clamps are.
+
+Setups whose contacts lie on the arc itself are one batch. One whose neutral curve passes beside
+that point (`offset_m`) has a contact at a radius of its own, and is solved by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from model.measurements import FloatArray
+from model.mechanics.equilibrium import Equilibria, Problems, Shapes, Status, problems, solve
+from model.mechanics.field import Field, merged_breaks, padded
+from model.mechanics.free_shape import free_shape
+from model.sheet.beam_problem import Setup
+
+SPACING_M = 0.5e-3
+_BESIDE = 4  # rounds of placing a contact beside the arc; each gains a factor of offset/R
+
+
+def free_curvature(setup: Setup) -> Field:
+    """k* = k0 + Me/B(s)."""
+    if setup.softness is None:
+        return setup.rest + setup.eibm * (1.0 / setup.B_Nm2)
+    soft, eibm, rest = setup.softness, setup.eibm, setup.rest
+    kinks = merged_breaks([soft.breaks_m, eibm.breaks_m, rest.breaks_m])
+
+    def value(s: FloatArray) -> FloatArray:
+        return rest(s) + eibm(s) * soft(s) / setup.B_Nm2
+
+    return Field.smooth(value, rest.length_m, kinks)
+
+
+def batch(setups: Sequence[Setup]) -> Problems:
+    """The beam problems of setups of one sheet, all with the contact on the arc."""
+    return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], setups[0].sheet.arc_radius_m)
+
+
+def _batch(setups: Sequence[Setup], angles: Sequence[float], radius_m: float) -> Problems:
+    sheet = setups[0].sheet
+    kappa, softness = [free_curvature(s) for s in setups], [s.softness for s in setups]
+    bends = any(s.elongation_soft > 0.0 for s in setups) and sheet.elongation_m > 0.0
+    if not bends and all(c is softness[0] for c in softness):
+        return problems(kappa, angles, radius_m, sheet.elongation_m, softness[0])
+    soft = [Field.constant(1.0, sheet.free_length_m) if c is None else c for c in softness]
+    beyond = sheet.elongation_m
+    if bends:  # the elongation is a part of the sheet whose stiffness is another
+        kappa = [_longer(k, beyond, 0.0) for k in kappa]
+        soft = [_longer(c, beyond, s.elongation_soft) for c, s in zip(soft, setups, strict=True)]
+        beyond = 0.0
+    breaks = merged_breaks([f.breaks_m for f in (*kappa, *soft)])
+    made = problems([k.on(breaks) for k in kappa], angles, radius_m, beyond)
+    rows = [c.on(made.breaks_m).coefficients for c in soft]
+    degree = max(r.shape[1] for r in rows)
+    return replace(made, softness=np.stack([padded(r, degree) for r in rows]))
+
+
+def _longer(field: Field, by_m: float, value: float) -> Field:
+    row = np.zeros((1, field.coefficients.shape[1]))
+    row[0, 0] = value
+    breaks = np.append(field.breaks_m, field.length_m + by_m)
+    return Field(breaks, np.concatenate([field.coefficients, row]))
+
+
+def sampled_s(setup: Setup) -> FloatArray:
+    """Points from the clamp to the visible end, the sheet's end among them."""
+    length, end = setup.sheet.free_length_m, setup.sheet.free_length_m + setup.sheet.elongation_m
+    inner = np.linspace(0.0, length, max(2, int(np.ceil(length / SPACING_M - 1e-9)) + 1))
+    outer = np.linspace(length, end, int(np.ceil((end - length) / SPACING_M - 1e-9)) + 1)[1:]
+    return np.concatenate([inner, outer])
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Solutions in the order of the setups; NaN where there is no equilibrium, or no contact."""
+
+    setups: tuple[Setup, ...]
+    status: npt.NDArray[np.int64]  # (K,) `Status`; SOLVED where nothing touches
+    nu: FloatArray  # (K,) N/B, 1/m^2
+    s_hat_m: FloatArray
+    phi_hat_rad: FloatArray  # against the x axis
+    parts: tuple[tuple[npt.NDArray[np.int64], Equilibria], ...]  # rows, and how they were solved
+
+    @property
+    def B_Nm2(self) -> FloatArray:
+        """Of each setup."""
+        return np.array([s.B_Nm2 for s in self.setups])
+
+    @property
+    def gamma_rad(self) -> FloatArray:
+        """Angle between the sheet's normal and the arc's tangent."""
+        return np.asarray(self.phi_hat_rad - [s.angle_rad for s in self.setups], dtype=float)
+
+    @property
+    def normal_N(self) -> FloatArray:
+        """N, along the sheet's normal."""
+        result: FloatArray = self.B_Nm2 * self.nu
+        return result
+
+    @property
+    def force_N(self) -> FloatArray:
+        """(5) F along the arc's tangent."""
+        return np.asarray(self.normal_N * np.cos(self.gamma_rad), dtype=float)
+
+    def shapes(self, s_m: FloatArray) -> Shapes:
+        """Curves at s_m (S,), with the clamp's own direction; those that nothing touches too."""
+        shape = (len(self.setups), len(s_m))
+        x, y, phi, k = (np.full(shape, np.nan) for _ in range(4))
+        for rows, found in self.parts:
+            one = found.shapes(s_m)
+            x[rows], y[rows], phi[rows], k[rows] = (
+                one.x_m,
+                one.y_m,
+                one.phi_rad,
+                one.curvature_per_m,
+            )
+        for i, setup in enumerate(self.setups):
+            if not setup.touches:
+                x[i], y[i], phi[i], k[i] = _hanging(setup, s_m)
+        tilt = np.array([s.clamp_rad for s in self.setups])[:, None]
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        return Shapes(s_m, cos * x - sin * y, sin * x + cos * y, phi + tilt, k)
+
+
+def _hanging(
+    setup: Setup, s_m: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    kappa = free_curvature(setup)
+    x, y, phi, _ = free_shape(kappa, s_m)
+    inside = s_m <= kappa.length_m
+    return x, y, phi, np.where(inside, kappa(np.minimum(s_m, kappa.length_m)), 0.0)
+
+
+def solved(setups: Sequence[Setup]) -> Solved:
+    """All setups of one configuration."""
+    K = len(setups)
+    status = np.zeros(K, np.int64)
+    nu, s_hat, phi = (np.full(K, np.nan) for _ in range(3))
+    parts = []
+    for rows, found in _groups(setups):
+        status[rows], nu[rows], s_hat[rows] = found.status, found.nu, found.s_hat_m
+        phi[rows] = found.phi_hat_rad + [setups[i].clamp_rad for i in rows]
+        parts.append((rows, found))
+    return Solved(tuple(setups), status, nu, s_hat, phi, tuple(parts))
+
+
+def _groups(setups: Sequence[Setup]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:
+    on_arc = [i for i, s in enumerate(setups) if s.touches and s.offset_m == 0.0]
+    groups = [(np.array(on_arc), solve(batch([setups[i] for i in on_arc])))] if on_arc else []
+    beside = [i for i, s in enumerate(setups) if s.touches and s.offset_m != 0.0]
+    return groups + [(np.array([i]), _beside(setups[i])) for i in beside]
+
+
+def _beside(setup: Setup) -> Equilibria:
+    """r(s_hat) + offset n_hat = p_hat, n_hat turning with the sheet."""
+    d, R, gamma = setup.offset_m, setup.sheet.arc_radius_m, 0.0
+    for _ in range(_BESIDE):
+        along, outward = -d * np.cos(gamma), R + d * np.sin(gamma)
+        angle = setup.angle_rad + float(np.arctan2(along, outward)) - setup.clamp_rad
+        found = solve(_batch([setup], [angle], float(np.hypot(along, outward))))
+        if found.status[0] != Status.SOLVED:
+            break
+        gamma = float(found.phi_hat_rad[0]) + setup.clamp_rad - setup.angle_rad
+    return found

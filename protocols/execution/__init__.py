@@ -1,0 +1,1 @@
+"""Run a schedule on a clock: scheduler, run loop, readings, events."""

@@ -1,0 +1,178 @@
+"""What the scheduler tells its subscribers: the session file, the progress bar, the panel.
+
+Events are frozen and complete: a subscriber needs nothing else to follow a session. Clock times are
+those of the injected `drivers.interfaces.Clock`; `wall` is the UTC time of day as ISO 8601.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
+from protocols.planning.schedule import PlannedReading, PlannedRun
+
+
+class Outcome(StrEnum):
+    """How a session ended, or that it has not."""
+
+    RUNNING = "running"
+    COMPLETED = "completed"
+    ABORTED = "aborted"  # by the operator or a signal
+    FAILED = "failed"  # by a fault
+    CRASHED = "crashed"  # found out afterwards: nobody wrote an outcome
+
+
+class OutputState(StrEnum):
+    """What is known of the voltage at the sheet."""
+
+    SAFE = "safe"  # 0 V written and read back
+    ARMED = "armed"  # the output is open, at 0 V
+    ENERGISED = "energised"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something happened at `time_s` (clock)."""
+
+    time_s: float
+
+
+@dataclass(frozen=True)
+class SessionStarted(Event):
+    """The first event."""
+
+    wall: str
+
+
+@dataclass(frozen=True)
+class Resumed(Event):
+    """These runs were taken in an earlier session, of which this one is the continuation."""
+
+    identifier: str  # of that session
+    runs: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class OperatorAsked(Event):
+    """The operator is being asked for something; the session waits."""
+
+    prompt: Prompt
+
+
+@dataclass(frozen=True)
+class OperatorAnswered(Event):
+    """And has answered; `done` is False when the session is to stop."""
+
+    prompt: Prompt
+    done: bool
+
+
+@dataclass(frozen=True)
+class RunStarted(Event):
+    """Acquisition runs; `time_s` is the run's time 0, at which the first step is due."""
+
+    run: PlannedRun
+    sample_clock: SampleClock
+    channels: tuple[str, ...]
+    frame_shape: tuple[int, int] | None  # None: no camera
+    stage_position_m: float | None  # as the stage reports it
+    since_wetting_s: float | None
+
+
+@dataclass(frozen=True)
+class VoltageSet(Event):
+    """A step was written; `time_s` is the moment just after the device confirmed it."""
+
+    run: int
+    step: int
+    due_s: float  # clock time at which it was due
+    write: VoltageWrite
+
+
+@dataclass(frozen=True)
+class SignalsArrived(Event):
+    """A block of raw samples."""
+
+    run: int
+    block: SignalBlock
+
+
+@dataclass(frozen=True)
+class ReadingTaken(Event):
+    """One reading, as seen while running; the analysis makes it anew from the raw samples."""
+
+    run: int
+    planned: PlannedReading
+    sample_index: float  # of the sampling point, from the write of its step
+    sample_time_s: float  # clock time of the sampling point
+    force_N: float
+    drive_V: float  # at the sampling point, as read back
+    current_A: float
+    frame: Frame | None  # the frame nearest to the sampling point
+    frame_offset_s: float | None  # its time minus that of the sampling point
+    valid: bool
+    why: str  # the reason when not valid
+
+
+@dataclass(frozen=True)
+class FramesArrived(Event):
+    """Frames on top of those of the readings, when all of them are to be recorded."""
+
+    run: int
+    frames: tuple[Frame, ...]
+
+
+@dataclass(frozen=True)
+class ReadingMarked(Event):
+    """The operator, or a rule, has declared a reading (None: the whole run) invalid."""
+
+    run: int
+    reading: int | None
+    why: str
+    who: str
+
+
+@dataclass(frozen=True)
+class ActionTaken(Event):
+    """A person did something at a panel, in words that follow their name."""
+
+    who: str
+    what: str
+
+
+@dataclass(frozen=True)
+class OutputChanged(Event):
+    """The state of the output changed."""
+
+    state: OutputState
+    why: str
+
+
+@dataclass(frozen=True)
+class Warned(Event):
+    """Something the operator should know; the session goes on."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class RunStopped(Event):
+    """The run's acquisition has ended."""
+
+    run: int
+    completed: bool
+    lost_samples: int
+    frames_grabbed: int
+    frames_dropped: int
+
+
+@dataclass(frozen=True)
+class SessionStopped(Event):
+    """The last event, always sent, after the output was made safe or could not be."""
+
+    outcome: Outcome
+    reason: str
+    output: OutputState
+    wall: str

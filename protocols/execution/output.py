@@ -1,0 +1,97 @@
+"""The output as a session uses it: every change of its state is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Protocol
+
+from drivers.interfaces import Clock, VoltageOutput, VoltageWrite
+from protocols.execution.events import Event, OutputChanged, OutputState
+
+
+class MadeSafe(Protocol):
+    """What became of making the output safe."""
+
+    @property
+    def is_safe(self) -> bool:
+        """Whether 0 V was written and read back."""
+
+    @property
+    def text(self) -> str:
+        """One sentence for the operator."""
+
+
+# Write 0 V and read it back, whatever it takes; must not raise.
+MakeSafe = Callable[[], MadeSafe]
+
+
+class GuardedOutput:
+    """Wraps a VoltageOutput and knows what is known of the sheet's voltage.
+
+    `on_energised(True)` is called before the first voltage is written, so that whoever watches
+    over the process is on guard by then; `on_energised(False)` after 0 V was confirmed.
+    """
+
+    def __init__(
+        self,
+        output: VoltageOutput,
+        clock: Clock,
+        emit: Callable[[Event], None],
+        on_energised: Callable[[bool], None],
+    ) -> None:
+        self._output = output
+        self._clock = clock
+        self._emit = emit
+        self._on_energised = on_energised
+        self._on_guard = False
+        self._told: OutputState | None = None
+        self.state = OutputState.UNKNOWN
+        self.energised_once = False
+
+    @property
+    def at_zero(self) -> bool:
+        """Whether 0 V was confirmed by the last write."""
+        return self.state in (OutputState.ARMED, OutputState.SAFE)
+
+    def write(self, sheet_V: float) -> VoltageWrite:
+        """Write a voltage, at once; `tell` is for when the edge is over.
+
+        Guarding ends here and not with the telling, which may take long: a guard that hears no
+        beat meanwhile would take this program for dead.
+        """
+        if sheet_V != 0.0 and not self._on_guard:
+            self.energised_once = True
+            self._on_guard = True
+            self._on_energised(True)  # noqa: FBT003 - the hook has this one meaning
+        self.state = OutputState.UNKNOWN  # should the write raise
+        write = self._output.write(sheet_V)
+        self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+        if sheet_V == 0.0 and self._on_guard:
+            self._on_guard = False
+            self._on_energised(False)  # noqa: FBT003 - as above
+        return write
+
+    def zero(self) -> VoltageWrite | None:
+        """Write 0 V at once; never raises. None: it could not be written, and is still to be."""
+        with suppress(Exception):  # what matters now is 0 V; the state tells of the failure
+            return self.write(0.0)
+        return None
+
+    def tell(self, why: str) -> None:
+        """Emit the state when it has changed."""
+        if self.state is not self._told:
+            self._told = self.state
+            self._emit(OutputChanged(self._clock.now(), self.state, why))
+
+    def settle(self, make_safe: MakeSafe) -> str:
+        """The end: make safe, and settle on SAFE or UNKNOWN; how it went in words."""
+        self.state = OutputState.UNKNOWN
+        made = make_safe()
+        if made.is_safe:
+            self.state = OutputState.SAFE
+            if self._on_guard:
+                self._on_guard = False
+                with suppress(Exception):  # a guard that is gone need not be told
+                    self._on_energised(False)  # noqa: FBT003 - as above
+        return made.text

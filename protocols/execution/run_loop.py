@@ -1,0 +1,299 @@
+"""Executes one run: edges at their times, everything else in between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
+from protocols.execution.devices import Devices, Rows
+from protocols.execution.events import (
+    Event,
+    RunStarted,
+    RunStopped,
+    SignalsArrived,
+    VoltageSet,
+    Warned,
+)
+from protocols.execution.output import GuardedOutput
+from protocols.execution.readings import ReadingMaker
+from protocols.execution.rules import Rules, Timing
+from protocols.execution.states import RunState
+from protocols.execution.stop import StopLevel, StopRequest
+from protocols.planning.schedule import PlannedRun
+
+# Making safe goes on, and may take its time; until then only hands can act.
+NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
+OVERDUE_S = 0.5  # a look at the signals so long overdue is taken although an edge is near
+
+
+class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
+    """The session is to end; the text is the reason that was given."""
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What all runs of a session are executed with."""
+
+    devices: Devices
+    output: GuardedOutput
+    clock: Clock
+    emit: Callable[[Event], None]
+    stop: StopRequest
+    beat: Callable[[], None]  # called at least every 50 ms while energised
+    enter: Callable[[RunState], None]
+    rules: Rules
+    timing: Timing
+    keep_all_frames: bool
+
+    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
+        """Do something while cleaning up: what goes wrong is told and does not stop the rest."""
+        try:
+            act()
+        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up goes on
+            with suppress(Exception):
+                self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
+            return error
+        return None
+
+    def tell_if_possible(self, event: Event) -> None:
+        """Emit an event while cleaning up after a failure, which may be the recording's own."""
+        with suppress(Exception):
+            self.emit(event)
+
+
+class RunLoop:
+    """One run, from the start of the acquisition to its end.
+
+    Edges have priority: between them the loop looks at signals, frames and the stop request every
+    `Timing.service_s`, but not when the next edge is nearer than such a look may take. Whatever is
+    raised, by a device or by a subscriber, 0 V is written before anything else happens.
+    """
+
+    def __init__(
+        self,
+        loop: Loop,
+        run: PlannedRun,
+        frame_rate_hz: float,
+        stage_position_m: float | None,
+        wetted_at_s: float | None,
+    ) -> None:
+        self._loop = loop
+        self._run = run
+        self._frame_rate_hz = frame_rate_hz
+        self._stage_position_m = stage_position_m
+        self._wetted_at_s = wetted_at_s
+        self._rows = Rows.of(loop.devices.signals)
+        self._maker: ReadingMaker | None = None
+        self._zero_s = 0.0  # clock time of the run's time 0
+        self._next_service_s = 0.0
+        self._last_sample_s = 0.0
+        self._cost_s = 0.0  # of a look, recently
+
+    def execute(self) -> None:
+        """Run it. Raises Stopped, DeviceError, or whatever else went wrong; at 0 V in any case."""
+        completed = False
+        try:
+            maker = self._begin()
+            completed = self._steps(maker)
+            self._tail(maker)
+        except BaseException:
+            self._return_to_zero("the run was broken off")
+            self._end(completed=False)
+            raise
+        self._end(completed=completed)
+        if not completed:
+            raise Stopped(self._loop.stop.why)
+
+    def _begin(self) -> ReadingMaker:
+        """Start camera and signals; the first step is due a lead-in later."""
+        loop, devices = self._loop, self._loop.devices
+        loop.enter(RunState.LEADING_IN)
+        frame_shape = None
+        if devices.camera is not None:
+            devices.camera.start()
+            frame_shape = devices.camera.frame_shape
+            if loop.keep_all_frames:
+                devices.camera.want_all()
+        sample_clock = devices.signals.start()
+        now_s = loop.clock.now()
+        self._zero_s = now_s + loop.timing.lead_in_s
+        self._next_service_s = self._last_sample_s = now_s
+        wetted_s = None if self._wetted_at_s is None else self._zero_s - self._wetted_at_s
+        self._maker = ReadingMaker(
+            self._run,
+            devices,
+            sample_clock,
+            self._frame_rate_hz,
+            loop.rules,
+            loop.timing,
+            keep_all_frames=loop.keep_all_frames,
+        )
+        loop.emit(
+            RunStarted(
+                time_s=self._zero_s,
+                run=self._run,
+                sample_clock=sample_clock,
+                channels=tuple(devices.signals.channels),
+                frame_shape=frame_shape,
+                stage_position_m=self._stage_position_m,
+                since_wetting_s=wetted_s,
+            )
+        )
+        return self._maker
+
+    def _steps(self, maker: ReadingMaker) -> bool:
+        """Execute the steps; False when a request ended them before the last one."""
+        for index, step in enumerate(self._run.steps):
+            due_s = self._zero_s + step.time_s
+            if not self._until(due_s, maker) or self._stop_before(index):
+                return self._cut_short(maker)
+            if index == 0:
+                self._loop.enter(RunState.RUNNING)
+            self._follow_up(index, due_s, self._loop.output.write(step.voltage_V))
+        return self._until(self._zero_s + self._run.duration_s, maker) or self._cut_short(maker)
+
+    def _cut_short(self, maker: ReadingMaker) -> bool:
+        """Follow a request to stop after the pulse, which is over now."""
+        run_s = self._loop.clock.now() - self._zero_s
+        self._return_to_zero("the session is to stop after this pulse")
+        if not self._loop.output.at_zero:
+            raise DeviceError("0 V was refused when the session was to stop after the pulse")
+        maker.forget_after(run_s)
+        return False
+
+    def _stop_before(self, index: int) -> bool:
+        """Whether a step is not to be executed; the last one leads to 0 V and always is."""
+        last = index == len(self._run.steps) - 1
+        return self._loop.stop.level is not StopLevel.NONE and not last
+
+    def _follow_up(self, step: int, due_s: float, write: VoltageWrite) -> None:
+        """An edge has been written: expect its readings, and tell."""
+        event = VoltageSet(write.after_s, self._run.index, step, due_s, write)
+        if self._maker is not None:
+            self._maker.edge(event)
+        self._loop.emit(event)
+        # Told when the state changes, and not with each pulse: which voltage it was is soon wrong.
+        self._loop.output.tell("0 V written" if write.sheet_V == 0.0 else "a voltage was written")
+        self._loop.beat()
+
+    def _tail(self, maker: ReadingMaker) -> None:
+        """Go on until the last readings are complete, and a little longer."""
+        loop = self._loop
+        loop.enter(RunState.TAILING)
+        self._until(loop.clock.now() + loop.timing.tail_s, maker, patient=True)
+        while maker.waiting:  # ends: signals that stay away raise, frames become overdue
+            self._until(loop.clock.now() + loop.timing.service_s, maker, patient=True)
+            self._service(maker)
+
+    def _until(self, when_s: float, maker: ReadingMaker, *, patient: bool = False) -> bool:
+        """Wait and look after everything until a moment; False as soon as the run is to end.
+
+        `patient`: a request to stop after the pulse is being followed already.
+        """
+        loop = self._loop
+        while True:
+            loop.beat()
+            if loop.stop.level is StopLevel.NOW:
+                raise Stopped(loop.stop.why)
+            now_s = loop.clock.now()
+            if now_s >= when_s:
+                return True
+            if not patient and loop.stop.level is not StopLevel.NONE and loop.output.at_zero:
+                return False
+            if self._may_service(now_s, when_s):
+                self._service(maker)
+            else:
+                ahead = self._next_service_s if self._next_service_s > now_s else when_s
+                loop.clock.sleep_until(min(when_s, ahead))
+
+    def _may_service(self, now_s: float, when_s: float) -> bool:
+        timing = self._loop.timing
+        margin_s = min(max(2 * self._cost_s, timing.least_margin_s), timing.most_margin_s)
+        overdue = now_s - self._next_service_s > OVERDUE_S
+        return now_s >= self._next_service_s and (when_s - now_s > margin_s or overdue)
+
+    def _service(self, maker: ReadingMaker) -> None:
+        """Take what has arrived, tell of it, and make the readings that are complete."""
+        loop, devices = self._loop, self._loop.devices
+        began_s = loop.clock.now()
+        self._next_service_s = began_s + loop.timing.service_s
+        self._take_samples(maker, began_s)
+        if devices.camera is not None:
+            maker.add_frames(devices.camera.frames())
+        for event in maker.complete(began_s):
+            loop.emit(event)
+        self._cost_s = max(loop.clock.now() - began_s, 0.9 * self._cost_s)
+
+    def _take_samples(self, maker: ReadingMaker, now_s: float) -> None:
+        loop = self._loop
+        block = loop.devices.signals.read_available()
+        if block.volts.shape[1]:
+            self._last_sample_s = now_s
+            maker.add_block(block)
+            loop.emit(SignalsArrived(block.read_s, self._run.index, block))
+            loop.devices.protect(block.volts[self._rows.force])
+        elif now_s - self._last_sample_s > loop.timing.starved_s:
+            raise DeviceTimeoutError(
+                f"the signal input has delivered no samples for {loop.timing.starved_s:g} s; "
+                "check its connection; 0 V is written to the output"
+            )
+
+    def _return_to_zero(self, why: str) -> None:
+        """0 V first, then the events that tell of it; never raises.
+
+        It counts as the last step, which is the planned return to 0 V, done early.
+        """
+        loop = self._loop
+        was_at_zero = loop.output.at_zero
+        write = loop.output.zero()
+        if write is not None and self._maker is not None and not was_at_zero:
+            last = len(self._run.steps) - 1
+            loop.tell_if_possible(
+                VoltageSet(write.after_s, self._run.index, last, write.before_s, write)
+            )
+        told = why if write is not None else NOT_ZERO.format(why=why)
+        loop.guarded("telling what the output is at", lambda: loop.output.tell(told))
+
+    def _end(self, *, completed: bool) -> None:
+        """Stop the acquisition, each device for itself, and tell of it.
+
+        Raises only after a completed run: what a subscriber raises, or a device that cannot be
+        stopped, and so not be started again for the next run.
+        """
+        loop, devices, maker = self._loop, self._loop.devices, self._maker
+        tell = loop.emit if completed else loop.tell_if_possible
+        if maker is not None and not completed:
+            loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
+        failed = loop.guarded("stopping the signal input", devices.signals.stop)
+        if devices.camera is not None:
+            camera_failed = loop.guarded("stopping the camera", devices.camera.stop)
+            failed = failed or camera_failed
+        if maker is None:
+            return  # RunStarted was never told
+        grabbed, dropped = self._last_frames(maker)
+        for event in maker.leftover_frames(loop.clock.now()):
+            tell(event)
+        tell(
+            RunStopped(
+                time_s=loop.clock.now(),
+                run=self._run.index,
+                completed=completed,
+                lost_samples=maker.samples.lost,
+                frames_grabbed=grabbed,
+                frames_dropped=dropped,
+            )
+        )
+        if completed and failed is not None:
+            raise failed
+
+    def _last_frames(self, maker: ReadingMaker) -> tuple[int, int]:
+        """Take what the stopped camera still holds; frames grabbed and dropped in this run."""
+        camera, guarded = self._loop.devices.camera, self._loop.guarded
+        if camera is None:
+            return 0, 0
+        guarded("last frames", lambda: maker.add_frames(camera.frames()))
+        found: list[CameraCounts] = []
+        guarded("counting the frames", lambda: found.append(camera.counts))
+        return (found[0].grabbed, found[0].dropped) if found else (0, 0)

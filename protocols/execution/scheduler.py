@@ -1,0 +1,298 @@
+"""Runs a schedule on a clock, and leaves the output at 0 V whatever happens."""
+
+from __future__ import annotations
+
+import datetime as dt
+import threading
+from collections.abc import Callable, Collection
+from dataclasses import replace
+
+from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
+from protocols.errors import ScheduleError
+from protocols.execution.devices import Devices, Rows
+from protocols.execution.event_bus import SubscriberError
+from protocols.execution.events import (
+    Event,
+    Outcome,
+    OutputState,
+    ReadingMarked,
+    ReadingTaken,
+    RunStarted,
+    SessionStarted,
+    SessionStopped,
+    Warned,
+)
+from protocols.execution.operator import RecordedOperator
+from protocols.execution.output import GuardedOutput, MakeSafe
+from protocols.execution.rules import Rules, Timing
+from protocols.execution.run_loop import Loop, RunLoop, Stopped
+from protocols.execution.states import FinishReason, RunState, Status
+from protocols.execution.stop import StopLevel, StopRequest
+from protocols.planning.limits import SafetyLimits, check_schedule
+from protocols.planning.preparation import Action, Move, Situation, preparation
+from protocols.planning.schedule import PlannedRun, Schedule
+
+
+class _Declined(Exception):  # noqa: N818 - not an error: an answer
+    """The operator has said no."""
+
+
+class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while asking
+    """The operator could not be asked."""
+
+
+def utc_now() -> str:
+    """The time of day as ISO 8601, UTC."""
+    return dt.datetime.now(dt.UTC).isoformat(timespec="milliseconds")
+
+
+def _no_beat() -> None:
+    """Nobody watches over this process."""
+
+
+def _no_guard(energised: bool) -> None:
+    """Nobody watches over this process."""
+
+
+class Scheduler:
+    """Executes one schedule.
+
+    ::
+
+        IDLE -> PREPARING -> LEADING_IN -> RUNNING -> TAILING -.
+                    ^                                          |
+                    |---------------- next run <---------------|
+                    |                                          | last run
+                    |   stop, declined, fault: from any state  v
+                    '----------------------------------> STOPPING -> FINISHED
+                                                                 '-> UNKNOWN
+
+    The devices are open, and stay so; the caller closes them. Preparing happens at 0 V. On a
+    stop request or any exception 0 V is written first, then the events are told. `run` raises
+    ScheduleError, before anything is touched, when the schedule is not within the limits; else
+    SessionStopped is always the last event, with the output's state as read back, and `status`
+    holds the reason.
+
+    `beat` is called at least every 50 ms while the sheet is energised, `on_energised` before the
+    first voltage and after 0 V was confirmed: a guard process is fed by them. `make_safe` is the
+    one way out: called once, at the end, however that comes. `emit` may raise: the session then
+    ends safely. It must not block for long: a guard takes that for a hang.
+    """
+
+    def __init__(
+        self,
+        devices: Devices,
+        clock: Clock,
+        emit: Callable[[Event], None],
+        stop: StopRequest,
+        limits: SafetyLimits,
+        make_safe: MakeSafe,
+        *,
+        rules: Rules | None = None,
+        timing: Timing | None = None,
+        beat: Callable[[], None] = _no_beat,
+        on_energised: Callable[[bool], None] = _no_guard,
+        keep_all_frames: bool = False,
+        wall: Callable[[], str] = utc_now,
+    ) -> None:
+        self._devices = devices
+        self._clock = clock
+        self._subscribers = emit
+        self._stop = stop
+        self._limits = limits
+        self._rules = rules or Rules()
+        timing = timing or Timing()
+        self._make_safe = make_safe
+        self._wall = wall
+        self._emit_lock = threading.RLock()
+        self._operator = devices.operator
+        if not isinstance(devices.operator, RecordedOperator):
+            self._operator = RecordedOperator(devices.operator, clock, self._emit)
+        self._output = GuardedOutput(devices.output, clock, self._emit, on_energised)
+        self._loop = Loop(
+            devices=devices,
+            output=self._output,
+            clock=clock,
+            emit=self._emit,
+            stop=stop,
+            beat=beat,
+            enter=self._enter,
+            rules=self._rules,
+            timing=timing,
+            keep_all_frames=keep_all_frames,
+        )
+        self._status = Status()
+        self._situation = Situation()
+        self._wetted_s: float | None = None
+        self._started: set[int] = set()
+        self._taken: set[tuple[int, int]] = set()
+
+    @property
+    def status(self) -> Status:
+        """What is going on, or why it ended. May be asked from any thread."""
+        return self._status
+
+    def run(self, schedule: Schedule, done: Collection[int] = ()) -> Outcome:
+        """Execute the runs in their order, except those that are `done` (a session resumed)."""
+        if self._status.state is not RunState.IDLE:
+            raise ScheduleError("a scheduler runs one session; make another one")
+        limit_V = min(self._limits.sheet_voltage_V, self._devices.output.limit_V)
+        check_schedule(schedule, replace(self._limits, sheet_voltage_V=limit_V))
+        try:
+            self._run_all(schedule, done)
+        except BaseException as error:
+            finish, text = _reason(error)
+            outcome = self._finish(finish, text, error)
+            if finish is FinishReason.INTERNAL_ERROR and not isinstance(error, Exception):
+                raise  # the interpreter is being ended
+            return outcome
+        return self._finish(FinishReason.COMPLETED, "all runs are done", None)
+
+    def mark(self, run: int, reading: int | None, why: str, who: str) -> None:
+        """Declare a reading (None: a whole run) invalid. May be called from any thread.
+
+        Raises ScheduleError for what has not been taken yet or when the session is over.
+        """
+        with self._emit_lock:
+            if self._status.state in (RunState.FINISHED, RunState.UNKNOWN):
+                raise ScheduleError("the session is over; mark the reading in its file")
+            if run not in self._started:
+                raise ScheduleError(f"run {run + 1} has not begun, so nothing of it can be marked")
+            if reading is not None and (run, reading) not in self._taken:
+                raise ScheduleError(f"reading {reading} of run {run + 1} has not been taken yet")
+            self._emit(ReadingMarked(self._clock.now(), run, reading, why, who))
+
+    def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:
+        self._enter(RunState.PREPARING)
+        self._emit(SessionStarted(self._clock.now(), self._wall()))
+        Rows.of(self._devices.signals)
+        self._output.write(0.0)
+        self._output.tell("the session begins at 0 V")
+        for run in schedule.runs:
+            if run.index in done:
+                continue
+            self._enter(RunState.PREPARING, run.index)
+            stage_position_m = self._prepare(run)
+            RunLoop(
+                self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s
+            ).execute()
+
+    def _prepare(self, run: PlannedRun) -> float | None:
+        """Ask and move; the position that the stage reports."""
+        self._obey_stop()
+        actions, after = preparation(self._situation, run)
+        for action in actions:
+            done, asked = self._have_done(action)
+            self._obey_stop()
+            if not done:
+                raise _Declined(f"the operator was asked {asked} and stopped the session")
+        self._situation = after
+        return self._reported_position(run)
+
+    def _have_done(self, action: Action) -> tuple[bool, str]:
+        """Whether something has been done, and what was asked for, in words."""
+        try:
+            if isinstance(action, Move):
+                asked = f"to move the load cell to {action.position_m * 1e3:g} mm"
+                return self._devices.stage.move_to(action.position_m), asked
+            return self._ask(action), f"({action.text})"
+        except (DeviceError, SubscriberError):
+            raise
+        except Exception as error:
+            raise _NoAnswer(str(error) or type(error).__name__) from error
+
+    def _ask(self, prompt: Prompt) -> bool:
+        done = self._operator.ask(prompt)
+        if done and prompt.kind == "moisten":
+            self._wetted_s = self._clock.now()
+        return done
+
+    def _reported_position(self, run: PlannedRun) -> float | None:
+        if run.position_m is None:
+            return None
+        reported_m = self._devices.stage.position()
+        if reported_m is not None:
+            off_m = reported_m - run.position_m
+            if abs(off_m) > self._rules.position_tolerance_m:
+                text = (
+                    f"the stage reports {reported_m * 1e3:.2f} mm where run {run.index + 1} wants "
+                    f"{run.position_m * 1e3:g} mm"
+                )
+                self._emit(Warned(self._clock.now(), text))
+        return reported_m
+
+    def _obey_stop(self) -> None:
+        if self._stop.level is not StopLevel.NONE:
+            raise Stopped(self._stop.why)
+
+    def _enter(self, state: RunState, run: int | None = None) -> None:
+        self._status = replace(
+            self._status,
+            state=state,
+            run=self._status.run if run is None else run,
+            output=self._output.state,
+            energised_once=self._output.energised_once,
+        )
+
+    def _emit(self, event: Event) -> None:
+        """One event at a time, whichever thread it comes from."""
+        with self._emit_lock:
+            if isinstance(event, RunStarted):
+                self._started.add(event.run.index)
+            elif isinstance(event, ReadingTaken):
+                self._taken.add((event.run, event.planned.index))
+            try:
+                self._subscribers(event)
+            except SubscriberError:
+                raise
+            except Exception as error:
+                raise SubscriberError(f"{type(error).__name__}: {error}") from error
+
+    def _finish(self, finish: FinishReason, text: str, error: BaseException | None) -> Outcome:
+        """Make safe, tell the end, and settle the status; never raises."""
+        self._enter(RunState.STOPPING)
+        found = self._output.settle(self._make_safe)
+        self._loop.guarded("telling the state of the output", lambda: self._output.tell(found))
+        state = self._output.state
+        # What hands must do comes first, however much there is to say.
+        reason = text if state is OutputState.SAFE else f"{found}; what ended the session: {text}"
+        with self._emit_lock:
+            try:
+                self._emit(
+                    SessionStopped(self._clock.now(), finish.outcome, reason, state, self._wall())
+                )
+            except Exception as failed:  # noqa: BLE001 - there is nobody left to tell but the caller
+                if finish is FinishReason.COMPLETED:
+                    finish, error = FinishReason.RECORDING_FAULT, failed
+                    reason = f"all runs are done, but their end could not be recorded: {failed}"
+            safe = state is OutputState.SAFE
+            self._status = Status(
+                state=RunState.FINISHED if safe else RunState.UNKNOWN,
+                run=self._status.run,
+                output=state,
+                finish=finish,
+                text=reason,
+                energised_once=self._output.energised_once,
+                error=error,
+            )
+        return finish.outcome
+
+
+def _reason(error: BaseException) -> tuple[FinishReason, str]:
+    """What an exception means for the session, and the sentence for the operator."""
+    text = str(error) or type(error).__name__
+    if isinstance(error, Stopped):
+        return FinishReason.STOP_REQUESTED, text
+    if isinstance(error, KeyboardInterrupt):
+        return FinishReason.STOP_REQUESTED, "interrupted from the keyboard"
+    if isinstance(error, _Declined):
+        return FinishReason.DECLINED, text
+    if isinstance(error, _NoAnswer):
+        return FinishReason.NO_ANSWER, text
+    if isinstance(error, OverloadError):
+        return FinishReason.OVERLOAD, text
+    if isinstance(error, DeviceError):
+        return FinishReason.DEVICE_FAULT, text
+    if isinstance(error, SubscriberError):
+        return FinishReason.RECORDING_FAULT, f"the session could not be recorded: {text}"
+    return FinishReason.INTERNAL_ERROR, f"an error in labrig itself: {type(error).__name__}: {text}"

@@ -1,0 +1,1 @@
+"""Kinds of protocol: how a definition becomes voltage steps and readings."""

@@ -1,0 +1,1 @@
+"""From a protocol to the schedule of a session, and its checks."""

@@ -1,0 +1,127 @@
+"""A schedule in rows for people, and a run as a line to draw."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+from drivers.interfaces import Prompt
+from protocols.execution.rules import Timing
+from protocols.planning.limits import time_under_voltage_s
+from protocols.planning.preparation import Action, Move, Situation, preparation
+from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule
+
+# How long things take at the rig, roughly, s: for the estimate only.
+TAKES_S = {
+    "mount": 180.0,
+    "remount": 180.0,
+    "moisten": 20.0,
+    "touch": 15.0,
+    "free": 15.0,
+    "dead_weight": 30.0,
+    "turn_over": 180.0,
+}
+MOVE_TAKES_S = 10.0
+OTHER_TAKES_S = 10.0
+
+
+@dataclass(frozen=True)
+class PlanRow:
+    """One run, as `labrig plan` shows it."""
+
+    run: int
+    purpose: Purpose
+    configuration: str
+    position_m: float | None
+    approach: str
+    mounting: int
+    prompts: tuple[str, ...]  # what is asked of the operator, or moved, before it
+    starts_s: float  # estimated, from the session's beginning
+    duration_s: float
+    under_voltage_s: float
+    voltages_V: tuple[float, ...]  # in the order in which they first appear, 0 left out
+    readings: dict[ReadingKind, int]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The whole session."""
+
+    rows: tuple[PlanRow, ...]
+    running_s: float  # the runs alone
+    estimate_s: float  # with everything that is done between them
+    under_voltage_s: float
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """A run as a line: `voltage_V[i]` from `time_s[i]` to `time_s[i + 1]`, drawn with corners."""
+
+    time_s: tuple[float, ...]
+    voltage_V: tuple[float, ...]
+    reading_s: tuple[float, ...]  # sampling points
+    reading_V: tuple[float, ...]
+    reading_kind: tuple[ReadingKind, ...]
+
+
+def describe(schedule: Schedule, timing: Timing | None = None) -> Plan:
+    """Times, voltages and readings of every run, and an estimate of the whole session's time."""
+    timing = timing or Timing()
+    situation, clock_s, rows = Situation(), 0.0, []
+    for run in schedule.runs:
+        actions, situation = preparation(situation, run)
+        clock_s += sum(map(_takes_s, actions)) + timing.lead_in_s
+        rows.append(_row(run, actions, clock_s))
+        clock_s += run.duration_s + timing.tail_s
+    return Plan(
+        rows=tuple(rows),
+        running_s=sum(row.duration_s for row in rows),
+        estimate_s=clock_s,
+        under_voltage_s=sum(row.under_voltage_s for row in rows),
+    )
+
+
+def timeline(run: PlannedRun) -> Timeline:
+    """What to draw of a run: corners of the voltage, and the readings."""
+    time_s, voltage_V = [0.0], [0.0]
+    for step in run.steps:
+        time_s += [step.time_s, step.time_s]
+        voltage_V += [voltage_V[-1], step.voltage_V]
+    return Timeline(
+        time_s=(*time_s, run.duration_s),
+        voltage_V=(*voltage_V, voltage_V[-1]),
+        reading_s=tuple(run.time_of(reading) for reading in run.readings),
+        reading_V=tuple(reading.voltage_V for reading in run.readings),
+        reading_kind=tuple(reading.kind for reading in run.readings),
+    )
+
+
+def _row(run: PlannedRun, actions: list[Action], starts_s: float) -> PlanRow:
+    return PlanRow(
+        run=run.index,
+        purpose=run.purpose,
+        configuration=run.configuration,
+        position_m=run.position_m,
+        approach=run.approach,
+        mounting=run.mounting,
+        prompts=tuple(map(_short, actions)),
+        starts_s=starts_s,
+        duration_s=run.duration_s,
+        under_voltage_s=time_under_voltage_s(run),
+        voltages_V=tuple(dict.fromkeys(s.voltage_V for s in run.steps if s.voltage_V)),
+        readings=dict(Counter(reading.kind for reading in run.readings)),
+    )
+
+
+def _short(action: Action) -> str:
+    if isinstance(action, Move):
+        return f"move to {action.position_m * 1e3:g} mm"
+    if action.load_N is not None:
+        return f"{action.kind} {action.load_N * 1e3:g} mN"
+    return action.kind
+
+
+def _takes_s(action: Action) -> float:
+    if isinstance(action, Prompt):
+        return TAKES_S.get(action.kind, OTHER_TAKES_S)
+    return MOVE_TAKES_S

@@ -1,0 +1,149 @@
+"""What is checked of a schedule before any hardware is touched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import isfinite, pi
+
+from protocols.errors import ScheduleError
+from protocols.kinds.definition import fits
+from protocols.planning.schedule import PlannedReading, PlannedRun, Schedule
+
+
+@dataclass(frozen=True)
+class SafetyLimits:
+    """What the sheet and the rig stand."""
+
+    sheet_voltage_V: float  # either sign
+    time_under_voltage_s: float  # in one run: the sheet dries
+    positions_m: tuple[float, float] | None = None  # what the stage can reach; None: not known
+
+
+def time_under_voltage_s(run: PlannedRun) -> float:
+    """How long a run keeps the sheet at a voltage other than 0, s."""
+    ends_s = [step.time_s for step in run.steps[1:]] + [run.duration_s]
+    return sum(
+        end_s - step.time_s
+        for step, end_s in zip(run.steps, ends_s, strict=True)
+        if step.voltage_V != 0.0
+    )
+
+
+def check_schedule(schedule: Schedule, limits: SafetyLimits) -> None:
+    """Raise one ScheduleError that names every fault of a schedule, and where it is."""
+    faults = [*_general_faults(schedule), *_faults_of_runs(schedule, limits)]
+    if faults:
+        raise ScheduleError("; ".join(faults))
+
+
+def check_structure(schedule: Schedule) -> None:
+    """Raise one ScheduleError that names every fault that is one whatever the limits."""
+    faults = [*_general_faults(schedule), *_faults_of_runs(schedule, None)]
+    if faults:
+        raise ScheduleError("; ".join(faults))
+
+
+def _general_faults(schedule: Schedule) -> Iterator[str]:
+    if not schedule.runs:
+        yield "the schedule has no runs"
+    if [run.index for run in schedule.runs] != list(range(len(schedule.runs))):
+        yield "the runs are not numbered 0, 1, 2, ..."
+    tilts = {run.tilt_rad for run in schedule.runs}
+    if not tilts <= {0.0, pi}:
+        yield "a rig stands upright (tilt_rad 0) or is turned over (pi), nothing between"
+    elif len(tilts) > 1:
+        yield "the rig cannot be turned over between two runs of a session"
+    if not (isfinite(schedule.frame_rate_hz) and schedule.frame_rate_hz > 0):
+        yield f"frame_rate_hz = {schedule.frame_rate_hz} must be larger than 0"
+
+
+def _faults_of_runs(schedule: Schedule, limits: SafetyLimits | None) -> list[str]:
+    """Each fault once, with the runs that have it."""
+    where: dict[str, list[PlannedRun]] = {}
+    for run in schedule.runs:
+        for fault in structure_faults(run):
+            where.setdefault(fault, []).append(run)
+        for fault in limit_faults(run, limits) if limits else ():
+            where.setdefault(fault, []).append(run)
+    return [f"{_runs(runs)}: {fault}" for fault, runs in where.items()]
+
+
+def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
+    """What of a run is beyond the limits, a phrase each."""
+    largest_V = max((abs(step.voltage_V) for step in run.steps), default=0.0)
+    if not largest_V <= limits.sheet_voltage_V:
+        yield (
+            f"{largest_V:g} V at the sheet is beyond the limit of ±{limits.sheet_voltage_V:g} V "
+            "([limits] sheet_voltage_V)"
+        )
+    under_s = time_under_voltage_s(run) if run.steps else 0.0
+    if not fits(under_s, limits.time_under_voltage_s):
+        yield (
+            f"{under_s:g} s under voltage is longer than the limit of "
+            f"{limits.time_under_voltage_s:g} s a run ([limits] time_under_voltage_s)"
+        )
+    for position_m in (run.via_m, run.position_m):
+        if position_m is not None and limits.positions_m is not None:
+            low_m, high_m = limits.positions_m
+            if not low_m <= position_m <= high_m:
+                yield (
+                    f"the stage cannot go to {position_m * 1e3:g} mm, only from "
+                    f"{low_m * 1e3:g} to {high_m * 1e3:g} mm"
+                )
+
+
+def structure_faults(run: PlannedRun) -> Iterator[str]:
+    """What of a run makes no sense whatever the limits, a phrase each."""
+    times_s = [step.time_s for step in run.steps]
+    if not run.steps:
+        yield "it has no steps"
+        return
+    if not all(map(isfinite, (*times_s, run.duration_s, *(s.voltage_V for s in run.steps)))):
+        yield "a time or a voltage is not a finite number"
+        return
+    if times_s[0] != 0.0:
+        yield "the first step is not at 0 s"
+    if any(later <= earlier for earlier, later in pairwise(times_s)):
+        yield "the steps are not in the order of time"
+    if run.steps[-1].voltage_V != 0.0:
+        yield f"the last step leaves {run.steps[-1].voltage_V:g} V at the sheet"
+    if run.duration_s < times_s[-1]:
+        yield "it is over before its last step"
+    if run.position_m is not None and not isfinite(run.position_m):
+        yield "its position is not a finite number"
+    if [reading.index for reading in run.readings] != list(range(len(run.readings))):
+        yield "the readings are not numbered 0, 1, 2, ..."
+    for reading in run.readings:
+        yield from _reading_faults(run, reading)
+    due_s = [run.time_of(r) for r in run.readings if 0 <= r.step < len(run.steps)]
+    if any(later < earlier for earlier, later in pairwise(due_s)):
+        yield "the readings are not in the order of time"
+
+
+def _reading_faults(run: PlannedRun, reading: PlannedReading) -> Iterator[str]:
+    name = f"reading {reading.index}"
+    if not 0 <= reading.step < len(run.steps):
+        yield f"{name} belongs to step {reading.step}, and there is none"
+        return
+    if not (isfinite(reading.delay_s) and isfinite(reading.half_window_s)):
+        yield f"{name}: a time is not a finite number"
+        return
+    step = run.steps[reading.step]
+    last = reading.step == len(run.steps) - 1
+    end_s = run.duration_s if last else run.steps[reading.step + 1].time_s
+    reach_s = reading.delay_s + reading.half_window_s
+    if reading.half_window_s < 0 or not fits(reading.half_window_s, reading.delay_s):
+        yield f"{name} begins before its step"
+    if not fits(step.time_s + reach_s, end_s):
+        yield f"{name} is not over when its step is"
+    if reading.voltage_V != step.voltage_V:
+        yield f"{name} says {reading.voltage_V:g} V, its step {step.voltage_V:g} V"
+
+
+def _runs(runs: list[PlannedRun]) -> str:
+    first = runs[0]
+    at = "" if first.position_m is None else f" at {first.position_m * 1e3:g} mm"
+    name = f"run {first.index + 1} ({first.configuration}{at})"
+    return name if len(runs) == 1 else f"{name} and {len(runs) - 1} more"

@@ -1,0 +1,249 @@
+"""From a protocol and the places where it is run to the schedule of a whole session."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import pi
+from typing import Literal
+
+from protocols.errors import ScheduleError, require_count, require_number
+from protocols.kinds.definition import Builder, Definition, StepsAndReadings, require_measure
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule, VoltageStep
+
+FREE_SHAPES_EACH = 2  # of every voltage and of 0 V: six for a train of two voltages
+
+
+@dataclass(frozen=True)
+class Place:
+    """One configuration of the sheet, and the positions along the arc where it is measured.
+
+    Without positions only its free shapes are taken.
+    """
+
+    configuration: str
+    positions_m: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if not self.configuration:
+            raise ScheduleError("places: a configuration has no name")
+        for position_m in self.positions_m:
+            require_number(f"places: a position of {self.configuration}", position_m)
+        if len(set(self.positions_m)) < len(self.positions_m):
+            raise ScheduleError(f"places: a position of {self.configuration} is there twice")
+
+
+@dataclass(frozen=True)
+class Extras:
+    """Minutes at the rig that decide what can be known afterwards. As made here: none of them."""
+
+    random_order_seed: int | None = None  # of the positions of a place; None: as they stand
+    remounts: int = 0  # positions that are set anew and measured again, in each configuration
+    no_touch_zero: bool = False  # the load cell's zero at each position, the sheet lifted out
+    free_shapes: bool = False  # shapes without the load cell, at 0 V and every voltage
+    reversed_approach: bool = False  # the middle position again, from the other side
+    dead_weights_N: tuple[float, ...] = ()  # hung on the load cell before everything else
+    approach_from_m: float = 0.002  # how far beside a position its approach begins
+    approach: Literal["up", "down"] = "up"  # from which side all positions are approached
+    turned_over: bool = False  # the whole session with the rig turned over: weight changes sides
+
+    def __post_init__(self) -> None:
+        require_count("extras: remounts", self.remounts, least=0)
+        for load_N in self.dead_weights_N:
+            require_number("extras: a dead weight", load_N, above=0.0)
+        require_number("extras: approach_from_m", self.approach_from_m, above=0.0)
+        if self.approach not in ("up", "down"):
+            raise ScheduleError(f"extras: approach = {self.approach!r}: should be up or down")
+
+
+def make_schedule(
+    protocol: Definition,
+    places: Sequence[Place],
+    *,
+    extras: Extras | None = None,
+    moisten: bool = True,
+    frame_rate_hz: float = 25.0,
+) -> Schedule:
+    """All runs of a session in the order in which they are to be done.
+
+    Dead weights first; then each configuration: its free shapes, its positions (each after its
+    no-touch zero), the reversed approach and the re-mounted positions. Raises ScheduleError.
+    """
+    extras = extras or Extras()
+    require_number("frame_rate_hz", frame_rate_hz, above=0.0)
+    if not places:
+        raise ScheduleError("places: there is none, so there is nothing to measure")
+    for place in places:
+        if not place.positions_m and not extras.free_shapes:
+            raise ScheduleError(
+                f"places: {place.configuration} has no positions; only its free shapes can be taken"
+                " without any"
+            )
+    names = [place.configuration for place in places]
+    if len(set(names)) < len(names):
+        raise ScheduleError("places: a configuration is there twice; put its positions together")
+    planner = _Planner(protocol, extras, moisten)
+    planner.weigh(places[0].configuration)
+    for place in places:
+        planner.visit(place)
+    return Schedule(protocol.name, tuple(planner.runs), frame_rate_hz)
+
+
+class _Planner:
+    def __init__(self, protocol: Definition, extras: Extras, moisten: bool) -> None:
+        self.runs: list[PlannedRun] = []
+        self._size = 0  # steps and readings of all of them
+        self._protocol = protocol
+        self._extras = extras
+        self._moisten = moisten
+        # One generator for all places, so that no two are shuffled alike. Only `random()` is
+        # promised to give the same numbers in every version of Python, so positions are sorted
+        # by it instead of shuffled.
+        self._random = random.Random(extras.random_order_seed)  # noqa: S311 - no secret
+        self._parts = protocol.steps_and_readings()
+        self._quiet = _quiet(protocol)
+
+    def weigh(self, configuration: str) -> None:
+        """The dead weights, after a reading without any."""
+        loads_N = self._extras.dead_weights_N
+        for load_N in (0.0, *loads_N) if loads_N else ():
+            self._add(configuration, None, Purpose.DEAD_WEIGHT, self._quiet, load_N=load_N)
+
+    def visit(self, place: Place) -> None:
+        """Everything in one configuration."""
+        name, positions_m = place.configuration, self._ordered(place.positions_m)
+        if self._extras.free_shapes:
+            parts = _free_train(self._protocol).steps_and_readings()
+            self._add(name, None, Purpose.FREE_SHAPE, parts)
+        for position_m in positions_m:
+            if self._extras.no_touch_zero:
+                self._add(name, position_m, Purpose.NO_TOUCH_ZERO, self._quiet)
+            self._measure(name, position_m)
+        if self._extras.reversed_approach and positions_m:
+            middle_m = sorted(positions_m)[len(positions_m) // 2]
+            other = "up" if self._extras.approach == "down" else "down"
+            self._measure(name, middle_m, approach=other)
+        for turn, position_m in enumerate(_spread(positions_m, self._extras.remounts)):
+            self._measure(name, position_m, mounting=1 + turn // len(positions_m))
+
+    def _ordered(self, positions_m: Iterable[float]) -> list[float]:
+        if self._extras.random_order_seed is None:
+            return list(positions_m)
+        return sorted(positions_m, key=lambda _: self._random.random())
+
+    def _measure(
+        self, configuration: str, position_m: float, *, mounting: int = 0, approach: str = ""
+    ) -> None:
+        approach = approach or self._extras.approach
+        side = -1.0 if approach == "up" else 1.0
+        via_m = None
+        if self._needs_approach(configuration, position_m, mounting, side):
+            via_m = round(position_m + side * self._extras.approach_from_m, 9)
+        self._add(
+            configuration,
+            position_m,
+            Purpose.MEASUREMENT,
+            self._parts,
+            mounting=mounting,
+            approach=approach,
+            via_m=via_m,
+        )
+
+    def _needs_approach(
+        self, configuration: str, position_m: float, mounting: int, side: float
+    ) -> bool:
+        """Whether going straight to the position would come from the wrong side, or from none.
+
+        A sheet that has just been mounted is put between the rolls where they are.
+        """
+        before = self.runs[-1] if self.runs else None
+        mounted_now = (
+            before is None
+            or before.purpose is Purpose.DEAD_WEIGHT
+            or before.configuration != configuration
+            or mounting > 0
+        )
+        if mounted_now:
+            return side > 0
+        assert before is not None  # noqa: S101 - for the type checker
+        if before.purpose is not Purpose.MEASUREMENT or before.position_m is None:
+            return True
+        return (before.position_m - position_m) * side <= 0
+
+    def _add(
+        self,
+        configuration: str,
+        position_m: float | None,
+        purpose: Purpose,
+        parts: StepsAndReadings,
+        *,
+        mounting: int = 0,
+        approach: str = "up",
+        load_N: float | None = None,
+        via_m: float | None = None,
+    ) -> None:
+        steps, readings, duration_s = parts
+        self._size += len(steps) + len(readings)
+        require_measure(self._size)
+        driven = any(step.voltage_V for step in steps)
+        self.runs.append(
+            PlannedRun(
+                index=len(self.runs),
+                configuration=configuration,
+                position_m=position_m,
+                purpose=purpose,
+                mounting=mounting,
+                approach=approach,
+                moisten=self._moisten and driven,
+                load_N=load_N,
+                steps=steps,
+                readings=readings,
+                duration_s=duration_s,
+                via_m=via_m,
+                tilt_rad=pi if self._extras.turned_over else 0.0,
+            )
+        )
+
+
+def _spread(positions_m: Sequence[float], count: int) -> list[float]:
+    """`count` positions, spread evenly from the first to the last; again from the start if more."""
+    rising = sorted(positions_m)
+    if not rising:
+        return []
+    if count >= len(rising):
+        return [rising[i % len(rising)] for i in range(count)]
+    if count == 1:
+        return [rising[len(rising) // 2]]
+    return [rising[round(i * (len(rising) - 1) / (count - 1))] for i in range(count)]
+
+
+def _train_like(protocol: Definition) -> PulseTrain:
+    """The protocol itself when it is a pulse train, or one at the protocol's voltages."""
+    if isinstance(protocol, PulseTrain):
+        return protocol
+    steps: tuple[VoltageStep, ...] = protocol.steps_and_readings()[0]
+    voltages_V = tuple(dict.fromkeys(step.voltage_V for step in steps if step.voltage_V))
+    single = len(voltages_V) == 1
+    return PulseTrain(voltages_V=voltages_V, rest_s=PulseTrain.pulse_s if single else 0.0)
+
+
+def _free_train(protocol: Definition) -> PulseTrain:
+    return replace(
+        _train_like(protocol),
+        zero_readings=FREE_SHAPES_EACH,
+        readings_per_voltage=FREE_SHAPES_EACH,
+    )
+
+
+def _quiet(protocol: Definition) -> StepsAndReadings:
+    """The load cell alone: as many readings at 0 V as the protocol begins with, or ten."""
+    train = _train_like(protocol)
+    count = train.zero_readings or PulseTrain.zero_readings
+    run = Builder()
+    run.step(0.0, count * train.pulse_s)
+    for slot in range(count):
+        delay_s = slot * train.pulse_s + train.sample_at_s
+        run.reading(delay_s, train.half_window_s, ReadingKind.NO_CONTACT)
+    return run.finish()

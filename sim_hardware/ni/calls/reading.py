@@ -1,0 +1,123 @@
+"""Taking samples out of a task: on demand, or from a running acquisition."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim_hardware.ni.errors import Code, StatusError
+from sim_hardware.ni.rpc import Call
+from sim_hardware.ni.signals.acquisition import Acquisition, Samples
+from sim_hardware.ni.signals.timing import TimingType
+from sim_hardware.ni.tasks.channels import ChannelType
+from sim_hardware.ni.tasks.engine import Engine
+from sim_hardware.ni.tasks.tasks import Task
+
+ALL_AVAILABLE = -1
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a read got. `status` is -200284 when its time was over before all samples had come."""
+
+    samples: Samples
+    status: int = 0
+
+    @property
+    def count(self) -> int:
+        """Samples per channel."""
+        return int(self.samples.codes.shape[1])
+
+
+def take(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) -> Taken:
+    """Read `wanted` samples per channel (-1: all available) in `timeout_s` (negative: any time)."""
+    if wanted < ALL_AVAILABLE:
+        raise StatusError(Code.SAMPLE_COUNT, f"Requested: {wanted}", task.name, samples_read=0)
+    if task.type is not ChannelType.ANALOG_INPUT:
+        raise StatusError(Code.READ_NOT_INPUT, task=task.name, samples_read=0)
+    if not task.running and not task.auto_start:
+        raise StatusError(Code.NOT_STARTED, task=task.name, samples_read=0)
+    if engine.faults.loses_samples():
+        raise StatusError(Code.OVERWRITTEN, task=task.name, samples_read=0)
+    if task.timing.kind is TimingType.ON_DEMAND:
+        taken = _on_demand(engine, task, max(1, wanted), call)
+    else:
+        taken = _buffered(engine, task, wanted, timeout_s, call)
+    return _spoilt(engine, task, _selected(task, taken))
+
+
+def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> Taken:
+    """Samples from now on, as fast as the board converts."""
+    started = not task.running
+    if started:
+        engine.start(task)
+    convert_s = task.inputs[0].side.min_convert_s
+    sample_s = convert_s * len(task.channels)
+    times_s = np.linspace(0.0, sample_s * (wanted - 1), wanted) + engine.now()
+    last_s = float(times_s[-1]) + convert_s * (len(task.channels) - 1)
+    while wanted > 1 and engine.now() < last_s and engine.wait_until(last_s, call):
+        pass
+    if task.on_demand is None:
+        raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
+    samples = task.on_demand.take(times_s, convert_s, engine.now())
+    if started:
+        engine.stop(task)
+    return Taken(samples)
+
+
+def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) -> Taken:
+    if not task.running:
+        engine.start(task)
+        task.started_by_read = True
+    acquisition = task.acquisition
+    if acquisition is None:  # its timing was changed to a sample clock while it ran
+        raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
+    count = _how_many(engine, task, acquisition, wanted)
+    limit_s = math.inf if timeout_s < 0 else engine.now() + timeout_s
+    while (ready := acquisition.available(engine.now())) < count:
+        if engine.now() >= limit_s:
+            return Taken(acquisition.read(ready, engine.now()), int(Code.NOT_YET_AVAILABLE))
+        due_s = acquisition.time_of(acquisition.position + count)
+        going = engine.wait_until(min(due_s, limit_s), call)
+        if not going or task.acquisition is not acquisition:
+            raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
+    taken = Taken(acquisition.read(count, engine.now()))
+    if task.started_by_read and acquisition.position == acquisition.plan.total:
+        engine.stop(task)
+    return taken
+
+
+def _how_many(engine: Engine, task: Task, acquisition: Acquisition, wanted: int) -> int:
+    """A finite acquisition gives what is left of it, and nothing after its end."""
+    total = acquisition.plan.total
+    if wanted == ALL_AVAILABLE:
+        if total is None or task.read_all_available:
+            return acquisition.available(engine.now())
+        return total - acquisition.position
+    if total is None:
+        return wanted
+    left = total - acquisition.position
+    if left == 0 and wanted > 0:
+        raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
+    return min(wanted, left)
+
+
+def _selected(task: Task, taken: Taken) -> Taken:
+    """Only the rows of the channels to be read."""
+    if not task.channels_to_read:
+        return taken
+    names = [channel.name for channel in task.channels]
+    rows = [names.index(channel.name) for channel in task.select(task.channels_to_read)]
+    samples = taken.samples
+    return replace(taken, samples=Samples(samples.codes[rows], samples.volts[rows]))
+
+
+def _spoilt(engine: Engine, task: Task, taken: Taken) -> Taken:
+    """NaN where a test asks for it."""
+    if engine.faults.nan:
+        for row, channel in enumerate(task.select(task.channels_to_read)):
+            if f"{channel.device.name}/{channel.physical}" in engine.faults.nan:
+                taken.samples.volts[row] = np.nan
+    return taken

@@ -1,0 +1,1 @@
+"""Sampled signals: timing, converters, acquisition."""

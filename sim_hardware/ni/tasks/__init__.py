@@ -1,0 +1,1 @@
+"""Simulated tasks, their channels, events and reservations."""

@@ -1,0 +1,166 @@
+"""The simulated driver: its boards, its tasks, and how they move from state to state.
+
+Calls come from many threads; each holds `lock` while it works and lets go of it while it waits.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+
+from drivers.interfaces import Clock
+from sim_hardware.clock import VirtualClock
+from sim_hardware.ni.boards.devices import Devices
+from sim_hardware.ni.errors import Code
+from sim_hardware.ni.faults import Faults
+from sim_hardware.ni.rpc import Call
+from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
+from sim_hardware.ni.signals.adc import Converter
+from sim_hardware.ni.signals.lines import Lines
+from sim_hardware.ni.tasks.announcements import announce
+from sim_hardware.ni.tasks.reservations import Reservations
+from sim_hardware.ni.tasks.sessions import Sessions
+from sim_hardware.ni.tasks.tasks import State, Task
+from sim_hardware.simulated_rig import Bench
+
+# A wait is cut into pieces of this length: a stopped task or a client that has gone ends it.
+_WAIT_PIECE_S = 0.05
+
+
+class Engine:
+    """Everything that the server's calls work on."""
+
+    def __init__(
+        self,
+        bench: Bench,
+        clock: Clock,
+        devices: Mapping[str, str],
+        driver_version: tuple[int, int, int],
+        faults: Faults,
+        seed: int | None,
+        *,
+        strict_ownership: bool,
+    ) -> None:
+        self.lock = threading.Lock()
+        self.bench = bench
+        self.clock = clock
+        self.is_virtual = isinstance(clock, VirtualClock)
+        self.devices = Devices(devices)
+        self.driver_version = driver_version
+        self.faults = faults
+        self.lines = Lines()
+        self.sessions = Sessions(strict=strict_ownership)
+        self._seed = seed
+        self._reservations: Reservations[Task] = Reservations()
+
+    def now(self) -> float:
+        """The clock's time."""
+        return self.clock.now()
+
+    def wait_until(self, when: float, call: Call) -> bool:
+        """Wait, lock released, until `when` at most; False once the caller has gone.
+
+        May return early: ask again what you were waiting for.
+        """
+        self.lock.release()
+        try:
+            self.clock.sleep_until(min(when, self.clock.now() + _WAIT_PIECE_S))
+        finally:
+            self.lock.acquire()
+        return call.is_active()
+
+    # -------------------------------------------------------------------------------- the states
+
+    def verify(self, task: Task) -> None:
+        """Check all settings."""
+        task.verify()
+        task.state = max(task.state, State.VERIFIED)
+
+    def reserve(self, task: Task, state: State = State.RESERVED) -> None:
+        """Verify, and take the boards' resources (-50103 when somebody else has them)."""
+        self.verify(task)
+        self._reservations.take(task.resources(), task)
+        task.state = max(task.state, state)
+
+    def start(self, task: Task) -> None:
+        """Begin to acquire or to accept values."""
+        task.refuse_while_running(Code.TASK_RUNNING)
+        self.reserve(task, State.COMMITTED)
+        plan = task.verify()
+        if plan is not None:
+            sampler = self._sampler(task)
+            task.acquisition = Acquisition(plan, sampler, len(task.channels), self.now())
+        elif task.inputs:
+            task.on_demand = self._sampler(task)
+        task.state = State.RUNNING
+        if task.acquisition is not None and task.events.streams():
+            announce(self, task, task.acquisition)
+
+    def stop(self, task: Task) -> None:
+        """End the acquisition; the task keeps its resources if it had been committed before."""
+        if not task.running:
+            return
+        if task.acquisition is not None:
+            task.acquisition.end(self.now())
+        task.acquisition = task.on_demand = None
+        for stream in task.events.streams():
+            stream.drop_pending()
+        task.started_by_read = False
+        task.state = State.COMMITTED
+        if not task.held:
+            self.unreserve(task)
+
+    def unreserve(self, task: Task) -> None:
+        """Let go of the boards."""
+        self._reservations.release(task)
+        task.state = min(task.state, State.VERIFIED)
+
+    def abort(self, task: Task) -> None:
+        """Stop, and let go of the boards."""
+        task.held = False
+        self.stop(task)
+        self.unreserve(task)
+
+    def clear(self, task: Task) -> None:
+        """Abort and forget the task. Outputs keep what they were last told."""
+        self.abort(task)
+        task.events.close()
+        self.sessions.forget(task)
+
+    def reset_device(self, name: str) -> None:
+        """Abort whatever uses a board. Outputs keep their voltage."""
+        device = self.devices.find(name)
+        for task in self.sessions.all():
+            if device.name in task.device_names:
+                self.abort(task)
+
+    def client_gone(self, client: str) -> None:
+        """A client's connection has closed: with strict ownership its tasks go, outputs stay."""
+        with self.lock:
+            for task in self.sessions.of_client(client):
+                self.clear(task)
+
+    # --------------------------------------------------------------------------------- terminals
+
+    def _sampler(self, task: Task) -> Sampler:
+        """What takes the samples of a task's inputs."""
+        task.starts += 1
+        converters = [
+            Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
+            for row, channel in enumerate(task.inputs)
+        ]
+        return Sampler(self.bench, task.inputs, converters)
+
+    def _seed_of(self, task: Task, row: int) -> tuple[int, ...] | None:
+        """Of the noise of one channel in one acquisition."""
+        return None if self._seed is None else (self._seed, task.number, task.starts, row)
+
+    def write_volts(self, device: str, channel: str, volts: float) -> None:
+        """An output takes a new voltage, now."""
+        if f"{device}/{channel}" not in self.faults.stuck_outputs:
+            self.bench.write(device, channel, volts, self.now())
+
+    def write_line(self, line: str, high: bool) -> None:
+        """A digital line takes a level, now."""
+        if line not in self.faults.stuck_outputs:
+            self.lines.write(line, high, self.now())

@@ -1,0 +1,1 @@
+"""The server that the real nidaqmx package connects to."""
