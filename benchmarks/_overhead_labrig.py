@@ -31,7 +31,7 @@ from drivers.safe_shutdown import Safety, SafetyReport
 from protocols import PulseTrain, SafetyLimits
 from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
-from protocols.execution.rules import Rules, Timing
+from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.stop import StopRequest
 from protocols.planning.schedule import PlannedRun, Purpose, Schedule
@@ -139,7 +139,7 @@ def train(count: int) -> Schedule:
     return Schedule("pulse_train", (run,), 25.0)
 
 
-def scheduler(count: int, timing: Timing) -> float:
+def scheduler(count: int, timing: LoopTiming) -> float:
     """CPU seconds between the events RunStarted and RunStopped."""
     clock = Clock()
     device = NoWaitDevice(clock)
@@ -190,7 +190,7 @@ if __name__ == "__main__":
     wanted = int(sys.argv[1])
     found = {
         "plain": plain(wanted),
-        "labrig": scheduler(wanted, Timing()),
-        "labrig_one_look": scheduler(wanted, Timing(service_s=0.5 * PULSE_S)),
+        "labrig": scheduler(wanted, LoopTiming()),
+        "labrig_one_look": scheduler(wanted, LoopTiming(service_s=0.5 * PULSE_S)),
     }
     print(json.dumps(found))

@@ -18,12 +18,12 @@ import numpy as np
 
 from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from labrig.errors import LabrigError
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
 from labrig.experiment.rig import Rig
 from labrig.experiment.run import run_session
 from labrig.experiment.wiring import wire
-from protocols.execution.event_bus import EventHub
+from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, RunStarted
 from protocols.execution.stop import StopRequest
 
@@ -66,10 +66,10 @@ class BareLoop:
 def record(folder: Path, bare: BareLoop | None, *, fast: bool) -> str:
     """Run the plan in a folder as `labrig run` does; why it did not come to its end, or nothing."""
     plan = load_plan(*(folder / f"{name}.toml" for name in ("rig", "protocol", "sheet")))
-    hub = EventHub()
+    hub = EventBus()
     if bare is not None:
         hub.add_watcher("the bare loop", bare.follow)
-    rig = wire(plan, NobodyAsked(lambda _text: None), hub.emit)
+    rig = wire(plan, NoOperator(lambda _text: None), hub.emit)
     if fast:
         rig = _with_two_fast_channels(rig)
     path = folder / "session.h5"

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from benchmarks.report import Report, Table
-from model.mechanics.equilibrium import Problems, Status, nodes_for, problems, solve
+from model.mechanics.equilibrium import Problems, SolverStatus, nodes_for, problems, solve
 from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
 
@@ -192,7 +192,7 @@ def _robust() -> dict[str, str]:
     result = {}
     for name in CASES:
         found = solve(batch(name, 10_000, 1))
-        good = int(np.count_nonzero(found.status == Status.SOLVED))
+        good = int(np.count_nonzero(found.status == SolverStatus.SOLVED))
         same = _same_branch(name, 1000)
         way = "followed step by step from the free shape"
         result[f"{name}, 10000 random problems"] = (
@@ -202,7 +202,7 @@ def _robust() -> dict[str, str]:
     for length in (0.0045, 0.02, 0.05):
         kappa, p = random.uniform(-150.0, 150.0, 1000), random.uniform(-0.06, 0.066, 1000)
         found = solve(problems([Field.constant(k, length) for k in kappa], p / R, R, 10.0))
-        good = int(np.count_nonzero(found.status == Status.SOLVED))
+        good = int(np.count_nonzero(found.status == SolverStatus.SOLVED))
         result[f"extreme, {length * 1e3:g} mm"] = f"{good} of 1000 solved"
     return result
 

@@ -30,7 +30,7 @@ from model import (
 from model.identification.fit import fit
 from model.identification.gauss_newton import gauss_newton
 from model.identification.observations import observe
-from model.identification.residual_vector import Layout, System
+from model.identification.residual_vector import ParameterLayout, System
 from model.mechanics.field import Field
 
 B, REST, BENDS = 1.27e-6, 14.0, {2.0: 25.0, -2.0: -20.0}
@@ -73,7 +73,7 @@ def measure() -> Report:
     """About half a minute."""
     data = made()
     observed = observe(data, "long")
-    layout = Layout((-2.0, 2.0), eibm=2, rest=1, symmetric=False)
+    layout = ParameterLayout((-2.0, 2.0), eibm=2, rest=1, symmetric=False)
     start = np.array([np.log(2e-6), -10.0, 0.0, 10.0, 0.0, 0.0])
 
     def system() -> _Counted:

@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks._served import served, write_files
 from benchmarks.report import Report, Table, busy
 from labrig.errors import BadInputError
-from labrig.session import Session, open_session, recover
+from labrig.session import RecordedSession, open_session, recover
 
 REPEATS = 3
 PULSES = 98
@@ -168,7 +168,7 @@ def _is_whole(path: Path) -> bool:
     return True
 
 
-def _found(session: Session) -> dict[str, Any]:
+def _found(session: RecordedSession) -> dict[str, Any]:
     run = session.runs[0]
     time_s = run.frame_column("time")
     counts = run.counts

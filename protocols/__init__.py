@@ -2,10 +2,10 @@
 
 from protocols.errors import ScheduleError
 from protocols.execution.devices import Devices
-from protocols.execution.event_bus import EventHub, SubscriberError
+from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.lateness import Lateness, lateness_of, lateness_s
 from protocols.execution.operator import RecordedOperator
-from protocols.execution.rules import Rules, Timing
+from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import StopLevel, StopRequest
@@ -13,7 +13,13 @@ from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.kinds.staircase import Staircase
 from protocols.kinds.step_response import StepResponse
-from protocols.planning.description import Plan, PlanRow, Timeline, describe, timeline
+from protocols.planning.description import (
+    PlanRow,
+    ScheduleDescription,
+    Timeline,
+    describe,
+    timeline,
+)
 from protocols.planning.encoding import (
     run_from_dict,
     run_to_dict,
@@ -33,13 +39,13 @@ from protocols.planning.session_schedule import Extras, Place, make_schedule
 
 __all__ = [
     "Devices",
-    "EventHub",
+    "EventBus",
     "Extras",
     "FinishReason",
     "Hold",
     "Lateness",
+    "LoopTiming",
     "Place",
-    "Plan",
     "PlanRow",
     "PlannedReading",
     "PlannedRun",
@@ -51,6 +57,7 @@ __all__ = [
     "RunState",
     "SafetyLimits",
     "Schedule",
+    "ScheduleDescription",
     "ScheduleError",
     "Scheduler",
     "Staircase",
@@ -60,7 +67,6 @@ __all__ = [
     "StopRequest",
     "SubscriberError",
     "Timeline",
-    "Timing",
     "VoltageStep",
     "check_schedule",
     "describe",

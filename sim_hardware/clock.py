@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable
 
 
-class _Seat:
+class _Waiter:
     """A thread that takes turns."""
 
     def __init__(self, name: str) -> None:
@@ -23,14 +23,14 @@ class _Seat:
         self.turn.acquire()
         self.waits = 0  # counts turns; an alarm set for an earlier wait is void
         self.ended = False
-        self.joiners: list[tuple[_Seat, int]] = []
-        self.joins: _Seat | None = None  # whose end it waits for, without a time-out
+        self.joiners: list[tuple[_Waiter, int]] = []
+        self.joins: _Waiter | None = None  # whose end it waits for, without a time-out
 
 
 class VirtualThread:
     """A thread that lives in virtual time."""
 
-    def __init__(self, clock: VirtualClock, seat: _Seat) -> None:
+    def __init__(self, clock: VirtualClock, seat: _Waiter) -> None:
         self._clock = clock
         self._seat = seat
 
@@ -49,11 +49,11 @@ class VirtualClock:
 
     def __init__(self, start_s: float = 0.0) -> None:
         self._now = start_s
-        self._alarms: list[tuple[float, int, _Seat, int]] = []  # a heap: when, order, who, wait
+        self._alarms: list[tuple[float, int, _Waiter, int]] = []  # a heap: when, order, who, wait
         self._order = itertools.count()
         self._guard = threading.Lock()  # of the heap, for a wait that Ctrl-C cuts short
         self._here = threading.local()
-        self._here.seat = _Seat("first")
+        self._here.seat = _Waiter("first")
 
     def now(self) -> float:
         """See `Clock.now`."""
@@ -77,13 +77,13 @@ class VirtualClock:
     def start_thread(self, target: Callable[[], None], name: str) -> VirtualThread:
         """See `Clock.start_thread`. The thread gets its first turn when the caller waits."""
         self._me()
-        seat = _Seat(name)
+        seat = _Waiter(name)
         self._set_alarm(self._now, seat, seat.waits)
         thread = threading.Thread(target=self._run, args=(seat, target), name=name, daemon=True)
         thread.start()
         return VirtualThread(self, seat)
 
-    def _run(self, seat: _Seat, target: Callable[[], None]) -> None:
+    def _run(self, seat: _Waiter, target: Callable[[], None]) -> None:
         self._here.seat = seat
         seat.turn.acquire()
         try:
@@ -100,7 +100,7 @@ class VirtualClock:
             if successor is not None:
                 successor.turn.release()
 
-    def _join(self, other: _Seat, timeout: float | None) -> bool:
+    def _join(self, other: _Waiter, timeout: float | None) -> bool:
         me = self._me()
         if not other.ended and (timeout is None or timeout > 0):
             other.joiners.append((me, me.waits))
@@ -115,8 +115,8 @@ class VirtualClock:
                 me.joins = None
         return other.ended
 
-    def _me(self) -> _Seat:
-        seat: _Seat | None = getattr(self._here, "seat", None)
+    def _me(self) -> _Waiter:
+        seat: _Waiter | None = getattr(self._here, "seat", None)
         if seat is None:
             raise RuntimeError(
                 f"the thread {threading.current_thread().name} waits by a virtual clock that has "
@@ -124,11 +124,11 @@ class VirtualClock:
             )
         return seat
 
-    def _set_alarm(self, when: float, seat: _Seat, wait: int) -> None:
+    def _set_alarm(self, when: float, seat: _Waiter, wait: int) -> None:
         with self._guard:
             heapq.heappush(self._alarms, (when, next(self._order), seat, wait))
 
-    def _next(self) -> _Seat | None:
+    def _next(self) -> _Waiter | None:
         """Move time on to the next alarm and tell whose it is."""
         with self._guard:
             while self._alarms:
@@ -139,7 +139,7 @@ class VirtualClock:
                     return seat
         return None
 
-    def _wait(self, me: _Seat) -> None:
+    def _wait(self, me: _Waiter) -> None:
         """Hand the turn on; return when it is ours again."""
         successor = self._next()
         if successor is me:
@@ -156,7 +156,7 @@ class VirtualClock:
             raise
 
 
-def _refuse_circle(me: _Seat) -> None:
+def _refuse_circle(me: _Waiter) -> None:
     """Raise when the thread that `me` waits for waits, perhaps through others, for `me`."""
     other = me.joins
     while other is not None:

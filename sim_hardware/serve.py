@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NoReturn
 from drivers.interfaces import Clock, RealClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
 from sim_hardware.ni.transport.device_server import DEFAULT_DEVICES
-from sim_hardware.simulated_rig import Bench
+from sim_hardware.simulated_rig import AnalogSide
 
 if TYPE_CHECKING:
     from sim_hardware.serial_devices import SerialFaults
@@ -135,7 +135,9 @@ def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[
     return _serve_world(options, clock, stack)
 
 
-def _boards(bench: Bench, options: argparse.Namespace, seed: int, clock: Clock) -> NiDeviceServer:
+def _boards(
+    bench: AnalogSide, options: argparse.Namespace, seed: int, clock: Clock
+) -> NiDeviceServer:
     try:
         return NiDeviceServer(
             bench,
@@ -189,11 +191,18 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
 
 def _serve_serial(world: World, clock: Clock, faults: SerialFaults, stack: ExitStack) -> list[str]:
     """Meter and stage, where the system has pseudo-terminals."""
-    from sim_hardware.serial_devices import Dpm3Meter, PtyPort, SerialDevice, ZaberStage
+    from sim_hardware.serial_devices import (
+        PtyPort,
+        SerialDevice,
+        SimulatedDpm3Meter,
+        SimulatedZaberStage,
+    )
 
     lines = []
-    stage = ZaberStage(world, clock, homed=True)  # somebody has: an unhomed one refuses to move
-    devices: dict[str, SerialDevice] = {"meter": Dpm3Meter(world, clock), "stage": stage}
+    stage = SimulatedZaberStage(
+        world, clock, homed=True
+    )  # somebody has: an unhomed one refuses to move
+    devices: dict[str, SerialDevice] = {"meter": SimulatedDpm3Meter(world, clock), "stage": stage}
     for name, device in devices.items():
         try:
             port = PtyPort(device, faults)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 
-class Bench(Protocol):
+class AnalogSide(Protocol):
     """The analog side of the bench: what board terminals see."""
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
@@ -25,7 +25,7 @@ class Bench(Protocol):
         """Volts at an input (channel such as `ai0`) at each clock time; before range and ADC."""
 
 
-class Scene(Protocol):
+class OpticalSide(Protocol):
     """The optical side of the bench: what a camera sees."""
 
     @property

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.result import BeforeAfter
 from model.measurements import FloatArray
@@ -18,7 +18,7 @@ Index = npt.NDArray[np.int64]
 Runs = npt.NDArray[np.bool_]  # (R,) some of all runs
 
 
-def gaussian_process(base: Fitted, noise: FloatArray) -> float | None:
+def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     """Share of the gap on left-out positions that it closes.
 
     One process along the arc for each force and each mode of the curves, at each voltage of each
@@ -46,7 +46,7 @@ def gaussian_process(base: Fitted, noise: FloatArray) -> float | None:
     return closed if np.isfinite(closed) else None
 
 
-def _series(base: Fitted) -> dict[str, list[tuple[Index, FloatArray]]]:
+def _series(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
     """Rows along the arc, with their positions; those of all voltages have one smoothness."""
     found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
     study = base.problem.study
@@ -93,7 +93,7 @@ def _guess(
     return result
 
 
-def _without(base: Fitted, runs: Runs) -> FloatArray:
+def _without(base: MixedModelFit, runs: Runs) -> FloatArray:
     """Residuals (N,) of the base model fitted to all runs but these."""
     data, layout = base.linear.data, base.problem.study.layout
     weights = base.solution.weights.copy()

@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.hidden_effects.baseline_gp import gaussian_process
 from benchmarks.hidden_effects.run import Made, options_of
 from benchmarks.hidden_effects.visible import known
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.prepare import Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.search.forward_selection import search
@@ -57,7 +57,7 @@ def _honest_noise(one: Made) -> FloatArray:
 # -------------------------------------------------------------- repeats alone, stepwise by BIC
 
 
-def repeats_bic(base: Fitted, pool: Sequence[Candidate]) -> list[str]:
+def repeats_bic(base: MixedModelFit, pool: Sequence[Candidate]) -> list[str]:
     """Names, in the order in which they were added."""
     data = base.linear.data
     log_sigma = base.problem.guess.copy()  # of the readings: what the repeats say
@@ -96,7 +96,7 @@ class _Gram:
         return len(chosen) * float(np.log(self.rows)) - self.gain(chosen)
 
 
-def _gram(base: Fitted, pool: Sequence[Candidate], solution: Solution) -> _Gram:
+def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) -> _Gram:
     study = base.problem.study
     projected = Projected.of(study, base.linear, solution)
     A, b = projected.normal(study, np.stack([c.columns[:, 0] for c in pool], axis=1))
@@ -117,7 +117,7 @@ def fixed_forms(ready: Prepared, effects: Sequence[Effect]) -> list[str]:
 # ------------------------------------------------------------------------ sparse regression
 
 
-def stlsq(base: Fitted, pool: Sequence[Candidate]) -> list[str]:
+def stlsq(base: MixedModelFit, pool: Sequence[Candidate]) -> list[str]:
     """Names of the signatures that are left, the threshold by BIC; noise as `diagnose` has it."""
     gram = _gram(base, forms(pool, {}), base.solution)
     best: list[int] = []

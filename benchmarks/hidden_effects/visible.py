@@ -22,9 +22,9 @@ import numpy as np
 
 from model import Measurements
 from model.discrepancy.data.data_vector import look
-from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.forward_model import ForwardModel
 from model.discrepancy.likelihood.linearisation import linearise
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem, settle
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
 from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
@@ -69,7 +69,7 @@ class Yardstick:
             ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual
 
-    def signature(self, hidden: Measurements) -> tuple[FloatArray, Fitted]:
+    def signature(self, hidden: Measurements) -> tuple[FloatArray, MixedModelFit]:
         """What the base model cannot take up of a change, (N,), and the model where it is so.
 
         Parameters that are known beforehand, within a little, may take up as much as that allows.
@@ -98,12 +98,12 @@ class Yardstick:
         S, fitted = self.signature(hidden)
         return float(np.sqrt(_products(fitted, S[:, None])[0, 0]))
 
-    def _problem(self, hidden: Measurements) -> Problem:
+    def _problem(self, hidden: Measurements) -> FitProblem:
         """The same design with other numbers."""
         own = self._fitted.problem
         looks = [look(hidden, name) for name in own.study.names]
-        study = Study(looks, [scene.rest for scene in own.study.scenes])
-        return Problem.of(study, own.bases, noise_of(study))
+        study = ForwardModel(looks, [scene.rest for scene in own.study.scenes])
+        return FitProblem.of(study, own.bases, noise_of(study))
 
     def visible(
         self,
@@ -119,14 +119,14 @@ class Yardstick:
         return _compared(fitted, np.stack(alone, axis=1), names, effects)
 
 
-def _products(fitted: Fitted, S: FloatArray) -> FloatArray:
+def _products(fitted: MixedModelFit, S: FloatArray) -> FloatArray:
     """S'PS of columns (N, n)."""
     study = fitted.problem.study
     return Projected.of(study, fitted.linear, fitted.solution).normal(study, S)[0]
 
 
 def _compared(
-    fitted: Fitted, S: FloatArray, names: Sequence[str], effects: Sequence[Effect]
+    fitted: MixedModelFit, S: FloatArray, names: Sequence[str], effects: Sequence[Effect]
 ) -> Visible:
     """Signatures (N, n) with one another and with the catalogue, the base as it is fitted."""
     A = _products(fitted, S)

@@ -11,7 +11,7 @@ from drivers.interfaces import CameraCounts, Frame
 _LATE_OVER_S = 2.0  # the frame that came soonest after its time stamp, within so long, was in time
 
 
-class Take:
+class FrameSelection:
     """Frames from one `start` to the next. One thread calls `on_frame`, another the rest."""
 
     def __init__(self, queue_size: int) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drivers.cameras.capture import OpenedCapture, open_capture
-from drivers.cameras.frame_selection import Take
+from drivers.cameras.frame_selection import FrameSelection
 from drivers.interfaces import (
     CameraCounts,
     Clock,
@@ -50,7 +50,7 @@ class OpenCvCamera:
         self._opened: OpenedCapture | None = None
         self._thread: ThreadHandle | None = None
         self._closing = threading.Event()
-        self._take = Take(queue_size)
+        self._take = FrameSelection(queue_size)
         self._running = False
         self._alive_s = 0.0  # when the last frame came
         self._fault: str | None = None
@@ -87,7 +87,7 @@ class OpenCvCamera:
         if self._running:
             raise DeviceError(f"the camera {self._source} is running already")
         self._check_delivery()
-        self._take = Take(self._queue_size)
+        self._take = FrameSelection(self._queue_size)
         self._running = True
 
     def want(self, from_s: float, to_s: float) -> None:

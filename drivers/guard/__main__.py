@@ -15,7 +15,7 @@ from pathlib import Path
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.take_over import take_over
 from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
-from drivers.guard.watch import Ending, Watch, parent_watch, words_of
+from drivers.guard.watch import Ending, ParentWatchdog, parent_watch, words_of
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import SafetyReport
 
@@ -40,7 +40,7 @@ def main() -> int:
         return _FAILED_CODE
     lives = parent_watch(settings.program_pid)
     _say(READY)
-    ending = Watch(settings, clock, words_of(0), lambda: _say(ALIVE), lives).until_end()
+    ending = ParentWatchdog(settings, clock, words_of(0), lambda: _say(ALIVE), lives).until_end()
     if ending is Ending.DISARMED:
         connection.close()
         return _SAFE_CODE

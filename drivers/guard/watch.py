@@ -33,7 +33,7 @@ class Ending(StrEnum):
     TOO_LONG = "the sheet was energised for too long in one run"
 
 
-class Watch:
+class ParentWatchdog:
     """Follows the words on a pipe. `confirm` is called for each lot of them."""
 
     def __init__(

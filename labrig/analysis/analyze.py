@@ -13,7 +13,7 @@ from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
 from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
-from labrig.session import Session, open_session, store_measurements
+from labrig.session import RecordedSession, open_session, store_measurements
 from model.measurements import Measurements, SheetGeometry, TimeSeries
 from protocols.planning.schedule import Purpose
 
@@ -32,7 +32,7 @@ def analyze(path: Path, progress: Progress | None = None, *, workers: int = 1) -
 
 
 def measure(
-    session: Session, progress: Progress | None = None, *, workers: int = 1
+    session: RecordedSession, progress: Progress | None = None, *, workers: int = 1
 ) -> Measurements:
     """The same without keeping it."""
     if not any(run.started for run in session.runs):
@@ -58,14 +58,14 @@ def measure(
     )
 
 
-def _text(session: Session, name: str) -> str:
+def _text(session: RecordedSession, name: str) -> str:
     try:
         return session.texts[name]
     except KeyError:
         raise BadInputError(f"{session.path}: holds no {name}, which its analysis needs.") from None
 
 
-def _check_configurations(session: Session, sheets: dict[str, SheetGeometry]) -> None:
+def _check_configurations(session: RecordedSession, sheets: dict[str, SheetGeometry]) -> None:
     for run in session.runs:
         if run.planned.configuration not in sheets:
             raise BadInputError(
@@ -75,7 +75,7 @@ def _check_configurations(session: Session, sheets: dict[str, SheetGeometry]) ->
 
 
 def _curves(
-    session: Session,
+    session: RecordedSession,
     sheets: dict[str, SheetGeometry],
     progress: Progress | None,
     workers: int,
@@ -91,7 +91,7 @@ def _curves(
     return curves, contact_warnings(session, sheets, curves, optics.px_per_m)
 
 
-def _series(session: Session, calibration: LoadCellCalibration) -> list[TimeSeries]:
+def _series(session: RecordedSession, calibration: LoadCellCalibration) -> list[TimeSeries]:
     shunt_ohm, turns = _shunt_ohm(session), turns_of(session)
     return [
         time_series(run, calibration, shunt_ohm, turns[run.planned.index])
@@ -100,7 +100,7 @@ def _series(session: Session, calibration: LoadCellCalibration) -> list[TimeSeri
     ]
 
 
-def _shunt_ohm(session: Session) -> float | None:
+def _shunt_ohm(session: RecordedSession) -> float | None:
     """The shunt that turns the current channel's volts into amperes; None: not known."""
     sense = session.resolved.get("rig", {}).get("current_sense", {})
     value = sense.get("shunt_ohm")

@@ -7,7 +7,7 @@ from typing import Literal, cast
 
 from labrig.analysis.curves import ConditionCurves
 from labrig.analysis.forces import ForceReading
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 from model.measurements import Condition, Kind, Reading
 from protocols.planning.schedule import PlannedRun, Purpose
 
@@ -15,7 +15,7 @@ Forces = Mapping[int, Sequence[ForceReading]]  # by run
 
 
 def conditions_of(
-    session: Session, forces: Forces, curves: Sequence[ConditionCurves]
+    session: RecordedSession, forces: Forces, curves: Sequence[ConditionCurves]
 ) -> tuple[Condition, ...]:
     """One condition for each run and voltage, in the order of the runs.
 
@@ -83,7 +83,7 @@ def _kind(planned: PlannedRun, reading: ForceReading) -> Kind:
     return reading.kind.value if planned.purpose is Purpose.MEASUREMENT else "no_contact"
 
 
-def turns_of(session: Session) -> dict[int, int]:
+def turns_of(session: RecordedSession) -> dict[int, int]:
     """For each run how many before it had the same configuration, position and mounting."""
     seen: dict[tuple[str, float | None, int], int] = {}
     turns: dict[int, int] = {}
@@ -95,6 +95,6 @@ def turns_of(session: Session) -> dict[int, int]:
     return turns
 
 
-def _begin_s(session: Session) -> float:
+def _begin_s(session: RecordedSession) -> float:
     """Clock time at which the session began."""
     return session.events[0].time_s if session.events else 0.0

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from labrig.analysis.curves import ConditionCurves, place_of
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 from model.measurements import Contact, SheetGeometry
 
 SIGMAS = 3.0
@@ -18,7 +18,7 @@ CLAMP_SIGMA_PX = 0.5  # of the clamp's end along the sheet, in the picture
 
 
 def contact_warnings(
-    session: Session,
+    session: RecordedSession,
     sheets: Mapping[str, SheetGeometry],
     curves: Sequence[ConditionCurves],
     px_per_m: float,
@@ -84,7 +84,7 @@ def _common_cause(shifts: Sequence[float]) -> Iterator[str]:
 
 
 def _other_radius(
-    session: Session,
+    session: RecordedSession,
     sheets: Mapping[str, SheetGeometry],
     by_run: Mapping[int, Sequence[Contact]],
     px_per_m: float,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivers.interfaces import FloatArray, GreyImage
-from labrig.session import RunRecord, Session, open_session
+from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
 from protocols.planning.schedule import Purpose
@@ -52,7 +52,7 @@ class ConditionCurves:
 
 
 def measure_curves(
-    session: Session,
+    session: RecordedSession,
     optics: Optics,
     sheets: Mapping[str, SheetGeometry],
     *,
@@ -79,7 +79,7 @@ def place_of(position_m: float | None) -> str:
 
 
 def curve_jobs(
-    session: Session, optics: Optics, sheets: Mapping[str, SheetGeometry]
+    session: RecordedSession, optics: Optics, sheets: Mapping[str, SheetGeometry]
 ) -> Iterator[CurveJob]:
     """One job for each run and voltage with frames, in the order of the runs."""
     for run in session.runs:
@@ -127,7 +127,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
     return scaled
 
 
-def curves_of(job: CurveJob, session: Session) -> ConditionCurves:
+def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
     from labrig.vision import compare_with_frames, contact_from_picture, neutral_curve
 
@@ -191,7 +191,7 @@ def _frame_by_frame(
     return found, failed
 
 
-def _full_scale(job: CurveJob, session: Session) -> float:
+def _full_scale(job: CurveJob, session: RecordedSession) -> float:
     if session.frame_dtype == "uint8":
         return 255.0
     return float(2 ** (job.optics.bits if job.optics.bits > 8 else 16) - 1)
@@ -199,10 +199,12 @@ def _full_scale(job: CurveJob, session: Session) -> float:
 
 # -------------------------------------------------------------------------------------- processes
 
-_worker_session: Session | None = None
+_worker_session: RecordedSession | None = None
 
 
-def _results(session: Session, jobs: list[CurveJob], workers: int) -> Iterator[ConditionCurves]:
+def _results(
+    session: RecordedSession, jobs: list[CurveJob], workers: int
+) -> Iterator[ConditionCurves]:
     if workers <= 1 or len(jobs) < 4:
         yield from (curves_of(job, session) for job in jobs)
         return

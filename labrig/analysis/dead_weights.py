@@ -8,7 +8,7 @@ import numpy as np
 
 from drivers.force_sensors.load_cell import LoadCellCalibration
 from labrig.analysis.forces import ForceReading
-from labrig.session import Session
+from labrig.session import RecordedSession
 from protocols.planning.schedule import Purpose
 
 SIGMAS = 3.0
@@ -17,7 +17,9 @@ WEIGHT_SIGMA = 0.005
 
 
 def dead_weight_warnings(
-    session: Session, forces: Mapping[int, Sequence[ForceReading]], calibration: LoadCellCalibration
+    session: RecordedSession,
+    forces: Mapping[int, Sequence[ForceReading]],
+    calibration: LoadCellCalibration,
 ) -> Iterator[str]:
     """A sentence for each dead weight that the load cell read wrongly, less its reading at 0."""
     means = dict(_means(session, forces))
@@ -37,7 +39,7 @@ def dead_weight_warnings(
 
 
 def _means(
-    session: Session, forces: Mapping[int, Sequence[ForceReading]]
+    session: RecordedSession, forces: Mapping[int, Sequence[ForceReading]]
 ) -> Iterator[tuple[float, tuple[float, float]]]:
     """Load -> mean reading and its standard error, of the runs with dead weights."""
     for run in session.runs:

@@ -18,7 +18,7 @@ _LEFT = 0.05  # of the step: beyond it the level before has been left
 
 
 @dataclass(frozen=True)
-class Edge:
+class VoltageEdge:
     """One step of the voltage. `index` is a sample index with its fraction."""
 
     step: int
@@ -26,7 +26,7 @@ class Edge:
     why: str  # not empty: the read-back does not show the edge, and `index` is that of the write
 
 
-def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, Edge]:
+def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, VoltageEdge]:
     """The run's steps by their number, as far as they were written.
 
     An edge lies between the last sample at the level before and the first one beyond it. Where in
@@ -35,13 +35,13 @@ def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, Edge]:
     """
     writes = run.writes
     rate_hz = run.sample_clock.rate_hz
-    found: dict[int, Edge] = {}
+    found: dict[int, VoltageEdge] = {}
     for at, write in enumerate(writes):
         before_V = float(writes["sheet_V"][at - 1]) if at else 0.0
         jump_V = float(write["sheet_V"]) - before_V
         written = float(write["sample_index"])
         if abs(jump_V) < SEEN_FROM_V:
-            found[int(write["step"])] = Edge(int(write["step"]), written, "")
+            found[int(write["step"])] = VoltageEdge(int(write["step"]), written, "")
             continue
         end = float(writes["sample_index"][at + 1]) if at + 1 < len(writes) else np.inf
         left = _last_before(drive_V, written, jump_V, rate_hz, end)
@@ -49,13 +49,15 @@ def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, Edge]:
     return found
 
 
-def _edge(step: int, written: float, left: int | None) -> Edge:
+def _edge(step: int, written: float, left: int | None) -> VoltageEdge:
     if left is None:
         reach_ms = SEARCH_S * 1e3
-        return Edge(step, written, f"the drive shows no edge within {reach_ms:g} ms of the write")
+        return VoltageEdge(
+            step, written, f"the drive shows no edge within {reach_ms:g} ms of the write"
+        )
     nearest = min(max(written, float(left)), left + 1.0)
     agrees = abs(nearest - written) <= AGREES_SAMPLES
-    return Edge(step, nearest if agrees else left + 0.5, "")
+    return VoltageEdge(step, nearest if agrees else left + 0.5, "")
 
 
 def _last_before(

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivers.force_sensors.load_cell import LoadCellCalibration
 from drivers.interfaces import FloatArray
-from labrig.analysis.edges import Edge, find_edges
+from labrig.analysis.edges import VoltageEdge, find_edges
 from labrig.session import RunRecord
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.rules import Rules, bad_samples, wrong_drive
@@ -47,17 +47,17 @@ def measure_forces(
         return ()
     channels = {name: run.signal_V(name) for name in run.channels}
     edges = find_edges(run, channels[DRIVE])
-    maker = _Maker(run, calibration, channels, edges, rules or Rules())
+    maker = _ReadingMaker(run, calibration, channels, edges, rules or Rules())
     return tuple(maker.reading(row) for row in run.readings)
 
 
-class _Maker:
+class _ReadingMaker:
     def __init__(
         self,
         run: RunRecord,
         calibration: LoadCellCalibration,
         channels: dict[str, FloatArray],
-        edges: dict[int, Edge],
+        edges: dict[int, VoltageEdge],
         rules: Rules,
     ) -> None:
         self._run = run
@@ -102,7 +102,7 @@ class _Maker:
             why="; ".join(_once(reasons)),
         )
 
-    def _centre(self, planned: PlannedReading, edge: Edge | None, recorded: float) -> float:
+    def _centre(self, planned: PlannedReading, edge: VoltageEdge | None, recorded: float) -> float:
         if edge is None:
             return recorded
         return edge.index + planned.delay_s * self._run.sample_clock.rate_hz
@@ -118,7 +118,12 @@ class _Maker:
         return sigma_V / abs(self._calibration.sensitivity_V_per_N)
 
     def _faults(
-        self, first: int, last: int, drive_V: float, planned: PlannedReading, edge: Edge | None
+        self,
+        first: int,
+        last: int,
+        drive_V: float,
+        planned: PlannedReading,
+        edge: VoltageEdge | None,
     ) -> Iterator[str]:
         if edge is not None and edge.why:
             yield edge.why

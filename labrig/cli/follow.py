@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.cli.screen import Advance, progress, warn
-from labrig.experiment.operator import ConsoleOperator, NobodyAsked
+from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
@@ -19,7 +19,7 @@ from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
-from protocols.execution.event_bus import EventHub
+from protocols.execution.event_bus import EventBus
 from protocols.execution.events import (
     Event,
     Outcome,
@@ -75,9 +75,9 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     for check in calibrations(plan):
         if check.warning or not check.ok:
             warn(f"warning: {check.name}: {check.found}, wanted {check.wanted}")
-    operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
+    operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
-    hub = EventHub(threaded=not plan.rig.is_simulated)
+    hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
         _stopping(stop, operator),
@@ -95,7 +95,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         plan: Plan = replay_plan(session)
         rig, director = replay_rig(session, plan)
         stop = StopRequest()
-        hub = EventHub(threaded=False)
+        hub = EventBus(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
         hub.add_critical("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
@@ -104,7 +104,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
 
 
 @contextmanager
-def _stopping(stop: StopRequest, operator: ConsoleOperator | NobodyAsked | None) -> Iterator[None]:
+def _stopping(stop: StopRequest, operator: ConsoleOperator | NoOperator | None) -> Iterator[None]:
     def on_stop(name: str, count: int) -> None:
         level = StopLevel.AFTER_PULSE if count == 1 and name == "SIGINT" else StopLevel.NOW
         stop.request(level, f"stopped by {'Ctrl-C' if name == 'SIGINT' else name}")

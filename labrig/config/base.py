@@ -21,7 +21,7 @@ _MOST = 20  # faults that are worth telling at once
 _NO_WORDS = frozenset({int, float, bool, type(None)})
 
 
-class Closed(BaseModel):
+class ClosedModel(BaseModel):
     """A table of a configuration file: an unknown key is an error, a number must be finite."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -58,7 +58,7 @@ def _insist(value: Any, wanted: frozenset[type]) -> None:
         raise ValueError("should be a date such as 2026-11-21")
 
 
-Model = TypeVar("Model", bound=Closed)
+Model = TypeVar("Model", bound=ClosedModel)
 
 
 def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:

@@ -8,10 +8,10 @@ from pathlib import Path
 from pydantic import Field, model_validator
 
 from drivers.force_sensors.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
-from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 
 
-class LoadCellConfig(Closed):
+class LoadCellConfig(ClosedModel):
     """volts = offset_V + sensitivity_V_per_N * force, of the whole chain as wired on `date`."""
 
     date: dt.date

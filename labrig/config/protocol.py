@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.errors import BadInputError
 from protocols import (
     Extras,
@@ -25,7 +25,7 @@ Seconds = Annotated[float, Field(gt=0, le=3600.0)]
 Voltage = Annotated[float, Field(ge=-30.0, le=30.0)]
 
 
-class PulseTrainConfig(Closed):
+class PulseTrainConfig(ClosedModel):
     """Readings at 0 V, then pulses of alternating voltages, as in the paper."""
 
     voltages_V: list[Voltage] = Field([2.0, -2.0], min_length=1, max_length=1000)
@@ -42,7 +42,7 @@ class PulseTrainConfig(Closed):
         return PulseTrain(**{**self.model_dump(), "voltages_V": tuple(self.voltages_V)})
 
 
-class StepResponseConfig(Closed):
+class StepResponseConfig(ClosedModel):
     """One step of the voltage, held and watched."""
 
     voltage_V: Voltage = 2.0
@@ -56,7 +56,7 @@ class StepResponseConfig(Closed):
         return StepResponse(**self.model_dump())
 
 
-class StaircaseConfig(Closed):
+class StaircaseConfig(ClosedModel):
     """A sweep over voltages, each held for the same time."""
 
     voltages_V: list[Voltage] = Field(
@@ -71,7 +71,7 @@ class StaircaseConfig(Closed):
         return Staircase(**{**self.model_dump(), "voltages_V": tuple(self.voltages_V)})
 
 
-class HoldConfig(Closed):
+class HoldConfig(ClosedModel):
     """Hold a voltage, let go, again and again: creep and relaxation."""
 
     voltage_V: Voltage = 2.0
@@ -85,7 +85,7 @@ class HoldConfig(Closed):
         return Hold(**self.model_dump())
 
 
-class PlaceConfig(Closed):
+class PlaceConfig(ClosedModel):
     """One configuration of the sheet and the positions at which it is measured."""
 
     configuration: str
@@ -94,14 +94,14 @@ class PlaceConfig(Closed):
     )
 
 
-class CameraUse(Closed):
+class CameraUse(ClosedModel):
     """What is wanted of the camera."""
 
     frame_rate_hz: float = Field(25.0, gt=0, le=1000.0)
     keep_all_frames: bool = Field(default=False, description="not only the frame of each reading")
 
 
-class ExtrasConfig(Closed):
+class ExtrasConfig(ClosedModel):
     """Minutes at the rig that decide what can be known afterwards; mode "paper" has none of them.
 
     In mode "default" those that cost under a minute each are on unless they are switched off.
@@ -163,13 +163,13 @@ class ExtrasConfig(Closed):
         )
 
 
-class Rules(Closed):
+class RulesConfig(ClosedModel):
     """When a reading is invalid without anybody saying so."""
 
     late_edge_s: Seconds = Field(0.005, description="an edge written later spoils its reading")
 
 
-class ProtocolConfig(Closed):
+class ProtocolConfig(ClosedModel):
     """The whole of protocol.toml: one kind of protocol, run at each position of each place."""
 
     pulse_train: PulseTrainConfig | None = None
@@ -180,7 +180,7 @@ class ProtocolConfig(Closed):
     moisten: bool = Field(default=True, description="ask for it before each run")
     camera: CameraUse = CameraUse()
     extras: ExtrasConfig = ExtrasConfig()
-    rules: Rules = Rules()
+    rules: RulesConfig = RulesConfig()
 
     @model_validator(mode="after")
     def _one_kind(self) -> ProtocolConfig:

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 
 _CHANNEL = re.compile(r"^[^/\s]+/(ai|ao|port\d+/line)\d+$")
 
@@ -36,7 +36,7 @@ Channel = Annotated[str, AfterValidator(_is_channel)]
 Positive = Annotated[float, Field(gt=0)]
 
 
-class TaskNames(Closed):
+class TaskNames(ClosedModel):
     """Names of the NI tasks, by which the guard and `labrig safe` find them."""
 
     output: str = "labrig-output"
@@ -44,7 +44,7 @@ class TaskNames(Closed):
     interlock: str = "labrig-interlock"
 
 
-class InputRanges(Closed):
+class InputRanges(ClosedModel):
     """Largest voltage expected at each input; the board rounds it up to a range it has."""
 
     force: Positive = Field(0.05, le=10.0, description="V, either sign, of the load cell")
@@ -52,7 +52,7 @@ class InputRanges(Closed):
     drive: Positive = Field(5.0, le=10.0, description="V, either sign, at the sheet")
 
 
-class Ni(Closed):
+class Ni(ClosedModel):
     """The National Instruments boards."""
 
     address: Annotated[str, AfterValidator(_is_address)] = Field(
@@ -67,19 +67,19 @@ class Ni(Closed):
     ranges_V: InputRanges = InputRanges()
 
 
-class AmplifierConfig(Closed):
+class AmplifierConfig(ClosedModel):
     """Between the board's output and the sheet."""
 
     gain: float = Field(10.0, ge=1.0, le=1000.0, description="sheet volts per board volt")
 
 
-class CurrentSense(Closed):
+class CurrentSense(ClosedModel):
     """The shunt in series with the sheet."""
 
     shunt_ohm: Positive = 1.0
 
 
-class Limits(Closed):
+class Limits(ClosedModel):
     """What the rig must never exceed."""
 
     sheet_voltage_V: float = Field(2.5, gt=0, le=30.0, description="largest, either sign")
@@ -87,7 +87,7 @@ class Limits(Closed):
     safe_below_V: float = Field(0.05, gt=0, le=0.5, description="a smaller read-back counts as 0 V")
 
 
-class InterlockConfig(Closed):
+class InterlockConfig(ClosedModel):
     """An external one-shot that drops the amplifier's supply when the working loop stops."""
 
     line: Annotated[str, AfterValidator(_is_line)] = Field(
@@ -95,14 +95,14 @@ class InterlockConfig(Closed):
     )
 
 
-class LoadCellFile(Closed):
+class LoadCellFile(ClosedModel):
     """Where the load cell's calibration is."""
 
     calibration: Path
     warn_after_days: int = Field(180, ge=1, description="age of a calibration that is worth a word")
 
 
-class CameraConfig(Closed):
+class CameraConfig(ClosedModel):
     """The camera and its calibration."""
 
     source: int | str = Field(description="anything OpenCV opens, iidc:GUID, or simulated")
@@ -110,7 +110,7 @@ class CameraConfig(Closed):
     warn_after_days: int = Field(180, ge=1)
 
 
-class StageConfig(Closed):
+class StageConfig(ClosedModel):
     """What moves the load cell along the arc."""
 
     kind: Literal["manual", "zaber"] = "manual"
@@ -129,7 +129,7 @@ class StageConfig(Closed):
         return math.radians(self.origin_deg)
 
 
-class Simulated(Closed):
+class Simulated(ClosedModel):
     """The world to simulate, where an address says simulated.
 
     Only its place: what the world holds must never reach the session, which it would give away.
@@ -138,7 +138,7 @@ class Simulated(Closed):
     world: Path | None = Field(None, description="world.toml; the built-in one when absent")
 
 
-class RigConfig(Closed):
+class RigConfig(ClosedModel):
     """The whole of rig.toml."""
 
     ni: Ni = Ni()
@@ -157,7 +157,7 @@ class RigConfig(Closed):
         return self.ni.address == "simulated"
 
 
-class ReplayConfig(Closed):
+class ReplayConfig(ClosedModel):
     """A rig that is a recorded session: all else comes from what was recorded."""
 
     replay: Path

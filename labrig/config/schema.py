@@ -6,11 +6,11 @@ from typing import Any
 
 from pydantic import create_model
 
-from labrig.config.base import Closed
+from labrig.config.base import ClosedModel
 from labrig.config.load_cell import LoadCellConfig
 from labrig.config.protocol import ProtocolConfig
 from labrig.config.rig import RigConfig
-from labrig.config.sheet import Arc, Sheet
+from labrig.config.sheet import ArcConfig, Sheet
 
 
 def schemas() -> dict[str, dict[str, Any]]:
@@ -25,7 +25,9 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 def _sheet_schema() -> dict[str, Any]:
     # Its tables are named by the user, so it is no model of fixed keys.
-    model = create_model("SheetFile", __base__=Closed, arc=(Arc, Arc()), long=(Sheet, ...))
+    model = create_model(
+        "SheetFile", __base__=ClosedModel, arc=(ArcConfig, ArcConfig()), long=(Sheet, ...)
+    )
     schema = model.model_json_schema()
     schema["additionalProperties"] = schema["properties"].pop("long")
     schema.pop("required", None)

@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
 
 
-class Arc(Closed):
+class ArcConfig(ClosedModel):
     """The arc on which the load cell sits, centred at the clamp."""
 
     radius_mm: float = Field(40.0, gt=0, le=1000.0)
@@ -23,7 +23,7 @@ class Arc(Closed):
     )
 
 
-class Curvature(Closed):
+class Curvature(ClosedModel):
     """Initial curvature k0 along the sheet, linear between the nodes."""
 
     s_mm: list[float] = Field(min_length=2)
@@ -40,7 +40,7 @@ class Curvature(Closed):
         return self
 
 
-class Sheet(Closed):
+class Sheet(ClosedModel):
     """One configuration of the sheet."""
 
     free_length_mm: float = Field(gt=0, le=1000.0, description="of the part that can bend")
@@ -51,7 +51,7 @@ class Sheet(Closed):
     rise_time_s: float = Field(0.0, ge=0, description="known time constant of the voltage's rise")
     initial_curvature_per_m: float | Curvature | Literal["measured"] = "measured"
 
-    def geometry(self, configuration: str, arc: Arc) -> SheetGeometry:
+    def geometry(self, configuration: str, arc: ArcConfig) -> SheetGeometry:
         """The same in SI, as the model takes it."""
         return SheetGeometry(
             configuration=configuration,
@@ -78,7 +78,7 @@ class Sheet(Closed):
 def parse_sheet(text: str, name: str) -> dict[str, SheetGeometry]:
     """sheet.toml's text as geometries by configuration; a single one may stand at top level."""
     data = parse_toml(text, name)
-    arc = validate(Arc, data.pop("arc", {}), f"{name}: [arc]")
+    arc = validate(ArcConfig, data.pop("arc", {}), f"{name}: [arc]")
     tables = _tables(data, name)
     return {
         key: validate(Sheet, table, f"{name}: [{key}]").geometry(key, arc)

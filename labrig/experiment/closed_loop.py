@@ -19,7 +19,7 @@ MOST_ROUNDS = 3
 HELPS = 0.5  # sigmas by which a measurement must set the candidates farther apart
 
 
-class Rig(Protocol):
+class MeasurementRig(Protocol):
     """What the loop has done by others."""
 
     def diagnose(self, sessions: list[Path]) -> Diagnosis:
@@ -42,7 +42,7 @@ class Ended:
     code: ExitCode = ExitCode.DONE
 
 
-def closed_loop(first: Path, rig: Rig, tell: Callable[[str], None]) -> Ended:
+def closed_loop(first: Path, rig: MeasurementRig, tell: Callable[[str], None]) -> Ended:
     """Go on from a recorded session until something is named or nothing helps."""
     sessions = [first]
     found = rig.diagnose(sessions)

@@ -26,7 +26,7 @@ def _nothing_more(load_N: float, mean_V: float) -> None:
 
 
 @dataclass(frozen=True)
-class Weighing:
+class DeadWeightSeries:
     """Each weight with the mean voltage it gave, and the line through them."""
 
     loads_N: tuple[float, ...]
@@ -41,7 +41,7 @@ def weigh(
     loads_N: Sequence[float],
     tell: Callable[[str], None],
     on_mean: Callable[[float, float], None] = _nothing_more,
-) -> Weighing:
+) -> DeadWeightSeries:
     """Ask for one weight after the other, listen to each, fit a line. The output stays at 0 V.
 
     `on_mean` is called with each weight in N and the mean voltage it gave.
@@ -66,7 +66,7 @@ def weigh(
         gain=before.gain,
         serial=before.serial,
     )
-    return Weighing(tuple(loads_N), tuple(volts), fit, made)
+    return DeadWeightSeries(tuple(loads_N), tuple(volts), fit, made)
 
 
 def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:

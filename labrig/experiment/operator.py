@@ -37,7 +37,7 @@ class ConsoleOperator:
         return answer.strip().lower() not in {"q", "quit", "stop", "n", "no"}
 
 
-class NobodyAsked:
+class NoOperator:
     """Answers 'done' to every prompt, and says so: the choice of `--yes`."""
 
     waiting = False

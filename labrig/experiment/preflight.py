@@ -27,11 +27,11 @@ _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
-    from labrig.experiment.operator import NobodyAsked
+    from labrig.experiment.operator import NoOperator
     from labrig.experiment.wiring import wire
 
     plan = plan_of(rig, protocol, sheet)
-    wired = wire(plan, NobodyAsked(lambda _text: None))
+    wired = wire(plan, NoOperator(lambda _text: None))
     return preflight(wired, plan, rig.parent)
 
 

@@ -19,7 +19,7 @@ from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig import DRIVE, Rig, boards
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ _NEAR_S = 0.4
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 
 
-def replay_plan(session: Session) -> Plan:
+def replay_plan(session: RecordedSession) -> Plan:
     """What was done, from the configuration that the session holds."""
     for name in _NEEDED:
         if name not in session.texts:
@@ -47,7 +47,7 @@ def replay_plan(session: Session) -> Plan:
     return make_plan(simulated, session.texts)
 
 
-def replay_rig(session: Session, plan: Plan) -> tuple[Rig, Director]:
+def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
     """The rig that plays `session`. The director must be told of every event, before all others."""
     from sim_hardware.clock import VirtualClock
     from sim_hardware.ni import NiDeviceServer
@@ -89,7 +89,7 @@ def _models(rig: RigConfig) -> dict[str, str]:
 class Director:
     """Knows which recorded run is on, and since when; a `Bench` of recorded samples."""
 
-    def __init__(self, session: Session, rig: RigConfig) -> None:
+    def __init__(self, session: RecordedSession, rig: RigConfig) -> None:
         self.session = session
         self.run: RunRecord | None = None
         self.start_s = 0.0  # clock time of the run's first sample

@@ -20,13 +20,13 @@ from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig import Rig
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
 
 
-def resumed_plan(session: Session) -> Plan:
+def resumed_plan(session: RecordedSession) -> Plan:
     """What was to be done, from the configuration that the session holds.
 
     A world that its rig.toml names is looked for beside the session.
@@ -50,7 +50,7 @@ def output_beside(session: Path) -> Path:
 class Resumption:
     """A session that is gone on with. `session` must stay open until its runs are copied."""
 
-    session: Session
+    session: RecordedSession
 
     @property
     def done(self) -> frozenset[int]:

@@ -13,11 +13,11 @@ from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig import Rig, opened
-from labrig.experiment.safe_shutdown import WayOut, way_out
-from labrig.experiment.watchdog import Watch, watched
+from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
+from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
 from protocols import SafetyLimits
-from protocols.execution.event_bus import EventHub
+from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, Outcome, OutputState, RunStarted
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
@@ -50,7 +50,7 @@ def run_session(
     plan: Plan,
     path: Path,
     stop: StopRequest,
-    hub: EventHub,
+    hub: EventBus,
     *,
     look_first: bool = True,
     resumption: Resumption | None = None,
@@ -77,9 +77,9 @@ def run_session(
 
 
 @contextmanager
-def _leaving_safely(rig: Rig) -> Iterator[WayOut]:
+def _leaving_safely(rig: Rig) -> Iterator[SafeShutdown]:
     """The way out; an error that comes this way names the output when that is not safe."""
-    with way_out(rig) as way:
+    with safe_shutdown(rig) as way:
         try:
             yield way
         except Exception as error:
@@ -94,8 +94,8 @@ def _record(
     plan: Plan,
     path: Path,
     stop: StopRequest,
-    hub: EventHub,
-    way: WayOut,
+    hub: EventBus,
+    way: SafeShutdown,
     resumption: Resumption | None,
     on_scheduler: Callable[[Scheduler], None] | None,
 ) -> Result:
@@ -119,7 +119,7 @@ def _record(
     return Result(path, outcome, scheduler.status)
 
 
-def _run_counter(watch: Watch) -> Callable[[Event], None]:
+def _run_counter(watch: Watchdog) -> Callable[[Event], None]:
     """The limit of the time under voltage is one of each run."""
 
     def follow(event: Event) -> None:
@@ -158,7 +158,7 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
 
 
 def _scheduler(
-    rig: Rig, plan: Plan, emit: Callable[[Event], None], stop: StopRequest, way: WayOut
+    rig: Rig, plan: Plan, emit: Callable[[Event], None], stop: StopRequest, way: SafeShutdown
 ) -> Scheduler:
     limits = rig.config.limits
     return Scheduler(

@@ -9,15 +9,15 @@ from contextlib import contextmanager, suppress
 from drivers.interfaces import DeviceError
 from drivers.safe_shutdown import DEVICE_S, SafetyReport, in_time, make_safe
 from labrig.experiment.rig import DRIVE, Rig
-from labrig.experiment.watchdog import Unwatched, Watch
+from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
 
-class WayOut:
+class SafeShutdown:
     """Makes an opened rig safe: by its own devices, else by whoever watches over the run."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
-        self.watch: Watch = Unwatched()  # set once somebody watches
+        self.watch: Watchdog = NoWatchdog()  # set once somebody watches
         self.report: SafetyReport | None = None  # the last one
 
     def make_safe(self) -> SafetyReport:
@@ -32,7 +32,7 @@ class WayOut:
 
     def _by_the_watch(self, own: SafetyReport) -> SafetyReport:
         """The guard has a connection of its own; ours must let go of the boards first."""
-        if isinstance(self.watch, Unwatched):
+        if isinstance(self.watch, NoWatchdog):
             return own
         rig = self._rig
         for let_go in (rig.output.abandon, rig.signals.close, rig.connection.close):
@@ -45,9 +45,9 @@ class WayOut:
 
 
 @contextmanager
-def way_out(rig: Rig) -> Iterator[WayOut]:
+def safe_shutdown(rig: Rig) -> Iterator[SafeShutdown]:
     """Whatever ends the block, or the program within it, ends with `make_safe`."""
-    way = WayOut(rig)
+    way = SafeShutdown(rig)
     atexit.register(way.make_safe)
     try:
         yield way

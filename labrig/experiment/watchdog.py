@@ -19,7 +19,7 @@ from labrig.session.guarded import forget_guard_report, guard_report_path
 _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts when it is passed
 
 
-class Watch(Protocol):
+class Watchdog(Protocol):
     """Watches over the process while the output is energised."""
 
     def new_run(self) -> None:
@@ -35,27 +35,27 @@ class Watch(Protocol):
         """Make the output safe in our place; None: nobody can. Our devices are let go by then."""
 
 
-class Unwatched:
+class NoWatchdog:
     """Nobody watches: a simulated output ends with its program."""
 
     def new_run(self) -> None:
-        """See `Watch.new_run`."""
+        """See `Watchdog.new_run`."""
 
     def beat(self) -> None:
-        """See `Watch.beat`."""
+        """See `Watchdog.beat`."""
 
     def energised(self, on: bool) -> None:
-        """See `Watch.energised`."""
+        """See `Watchdog.energised`."""
 
     def act(self) -> SafetyReport | None:
-        """See `Watch.act`."""
+        """See `Watchdog.act`."""
         return None
 
 
-class Interlocked:
+class InterlockWatchdog:
     """Another watch, and a line that is toggled beside it."""
 
-    def __init__(self, watch: Watch, interlock: NiInterlock) -> None:
+    def __init__(self, watch: Watchdog, interlock: NiInterlock) -> None:
         self._watch = watch
         self._interlock = interlock
         self.new_run = watch.new_run
@@ -63,13 +63,13 @@ class Interlocked:
         self.act = watch.act
 
     def beat(self) -> None:
-        """See `Watch.beat`."""
+        """See `Watchdog.beat`."""
         self._watch.beat()
         self._interlock.beat()
 
 
 @contextmanager
-def watched(rig: Rig, session: Path) -> Iterator[Watch]:
+def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
     """What watches over a run of this rig. NotReadyError when it cannot: nothing is energised.
 
     Should this program not live to tell, the guard leaves its report beside the session.
@@ -84,17 +84,17 @@ def watched(rig: Rig, session: Path) -> Iterator[Watch]:
         except DeviceError as fault:
             raise NotReadyError(str(fault)) from fault
         try:
-            yield Interlocked(watch, rig.interlock)
+            yield InterlockWatchdog(watch, rig.interlock)
         finally:
             with suppress(DeviceError):  # without edges it drops, which is the safe side
                 rig.interlock.close()
 
 
 @contextmanager
-def _guard_of(rig: Rig, session: Path) -> Iterator[Watch]:
+def _guard_of(rig: Rig, session: Path) -> Iterator[Watchdog]:
     """The guard's process while a real rig is run."""
     if rig.config.is_simulated:
-        yield Unwatched()
+        yield NoWatchdog()
         return
     limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
     report = str(guard_report_path(session).absolute())

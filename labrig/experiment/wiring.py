@@ -99,7 +99,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     from sim_hardware.ni import NiDeviceServer
     from sim_hardware.operator import SimulatedPerson
     from sim_hardware.serial_devices import InMemorySerial
-    from sim_hardware.serial_devices import ZaberStage as SimulatedStage
+    from sim_hardware.serial_devices import SimulatedZaberStage as SimulatedStage
     from sim_hardware.world import World, WorldError, load_world
 
     config = plan.rig

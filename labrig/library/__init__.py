@@ -4,14 +4,14 @@ What was found is kept in `.labrig/library.json` of the folder, by each file's t
 """
 
 from labrig.library.conditions import ConditionMean, compare_means, condition_means
-from labrig.library.entry import Entry, read_entry
+from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.index import Library
 from labrig.library.select import COLUMNS, select
 
 __all__ = [
     "COLUMNS",
+    "CatalogueEntry",
     "ConditionMean",
-    "Entry",
     "Library",
     "compare_means",
     "condition_means",

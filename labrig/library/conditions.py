@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from labrig.session import Session
+from labrig.session import RecordedSession
 from protocols.planning.schedule import ReadingKind
 
 Key = tuple[str, float | None, float]  # configuration, position in mm, voltage
@@ -31,7 +31,7 @@ class ConditionMean:
         }
 
 
-def condition_means(session: Session) -> dict[Key, ConditionMean]:
+def condition_means(session: RecordedSession) -> dict[Key, ConditionMean]:
     """By configuration, position and voltage, all runs there together."""
     forces: dict[Key, list[float]] = {}
     for run in session.runs:
@@ -46,7 +46,7 @@ def condition_means(session: Session) -> dict[Key, ConditionMean]:
     return {key: _mean(values) for key, values in forces.items()}
 
 
-def compare_means(a: Session, b: Session) -> list[dict[str, Any]]:
+def compare_means(a: RecordedSession, b: RecordedSession) -> list[dict[str, Any]]:
     """Both sessions' conditions side by side; None where one of them has nothing."""
     left, right = condition_means(a), condition_means(b)
     keys = sorted(left.keys() | right.keys(), key=lambda key: (key[0], key[1] or 0.0, key[2]))

@@ -9,13 +9,13 @@ from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
-from labrig.session import Session, open_session
+from labrig.session import RecordedSession, open_session
 
 Fits = dict[str, dict[str, Any]]  # by configuration
 
 
 @dataclass(frozen=True)
-class Entry:
+class CatalogueEntry:
     """One file. `name` is its path in the folder, with slashes. A damaged one has `error` only."""
 
     name: str
@@ -44,7 +44,7 @@ class Entry:
         return {**asdict(self), "sheet": list(self.sheet)}
 
     @classmethod
-    def from_dict(cls, plain: dict[str, Any]) -> Entry:
+    def from_dict(cls, plain: dict[str, Any]) -> CatalogueEntry:
         """The reverse. Raises TypeError."""
         return cls(**{**plain, "sheet": tuple(plain.get("sheet", ()))})
 
@@ -60,9 +60,9 @@ class Entry:
         return None
 
 
-def read_entry(path: Path, name: str) -> Entry:
+def read_entry(path: Path, name: str) -> CatalogueEntry:
     """Look into a session; samples and images are not read. Never raises for what is in a file."""
-    bare = Entry(name)
+    bare = CatalogueEntry(name)
     try:
         bare = replace(bare, bytes=path.stat().st_size)
         with open_session(path, live=True) as session:
@@ -74,7 +74,7 @@ def read_entry(path: Path, name: str) -> Entry:
         return replace(bare, error=f"cannot be read ({error.strerror or error}).")
 
 
-def _entry(session: Session, bare: Entry) -> Entry:
+def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
     means = condition_means(session)
     begun = [run for run in session.runs if run.started]
     names = dict.fromkeys(run.planned.configuration for run in session.runs)
@@ -101,7 +101,7 @@ def _entry(session: Session, bare: Entry) -> Entry:
     )
 
 
-def _sheets_of(session: Session) -> tuple[str, ...]:
+def _sheets_of(session: RecordedSession) -> tuple[str, ...]:
     """Of a session that was imported and has no runs."""
     found = session.resolved.get("sheet", {})
     return tuple(found) if isinstance(found, dict) else ()

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError
-from labrig.library.entry import Entry, Fits, read_entry
+from labrig.library.entry import CatalogueEntry, Fits, read_entry
 from labrig.library.fits import looks_like_model, read_fits
 
 VERSION = 1  # of what is kept
@@ -32,7 +32,7 @@ class _Known:
     """What a file of this stamp holds: a session's entry, or a model's fits, or neither."""
 
     stamp: Stamp
-    entry: Entry | None = None
+    entry: CatalogueEntry | None = None
     fits: tuple[str, Fits] | None = None
 
 
@@ -54,7 +54,7 @@ class Library:
         with self._lock:
             return self._refresh(budget_s, advance)
 
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[CatalogueEntry]:
         """All sessions as they were at the last `refresh`, with the fit of the newest model."""
         with self._lock:
             known = list(self._known.values())
@@ -168,6 +168,6 @@ def _from_plain(plain: dict[str, Any]) -> _Known:
     stamp, entry, fits = plain["stamp"], plain.get("entry"), plain.get("fits")
     return _Known(
         (int(stamp[0]), int(stamp[1])),
-        None if entry is None else Entry.from_dict(entry),
+        None if entry is None else CatalogueEntry.from_dict(entry),
         None if fits is None else (str(fits[0]), dict(fits[1])),
     )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from labrig.errors import BadInputError
-from labrig.library.entry import Entry
+from labrig.library.entry import CatalogueEntry
 
 _FITTED = ("B_Nm2", "E_Pa", "EIBM_Nm", "rmse_force_mN", "rmse_curve_mm")
 _PLAIN = (
@@ -28,14 +28,14 @@ COLUMNS = (*_PLAIN, *_FITTED)
 
 
 def select(
-    entries: Iterable[Entry],
+    entries: Iterable[CatalogueEntry],
     *,
     sort: str = "started",
     down: bool = True,
     text: str = "",
     outcome: str = "",
     sheet: str = "",
-) -> list[Entry]:
+) -> list[CatalogueEntry]:
     """Those that fit, sorted by a column; what a session does not have comes last either way.
 
     `text` is looked for in name, protocol, sheet, reason and fault, without regard to capitals.
@@ -57,12 +57,12 @@ def select(
     return [*known, *sorted(rest, key=lambda entry: entry.name)]
 
 
-def _value_of(column: str) -> Callable[[Entry], Any]:
+def _value_of(column: str) -> Callable[[CatalogueEntry], Any]:
     if column in _FITTED:
         return lambda entry: entry.fitted(column)
     return lambda entry: getattr(entry, column)
 
 
-def _words(entry: Entry) -> str:
+def _words(entry: CatalogueEntry) -> str:
     parts = (entry.name, entry.protocol, *entry.sheet, entry.reason, entry.error or "")
     return " ".join(parts).lower()

@@ -11,16 +11,16 @@ from labrig.session.derived import (
 from labrig.session.exchange import export_session, import_session
 from labrig.session.recover import RecoverReport, recover
 from labrig.session.run_record import RunRecord
-from labrig.session.session import LoggedEvent, Session, open_session
+from labrig.session.session import LoggedEvent, RecordedSession, open_session
 from labrig.session.tables import read_tables, write_tables
 from labrig.session.verify import verify
 from labrig.session.writer import SessionWriter, WriterError
 
 __all__ = [
     "LoggedEvent",
+    "RecordedSession",
     "RecoverReport",
     "RunRecord",
-    "Session",
     "SessionWriter",
     "WriterError",
     "compare_sessions",

@@ -15,7 +15,7 @@ import numpy as np
 
 from labrig.session import layout
 from labrig.session.layout import Array
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 from protocols import run_to_dict, schedule_to_dict
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedRun
@@ -24,13 +24,13 @@ from protocols.planning.schedule import PlannedRun
 FRAME_COMPRESSION = 1
 
 
-def create_file(path: Path, setup: Setup) -> None:
+def create_file(path: Path, setup: SessionSetup) -> None:
     """Write a session file without a single event in it. Raises FileExistsError, OSError."""
     with h5py.File(path, "x", libver=layout.LIBVER) as file:
         fill_file(file, setup)
 
 
-def fill_file(file: Any, setup: Setup) -> None:
+def fill_file(file: Any, setup: SessionSetup) -> None:
     """The same in a file that is open and empty."""
     set_attributes(file, NX_class="NXroot", default="session", labrig_format=layout.FORMAT)
     entry = _group(file, layout.ENTRY, "NXentry")
@@ -72,14 +72,14 @@ def _group(file: Any, path: str, nx_class: str) -> Any:
     return group
 
 
-def _status(entry: Any, setup: Setup) -> None:
+def _status(entry: Any, setup: SessionSetup) -> None:
     put_text(entry, "identifier", setup.identifier, 64)
     first = {"outcome": Outcome.RUNNING.value, "output_state": OutputState.UNKNOWN.value}
     for name, size in layout.STATUS_TEXTS.items():
         put_text(entry, name, first.get(name, ""), size)
 
 
-def _setup_group(file: Any, setup: Setup) -> None:
+def _setup_group(file: Any, setup: SessionSetup) -> None:
     group = _group(file, layout.SETUP, "NXcollection")
     put_text(group, "schedule", json.dumps(schedule_to_dict(setup.schedule)))
     put_text(group, "resolved", json.dumps(dict(setup.resolved)))
@@ -99,7 +99,7 @@ def _setup_group(file: Any, setup: Setup) -> None:
         put_text(group, "frame_dtype", setup.frame_dtype)
 
 
-def _run(file: Any, run: PlannedRun, setup: Setup) -> None:
+def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     group = _group(file, layout.run_path(run.index), "NXsubentry")
     set_attributes(
         group,
@@ -126,7 +126,7 @@ def _not_started() -> Array:
     return row
 
 
-def _signals(file: Any, run: PlannedRun, setup: Setup) -> None:
+def _signals(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     group = _group(file, f"{layout.run_path(run.index)}/signals", "NXdata")
     set_attributes(group, signal=setup.channels[0] if setup.channels else "time")
     _text_list(group, "axes", ["time"])

@@ -16,7 +16,7 @@ _MOST_DIGITS = 9  # a session counts in 32 bits
 Value = TypeVar("Value")
 
 
-class Row:
+class CsvRow:
     """One line of a file."""
 
     def __init__(self, file: Path, line: int, cells: Mapping[str, str]) -> None:
@@ -53,7 +53,7 @@ class Row:
             raise self.fault(f"column {column}: {text!r} is not {wanted}") from None
 
 
-def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> Iterator[Row]:
+def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> Iterator[CsvRow]:
     """The rows of a file with these columns, in any order.
 
     Accepts a byte order mark and any line ending; lines without a value are passed over.
@@ -71,7 +71,7 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> I
                     "columns; a number must have a point, not a comma, for its decimals."
                 )
             texts = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-            yield Row(path, reader.line_num, texts)
+            yield CsvRow(path, reader.line_num, texts)
     except csv.Error as error:
         raise BadInputError(f"{path}, line {reader.line_num}: not valid CSV: {error}.") from None
 

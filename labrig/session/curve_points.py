@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.interfaces import FloatArray
-from labrig.session.csv_rows import Row, integer
+from labrig.session.csv_rows import CsvRow, integer
 from labrig.session.decimals import from_milli, from_plain
 from model.measurements import Curve
 
 _NUMBER = "a number"
 
 
-def _number_of(row: Row) -> int:
+def _number_of(row: CsvRow) -> int:
     return row.get("point", integer, "a whole number from 0")
 
 
@@ -21,13 +21,13 @@ class CurvePoints:
 
     def __init__(self) -> None:
         self._points: dict[int, tuple[float, ...]] = {}
-        self._last: Row | None = None
+        self._last: CsvRow | None = None
 
-    def holds(self, row: Row) -> bool:
+    def holds(self, row: CsvRow) -> bool:
         """Whether the point of a row is there already. Raises BadInputError."""
         return _number_of(row) in self._points
 
-    def add(self, row: Row) -> None:
+    def add(self, row: CsvRow) -> None:
         """Take the point of a row. Raises BadInputError."""
         number = _number_of(row)
         if number in self._points:

@@ -17,7 +17,7 @@ from labrig.session.create import fill_file
 from labrig.session.derived import load_measurements, write_derived
 from labrig.session.disk import written_beside
 from labrig.session.recorder import Recorder
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 from labrig.session.tables_in import read_tables
 from labrig.session.tables_out import write_tables
 from model.measurements import Measurements
@@ -57,7 +57,7 @@ def import_session(
     return measurements
 
 
-def _session(setup: Setup, names: list[str], measurements: Measurements) -> bytes:
+def _session(setup: SessionSetup, names: list[str], measurements: Measurements) -> bytes:
     """The file's content. Made in memory: the library ends badly with a disk that gets full."""
     with h5py.File("made", "w", libver=layout.LIBVER, driver="core", backing_store=False) as file:
         fill_file(file, setup)
@@ -77,8 +77,8 @@ def export_session(path: Path, folder: Path) -> list[Path]:
     return write_tables(load_measurements(Path(path)), Path(folder))
 
 
-def _setup(sheet_text: str, sums: dict[str, str]) -> Setup:
-    return Setup(
+def _setup(sheet_text: str, sums: dict[str, str]) -> SessionSetup:
+    return SessionSetup(
         schedule=Schedule(IMPORTED, (), 25.0),
         texts={"sheet.toml": sheet_text},
         resolved={"imported_sha256": sums},

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from labrig.session.locking import lock, unlock
-from labrig.session.rows import Rows
-from labrig.session.setup import Setup
+from labrig.session.rows import EventRows
+from labrig.session.setup import SessionSetup
 from protocols.errors import ScheduleError
 
 _MAGIC = b"LRJ1"
@@ -42,7 +42,7 @@ def journal_path(session: Path) -> Path:
 class Journal:
     """A journal that is being written. Raises OSError when the disk does."""
 
-    def __init__(self, path: Path, setup: Setup) -> None:
+    def __init__(self, path: Path, setup: SessionSetup) -> None:
         self.path = path
         self._file: BinaryIO = path.open("xb", buffering=0)
         try:
@@ -55,7 +55,7 @@ class Journal:
             path.unlink(missing_ok=True)
             raise
 
-    def append(self, rows: Rows) -> None:
+    def append(self, rows: EventRows) -> None:
         """Add a record; it outlives this process from here on, and the computer from `sync` on."""
         head = {"path": rows.path, "at": rows.at, "count": rows.count, "packed": rows.packed}
         self._write(head, rows.blob)
@@ -90,10 +90,10 @@ class JournalReader:
     """A journal as found: its setup, and its rows up to the first damaged byte."""
 
     path: Path
-    setup: Setup
+    setup: SessionSetup
     first_row: int  # byte at which the rows begin
 
-    def rows(self) -> Iterator[Rows]:
+    def rows(self) -> Iterator[EventRows]:
         """All whole records, one at a time."""
         with self.path.open("rb") as file:
             file.seek(self.first_row)
@@ -116,7 +116,7 @@ def read_journal(path: Path) -> JournalReader | None:
     try:
         with path.open("rb") as file:
             for head, _ in _records(file, first=0):
-                return JournalReader(path, Setup.from_json(head["setup"]), file.tell())
+                return JournalReader(path, SessionSetup.from_json(head["setup"]), file.tell())
     except FileNotFoundError:
         return None
     except (*_NO_SETUP, RecursionError, ScheduleError):
@@ -124,12 +124,12 @@ def read_journal(path: Path) -> JournalReader | None:
     return None
 
 
-def _rows(head: dict[str, Any], blob: bytes) -> Rows | None:
+def _rows(head: dict[str, Any], blob: bytes) -> EventRows | None:
     """A record as rows; None when its head is none of ours."""
     match head:
         case {"path": str(path), "at": None | int() as at, "count": int(count), "packed": bool(p)}:
             if 0 <= count < _MOST_ROWS and 0 <= (at or 0) < _MOST_ROWS:
-                return Rows(path, at, count, blob, p)
+                return EventRows(path, at, count, blob, p)
     return None
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from labrig.session import layout
 from labrig.session.reading import dataset_names
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 
 
 def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
@@ -51,7 +51,7 @@ def _extend(target: Any, source: Any) -> None:
         target[have:] = rows
 
 
-def trim(file: Any, setup: Setup) -> list[str]:
+def trim(file: Any, setup: SessionSetup) -> list[str]:
     """Cut columns that belong together to one length; returns a sentence for each that was cut."""
     notes: list[str] = []
     for run in setup.schedule.runs:
@@ -72,7 +72,7 @@ def _even(group: Any, what: str) -> Iterator[str]:
         yield f"{group.name}: the last {max(lengths) - least} {what} are not whole and were cut."
 
 
-def _loosen(group: Any, setup: Setup) -> Iterator[str]:
+def _loosen(group: Any, setup: SessionSetup) -> Iterator[str]:
     """Readings whose frame is not there any more keep their values and lose the frame."""
     frames = group["frames/images"].shape[0] if setup.frame_shape is not None else 0
     rows = group["readings"][()]

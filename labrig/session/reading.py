@@ -15,7 +15,7 @@ from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.disk import is_of_writing
 from labrig.session.layout import Array
-from labrig.session.setup import Setup, schedule_back
+from labrig.session.setup import SessionSetup, schedule_back
 from protocols.errors import ScheduleError
 
 
@@ -102,7 +102,7 @@ def with_str(table: Array) -> Array:
     return decoded
 
 
-def read_setup(file: Any, path: Path) -> Setup:
+def read_setup(file: Any, path: Path) -> SessionSetup:
     """What the file was created from."""
 
     def scalar(name: str) -> Any:
@@ -113,7 +113,7 @@ def read_setup(file: Any, path: Path) -> Setup:
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
-        return Setup(
+        return SessionSetup(
             schedule=schedule_back(_json(file, "schedule", path)),
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
             resolved=_json(file, "resolved", path),

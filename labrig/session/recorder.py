@@ -12,7 +12,7 @@ import numpy as np
 
 from labrig.session import layout
 from labrig.session.layout import Array
-from labrig.session.rows import Rows
+from labrig.session.rows import EventRows
 
 _BLOCK_BYTES = 1 << 24
 # Rows wait in memory for others of their dataset up to so many bytes: the library takes a tenth of
@@ -47,7 +47,7 @@ class Recorder:
         self._digests: dict[str, Any] = {}
         self._waiting_bytes = 0
 
-    def apply(self, rows: Rows) -> None:
+    def apply(self, rows: EventRows) -> None:
         """Take rows. Raises MisplacedRowsError, KeyError (no such dataset), OSError (the disk)."""
         if rows.at is None:
             dataset = self._file[rows.path]

@@ -26,7 +26,7 @@ from labrig.session.opening import check_format, check_is_hdf5
 from labrig.session.reading import damage_told, read_setup
 from labrig.session.recorder import MisplacedRowsError, Recorder
 from labrig.session.session import open_session
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 from labrig.session.superblock import unlocked
 from labrig.session.verify import verify
 from protocols.execution.events import Outcome, OutputState
@@ -111,7 +111,7 @@ def _open_old(path: Path, journal: JournalReader | None, until: ExitStack, notes
     return None
 
 
-def _setup(path: Path, journal: JournalReader | None, old: Any) -> Setup:
+def _setup(path: Path, journal: JournalReader | None, old: Any) -> SessionSetup:
     if journal is not None:
         return journal.setup
     with damage_told(path):
@@ -121,7 +121,7 @@ def _setup(path: Path, journal: JournalReader | None, old: Any) -> Setup:
 
 def _build(
     new: Path,
-    setup: Setup,
+    setup: SessionSetup,
     journal: JournalReader | None,
     old: Any,
     guard: GuardReport | None,

@@ -1,6 +1,6 @@
 """Events as rows for datasets: the only thing that is ever written to a session once it exists.
 
-A `Rows` goes both to the file and to the journal, so replaying the journal makes the same file.
+`EventRows` go both to the file and to the journal, so replaying the journal makes the same file.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from drivers.interfaces import Frame
 from labrig.session import layout
 from labrig.session.create import FRAME_COMPRESSION
 from labrig.session.layout import Array
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 from protocols.execution import events as ev
 
 
 @dataclass(frozen=True)
-class Rows:
+class EventRows:
     """Bytes for one dataset: rows to append at row `at`, or (None) its whole new content."""
 
     path: str
@@ -52,12 +52,12 @@ def _unpacked(blob: bytes, size: int) -> bytes:
 class Translator:
     """Turns a session's events into rows; knows how many rows each dataset has."""
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup
         self._lengths: dict[str, int] = {}
         self._started: dict[int, ev.RunStarted] = {}
         self._frames: dict[int, dict[int, int]] = {}  # run -> frame number -> row of its image
-        self._ways: dict[type, Callable[[Any], list[Rows]]] = {
+        self._ways: dict[type, Callable[[Any], list[EventRows]]] = {
             ev.SessionStarted: self._session_started,
             ev.Resumed: self._resumed,
             ev.OperatorAsked: self._asked,
@@ -75,7 +75,7 @@ class Translator:
             ev.SessionStopped: self._session_stopped,
         }
 
-    def rows(self, event: ev.Event) -> list[Rows]:
+    def rows(self, event: ev.Event) -> list[EventRows]:
         """The rows that record an event, in the order in which they are to be written."""
         way = self._ways.get(type(event))
         if way is None:  # an event of a later version: the log at least knows of it
@@ -84,15 +84,15 @@ class Translator:
 
     # ---------------------------------------------------------------------------------- elements
 
-    def _append(self, path: str, rows: Array) -> Rows:
+    def _append(self, path: str, rows: Array) -> EventRows:
         at = self._lengths.get(path, 0)
         self._lengths[path] = at + len(rows)
-        return Rows(path, at, len(rows), np.ascontiguousarray(rows).tobytes())
+        return EventRows(path, at, len(rows), np.ascontiguousarray(rows).tobytes())
 
-    def _status(self, name: str, text: str) -> Rows:
+    def _status(self, name: str, text: str) -> EventRows:
         size = layout.STATUS_TEXTS[name]
         value = np.array(layout.cut(text, size), dtype=f"S{size}")
-        return Rows(f"{layout.ENTRY}/{name}", None, 1, value.tobytes())
+        return EventRows(f"{layout.ENTRY}/{name}", None, 1, value.tobytes())
 
     def _log(
         self,
@@ -103,7 +103,7 @@ class Translator:
         run: int = -1,
         reading: int = -1,
         subject: str = "",
-    ) -> list[Rows]:
+    ) -> list[EventRows]:
         parts = layout.pieces(text, layout.EVENT_TEXT_BYTES)
         rows = np.zeros(len(parts), dtype=layout.EVENT_ROW)
         rows["time_s"], rows["run"], rows["reading"] = event.time_s, run, reading
@@ -114,32 +114,32 @@ class Translator:
 
     # ----------------------------------------------------------------------------------- session
 
-    def _session_started(self, event: ev.SessionStarted) -> list[Rows]:
+    def _session_started(self, event: ev.SessionStarted) -> list[EventRows]:
         return [self._status("start_time", event.wall), *self._log(event, "started")]
 
-    def _resumed(self, event: ev.Resumed) -> list[Rows]:
+    def _resumed(self, event: ev.Resumed) -> list[EventRows]:
         runs = ", ".join(map(str, event.runs)) or "none"
         text = f"continues the session {event.identifier}; taken there: runs {runs}"
         return self._log(event, "resumed", text)
 
-    def _asked(self, event: ev.OperatorAsked) -> list[Rows]:
+    def _asked(self, event: ev.OperatorAsked) -> list[EventRows]:
         return self._log(event, "asked", event.prompt.text, subject=event.prompt.kind)
 
-    def _answered(self, event: ev.OperatorAnswered) -> list[Rows]:
+    def _answered(self, event: ev.OperatorAnswered) -> list[EventRows]:
         said = "done" if event.done else "stop"
         return self._log(event, "answered", said, subject=event.prompt.kind)
 
-    def _action_taken(self, event: ev.ActionTaken) -> list[Rows]:
+    def _action_taken(self, event: ev.ActionTaken) -> list[EventRows]:
         return self._log(event, "action", f"{event.who} {event.what}")
 
-    def _warned(self, event: ev.Warned) -> list[Rows]:
+    def _warned(self, event: ev.Warned) -> list[EventRows]:
         return self._log(event, "warned", event.text)
 
-    def _output_changed(self, event: ev.OutputChanged) -> list[Rows]:
+    def _output_changed(self, event: ev.OutputChanged) -> list[EventRows]:
         status = self._status("output_state", event.state.value)
         return [status, *self._log(event, "output", event.why, subject=event.state.value)]
 
-    def _session_stopped(self, event: ev.SessionStopped) -> list[Rows]:
+    def _session_stopped(self, event: ev.SessionStopped) -> list[EventRows]:
         return [
             self._status("output_state", event.output.value),
             self._status("end_time", event.wall),
@@ -150,7 +150,7 @@ class Translator:
 
     # -------------------------------------------------------------------------------------- runs
 
-    def _run_started(self, event: ev.RunStarted) -> list[Rows]:
+    def _run_started(self, event: ev.RunStarted) -> list[EventRows]:
         index = event.run.index
         self._started[index] = event
         self._frames[index] = {}
@@ -159,13 +159,13 @@ class Translator:
         state = self._acquisition(event)
         return [state, *self._log(event, "run started", f"{name}, {place}", run=index)]
 
-    def _run_stopped(self, event: ev.RunStopped) -> list[Rows]:
+    def _run_stopped(self, event: ev.RunStopped) -> list[EventRows]:
         started = self._started[event.run]
         text = "completed" if event.completed else "not completed"
         state = self._acquisition(started, event)
         return [state, *self._log(event, "run stopped", text, run=event.run)]
 
-    def _acquisition(self, event: ev.RunStarted, stopped: ev.RunStopped | None = None) -> Rows:
+    def _acquisition(self, event: ev.RunStarted, stopped: ev.RunStopped | None = None) -> EventRows:
         row = np.zeros((), dtype=layout.ACQUISITION)
         clock = event.sample_clock
         row["started"] = True
@@ -181,9 +181,9 @@ class Translator:
             row["lost_samples"] = stopped.lost_samples
             row["frames_grabbed"] = stopped.frames_grabbed
             row["frames_dropped"] = stopped.frames_dropped
-        return Rows(f"{layout.run_path(event.run.index)}/acquisition", None, 1, row.tobytes())
+        return EventRows(f"{layout.run_path(event.run.index)}/acquisition", None, 1, row.tobytes())
 
-    def _write(self, event: ev.VoltageSet) -> list[Rows]:
+    def _write(self, event: ev.VoltageSet) -> list[EventRows]:
         started = self._started[event.run]
         write = event.write
         middle = (write.before_s + write.after_s) / 2
@@ -196,7 +196,7 @@ class Translator:
         row["sheet_V"], row["board_V"] = write.sheet_V, write.board_V
         return [self._append(f"{layout.run_path(event.run)}/writes", row)]
 
-    def _signals(self, event: ev.SignalsArrived) -> list[Rows]:
+    def _signals(self, event: ev.SignalsArrived) -> list[EventRows]:
         started, volts = self._started[event.run], event.block.volts
         have = self._lengths.get(layout.signal_path(event.run, "time"), 0)
         gap = event.block.first_index - have
@@ -215,7 +215,7 @@ class Translator:
         ]
         return [*rows, self._append(layout.signal_path(event.run, "time"), time_s)]
 
-    def _frame(self, run: int, frame: Frame, reading: int | None) -> list[Rows]:
+    def _frame(self, run: int, frame: Frame, reading: int | None) -> list[EventRows]:
         known = self._frames[run]
         if frame.number in known or self._setup.frame_shape is None:
             return []
@@ -242,14 +242,14 @@ class Translator:
             self._append(layout.frame_path(run, name), np.array([values[name]], dtype=kind))
             for name, (kind, _) in layout.FRAME_COLUMNS.items()
         ]
-        return [Rows(path, at, 1, packed, packed=True), *columns]
+        return [EventRows(path, at, 1, packed, packed=True), *columns]
 
-    def _frames_arrived(self, event: ev.FramesArrived) -> list[Rows]:
+    def _frames_arrived(self, event: ev.FramesArrived) -> list[EventRows]:
         return [rows for frame in event.frames for rows in self._frame(event.run, frame, None)]
 
-    def _reading(self, event: ev.ReadingTaken) -> list[Rows]:
+    def _reading(self, event: ev.ReadingTaken) -> list[EventRows]:
         started, planned = self._started[event.run], event.planned
-        images: list[Rows] = []
+        images: list[EventRows] = []
         frame = layout.NO_FRAME
         if event.frame is not None and self._setup.frame_shape is not None:
             images = self._frame(event.run, event.frame, planned.index)
@@ -266,7 +266,7 @@ class Translator:
         row["valid"], row["why"] = event.valid, layout.cut(event.why, 240)
         return [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
 
-    def _marked(self, event: ev.ReadingMarked) -> list[Rows]:
+    def _marked(self, event: ev.ReadingMarked) -> list[EventRows]:
         row = np.zeros(1, dtype=layout.MARK_ROW)
         reading = -1 if event.reading is None else event.reading
         row["time_s"], row["reading"] = event.time_s, reading

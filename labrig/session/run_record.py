@@ -14,7 +14,7 @@ from labrig.errors import BadInputError
 from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.reading import read_array, read_dataset, read_table
-from labrig.session.setup import Setup
+from labrig.session.setup import SessionSetup
 from protocols.planning.schedule import PlannedRun
 
 
@@ -30,7 +30,7 @@ class Counts:
 class RunRecord:
     """A run of an open session. Nothing is read before it is asked for, images one at a time."""
 
-    def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: Setup) -> None:
+    def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: SessionSetup) -> None:
         self.planned = planned
         self.channels = setup.channels
         self.ranges_V = dict(zip(setup.channels, setup.ranges_V, strict=True))

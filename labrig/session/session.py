@@ -37,7 +37,7 @@ class LoggedEvent:
     text: str
 
 
-class Session:
+class RecordedSession:
     """An open session file. Close it, or use it in a `with` statement."""
 
     def __init__(self, file: Any, path: Path) -> None:
@@ -145,7 +145,7 @@ class Session:
         return read_text(self._file, f"{layout.ENTRY}/{name}", self.path)
 
 
-def open_session(path: Path | str, *, live: bool = False) -> Session:
+def open_session(path: Path | str, *, live: bool = False) -> RecordedSession:
     """Open a session for reading.
 
     Raises BadInputError, in a sentence, for whatever is no whole session of this format. A session
@@ -154,7 +154,7 @@ def open_session(path: Path | str, *, live: bool = False) -> Session:
     path = Path(path)
     file = open_file(path, live=live)
     try:
-        session = Session(file, path)
+        session = RecordedSession(file, path)
         if not (live or session.was_closed):
             raise BadInputError(cut_short(path))
         return session

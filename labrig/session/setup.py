@@ -48,7 +48,7 @@ def _imported(plain: Mapping[str, Any]) -> Schedule:
 
 
 @dataclass(frozen=True)
-class Setup:
+class SessionSetup:
     """Everything the file is created from."""
 
     schedule: Schedule
@@ -98,7 +98,7 @@ class Setup:
         return json.dumps(plain)
 
     @classmethod
-    def from_json(cls, text: str) -> Setup:
+    def from_json(cls, text: str) -> SessionSetup:
         """The reverse of `to_json`; raises ValueError or KeyError when the text is not one."""
         plain = json.loads(text)
         shape = plain.pop("frame_shape")

@@ -12,7 +12,7 @@ import numpy as np
 from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
 from labrig.session import columns
-from labrig.session.csv_rows import Row, integer, one_of, read_rows, truth
+from labrig.session.csv_rows import CsvRow, integer, one_of, read_rows, truth
 from labrig.session.curve_points import CurvePoints
 from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
 from labrig.session.plausibility import doubts
@@ -75,14 +75,14 @@ def read_tables(
 # -------------------------------------------------------------------------------------- conditions
 
 
-def _configuration(row: Row, sheet: Mapping[str, SheetGeometry]) -> str:
+def _configuration(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> str:
     name = row.get("configuration", str, "a table of sheet.toml")
     if name not in sheet:
         raise row.fault(f"configuration {name!r} is no table of the sheet, {', '.join(sheet)}")
     return name
 
 
-def _key(row: Row, sheet: Mapping[str, SheetGeometry]) -> _Key:
+def _key(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> _Key:
     return _Key(
         configuration=_configuration(row, sheet),
         position_m=row.optional("position_mm", from_milli, NUMBER, None),
@@ -93,7 +93,7 @@ def _key(row: Row, sheet: Mapping[str, SheetGeometry]) -> _Key:
     )
 
 
-def _gathered(gathered: dict[_Key, _Gathered], key: _Key, row: Row) -> _Gathered:
+def _gathered(gathered: dict[_Key, _Gathered], key: _Key, row: CsvRow) -> _Gathered:
     tilt_rad = row.optional("tilt_deg", from_degrees, NUMBER, 0.0)
     found = gathered.setdefault(key, _Gathered(tilt_rad))
     if found.tilt_rad != tilt_rad:
@@ -102,7 +102,7 @@ def _gathered(gathered: dict[_Key, _Gathered], key: _Key, row: Row) -> _Gathered
 
 
 def _add_force(
-    gathered: dict[_Key, _Gathered], row: Row, sheet: Mapping[str, SheetGeometry]
+    gathered: dict[_Key, _Gathered], row: CsvRow, sheet: Mapping[str, SheetGeometry]
 ) -> None:
     key = _key(row, sheet)
     index = row.get("reading", integer, WHOLE)
@@ -123,7 +123,7 @@ def _add_force(
 
 
 def _add_point(
-    gathered: dict[_Key, _Gathered], row: Row, sheet: Mapping[str, SheetGeometry]
+    gathered: dict[_Key, _Gathered], row: CsvRow, sheet: Mapping[str, SheetGeometry]
 ) -> bool:
     """Take a curve's point; says whether its condition had to be taken from its order."""
     reading = row.optional("reading", integer, WHOLE, None)
@@ -137,7 +137,7 @@ def _add_point(
 
 def _meant(
     gathered: dict[_Key, _Gathered],
-    row: Row,
+    row: CsvRow,
     sheet: Mapping[str, SheetGeometry],
     reading: int | None,
 ) -> tuple[_Key, bool]:

@@ -14,7 +14,7 @@ from labrig.session.opening import open_file
 from labrig.session.reading import damage_told, dataset_names, read_dataset, read_table
 from labrig.session.recorder import digest
 from labrig.session.run_record import RunRecord
-from labrig.session.session import Session
+from labrig.session.session import RecordedSession
 from protocols.execution.events import Outcome
 
 
@@ -28,7 +28,7 @@ def verify(path: Path) -> list[Check]:
     with file:
         checks = [Check("opens", ok=True, found="a closed session", wanted="a closed session")]
         try:
-            session = Session(file, path)
+            session = RecordedSession(file, path)
             checks.append(_outcome(session))
             checks.extend(_checksums(file, path))
             for run in session.runs:
@@ -38,7 +38,7 @@ def verify(path: Path) -> list[Check]:
     return checks
 
 
-def _outcome(session: Session) -> Check:
+def _outcome(session: RecordedSession) -> Check:
     found = session.outcome
     return Check("outcome", found is not Outcome.RUNNING, found.value, "how the session ended")
 
@@ -79,7 +79,7 @@ def _digest(file: Any, name: str, path: Path) -> str:
         return "unreadable"
 
 
-def _run(run: RunRecord, session: Session) -> Iterator[Check]:
+def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
     name = f"run {run.planned.index + 1}"
     whole = session.outcome is Outcome.COMPLETED or run.completed
     planned, have = len(run.planned.readings), len(run.readings)

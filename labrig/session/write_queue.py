@@ -17,7 +17,7 @@ class StalledError(Exception):
     """The consumer has been busy with one item, or the queue full, for too long."""
 
 
-class Backlog(Generic[Item]):
+class WriteQueue(Generic[Item]):
     """A queue bounded in bytes, for one producer side and one consumer."""
 
     def __init__(self, limit_bytes: int, patience_s: float) -> None:

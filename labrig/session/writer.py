@@ -22,8 +22,8 @@ from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_fold
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
-from labrig.session.setup import Setup
-from labrig.session.write_queue import Backlog, StalledError
+from labrig.session.setup import SessionSetup
+from labrig.session.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
@@ -76,7 +76,7 @@ class SessionWriter:
     ) -> None:
         """Create the file. Raises BadInputError when it exists or its folder cannot be used."""
         self.path = Path(path)
-        self._setup = Setup(
+        self._setup = SessionSetup(
             schedule=schedule,
             texts=dict(texts),
             resolved=dict(resolved),
@@ -90,7 +90,7 @@ class SessionWriter:
         )
         self._journal = _begin(self.path, self._setup)
         self._translator = Translator(self._setup)
-        self._backlog: Backlog[ev.Event] = Backlog(QUEUE_BYTES, patience_s)
+        self._backlog: WriteQueue[ev.Event] = WriteQueue(QUEUE_BYTES, patience_s)
         self._failure: Exception | None = None
         self._stopped = False
         self._closed = False
@@ -207,7 +207,7 @@ class SessionWriter:
             recorder.let_go()
 
 
-def _begin(path: Path, setup: Setup) -> Journal:
+def _begin(path: Path, setup: SessionSetup) -> Journal:
     """Make journal and file; the file appears at its path whole, or not at all."""
     if path.exists():
         raise BadInputError(f"{path} exists already; choose another name with -o.")

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from labrig.vision.batch import BatchOptions as BatchOptions
     from labrig.vision.batch import BatchResult as BatchResult
     from labrig.vision.batch import extract_curves as extract_curves
-    from labrig.vision.calibration.board import Board as Board
+    from labrig.vision.calibration.board import CalibrationBoard as CalibrationBoard
     from labrig.vision.calibration.board import write_board_pdf as write_board_pdf
     from labrig.vision.calibration.camera import Calibration as Calibration
     from labrig.vision.calibration.camera import calibrate_camera as calibrate_camera
     from labrig.vision.calibration.camera import calibrate_ruler as calibrate_ruler
-    from labrig.vision.calibration.optics import Look as Look
     from labrig.vision.calibration.optics import Optics as Optics
+    from labrig.vision.calibration.optics import SheetAppearance as SheetAppearance
     from labrig.vision.calibration.optics import load_optics as load_optics
     from labrig.vision.curve import NeutralCurve as NeutralCurve
     from labrig.vision.curve import StripGeometry as StripGeometry
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.vision.batch": ("BatchOptions", "BatchResult", "extract_curves"),
-    "labrig.vision.calibration.board": ("Board", "write_board_pdf"),
+    "labrig.vision.calibration.board": ("CalibrationBoard", "write_board_pdf"),
     "labrig.vision.calibration.camera": ("Calibration", "calibrate_camera", "calibrate_ruler"),
     "labrig.vision.tracking.frame_average": (
         "Comparison", "FrameAverage", "average_of_frames", "compare_with_frames"
@@ -46,7 +46,7 @@ _HOMES = {
     "labrig.vision.curve": ("NeutralCurve", "StripGeometry"),
     "labrig.vision.extract": ("neutral_curve",),
     "labrig.vision.image.files": ("curve_json", "load_strip", "read_image", "write_overlay"),
-    "labrig.vision.calibration.optics": ("Look", "Optics", "load_optics"),
+    "labrig.vision.calibration.optics": ("SheetAppearance", "Optics", "load_optics"),
     "labrig.vision.tracking.tracker": ("Tracker",),
 }  # fmt: skip
 __getattr__, __dir__, __all__ = lazily(__name__, _HOMES)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
-from labrig.vision.calibration.optics import Look, Optics, load_optics
+from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
 from labrig.vision.image.files import (
@@ -37,7 +37,7 @@ class BatchOptions:
     sheet: Path | None = None
     configuration: str | None = None  # which table of the sheet.toml
     overlays: bool = True
-    look: Look | None = None  # in place of what optics.json says
+    look: SheetAppearance | None = None  # in place of what optics.json says
 
 
 @dataclass

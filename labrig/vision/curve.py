@@ -12,7 +12,7 @@ from labrig.errors import BadInputError
 from model.measurements import Curve
 
 if TYPE_CHECKING:
-    from labrig.vision.search.straight_lines import Wire
+    from labrig.vision.search.straight_lines import BackgroundLine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -104,7 +104,7 @@ class NeutralCurve:
     pull_px: FloatArray = field(default_factory=_nothing)
     face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
     face_share: float = 0.0  # its grey over the edge's
-    wires: tuple[Wire, ...] = ()  # that hide parts of the sheet
+    wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
 
     def as_curve(self) -> Curve:
         """The same as the model takes it."""

@@ -13,12 +13,12 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.checks.acceptance import judge
 from labrig.vision.checks.apparent_width import excess_width_px, something_lies_along, spoilt_cells
 from labrig.vision.checks.lateral_bias import pulled_px
-from labrig.vision.checks.sheet_end import Tip
+from labrig.vision.checks.sheet_end import SheetEnd
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.fit.context import Band
 from labrig.vision.fit.curve_fit import fit_intensities, fit_points
-from labrig.vision.fit.refinement import Candidate, Refiner
-from labrig.vision.fit.shape import Shape, make_shape
+from labrig.vision.fit.refinement import CurveCandidate, Refiner
+from labrig.vision.fit.shape import CurveShape, make_shape
 from labrig.vision.image.downscaling import (
     reduced_optics,
     reduced_picture,
@@ -26,11 +26,11 @@ from labrig.vision.image.downscaling import (
     scaled_curve,
     told,
 )
-from labrig.vision.image.image import Picture, PictureError, read_picture
+from labrig.vision.image.image import GreyImage, ImageError, read_grey_image
 from labrig.vision.search.ridge_tracing import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.search.straight_lines import (
     BESIDE_PX,
-    Wire,
+    BackgroundLine,
     find_branches,
     find_wires,
     hidden_by,
@@ -64,8 +64,8 @@ def neutral_curve(
     self-check. What cannot be measured comes back with `ok` False and the reason, never raised.
     """
     try:
-        picture = read_picture(image, optics)
-    except PictureError as error:
+        picture = read_grey_image(image, optics)
+    except ImageError as error:
         return NeutralCurve(ok=False, why=str(error))
     if not strip.thickness_known:
         seen_m = start.thickness_m if start is not None and start.ok else None
@@ -79,7 +79,7 @@ def neutral_curve(
 
 
 def _found(
-    picture: Picture, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+    picture: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
 ) -> NeutralCurve:
     """The curve, or why there is none."""
     job = _Job(picture, optics, strip)
@@ -125,7 +125,7 @@ def _found(
     return with_wires(curve, job.wires, picture.grey.shape)
 
 
-def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
+def _distance(candidate: CurveCandidate, nodes: FloatArray) -> FloatArray:
     """(nodes,) distance in the picture, point by point along both curves."""
     gap = candidate.setting.nodes_px(candidate.fit.shape) - nodes
     return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))
@@ -134,14 +134,14 @@ def _distance(candidate: Candidate, nodes: FloatArray) -> FloatArray:
 class _Job(Refiner):
     """One picture on its way to a curve: where the sheet may be, and which of that it is."""
 
-    def __init__(self, picture: Picture, optics: Optics, strip: StripGeometry) -> None:
+    def __init__(self, picture: GreyImage, optics: Optics, strip: StripGeometry) -> None:
         super().__init__(picture, optics, strip)
         self.open_mask = self.mask
-        self.wires: tuple[Wire, ...] = ()
+        self.wires: tuple[BackgroundLine, ...] = ()
         self.led_by_wires = False  # whether a path that looked best ran with one
         self.only = 0.0  # the polarity, once it is known
 
-    def followed(self, start: NeutralCurve) -> Candidate | None:
+    def followed(self, start: NeutralCurve) -> CurveCandidate | None:
         """The curve near an earlier one; None when the sheet is not (quite) there any more."""
         if len(start.parameters) != self.basis.size:
             return None
@@ -162,15 +162,15 @@ class _Job(Refiner):
                 contrast=start.contrast,
                 settled_px=0.02,
             )
-            found = Candidate(
-                fit, setting, Tip(None), judge(fit, setting, Tip(None), followed=True)
+            found = CurveCandidate(
+                fit, setting, SheetEnd(None), judge(fit, setting, SheetEnd(None), followed=True)
             )
             good = found.verdict.covered > start.covered - 0.04
             if good and not found.verdict.why and fit.step_px < 0.1:
                 return self.led_by_edges(found)
         return None
 
-    def _shape_of(self, curve: NeutralCurve) -> Shape:
+    def _shape_of(self, curve: NeutralCurve) -> CurveShape:
         """A reported curve as a shape to start from."""
         ppm, heading = self.optics.px_per_m, self.optics.clamp_angle_rad
         parameters = curve.parameters.copy()
@@ -180,7 +180,7 @@ class _Job(Refiner):
         first = np.array([curve.x_m[0], curve.y_m[0]]) * ppm
         return make_shape(self.basis, first - parameters[0] * sideways, heading, parameters)
 
-    def cold(self) -> Candidate | None:
+    def cold(self) -> CurveCandidate | None:
         """The best curve without any idea where the sheet is."""
         self._hide(())
         best = self._searched()
@@ -195,7 +195,7 @@ class _Job(Refiner):
             best = again
         return best
 
-    def _is_the_sheet(self, best: Candidate) -> bool:
+    def _is_the_sheet(self, best: CurveCandidate) -> bool:
         """Whether what looks like a wire along the best curve can only be the sheet's own end.
 
         Its end is seen where the sheet's should be, and nothing goes on there.
@@ -204,7 +204,7 @@ class _Job(Refiner):
         along = [wire for wire in self.wires if wire.runs_with(nodes, reach)]
         return best.confirmed and all(wire.ends_with(nodes) for wire in along)
 
-    def _searched(self, known: Candidate | None = None) -> Candidate | None:
+    def _searched(self, known: CurveCandidate | None = None) -> CurveCandidate | None:
         """The best of a quick search, and of a broader one where none passes.
 
         `known`: of a search before wires were hidden; it may be right but for those.
@@ -224,7 +224,7 @@ class _Job(Refiner):
             return known if known.verdict.why else found[0]
         return best
 
-    def _hides_wires(self, best: Candidate) -> bool:
+    def _hides_wires(self, best: CurveCandidate) -> bool:
         """Whether there are more wires where the sheet may be; their pixels are not used then."""
         sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
         reach, clamp = best.fit.band.reach, np.array(self.optics.clamp_px)
@@ -249,7 +249,7 @@ class _Job(Refiner):
             self.led_by_wires |= any(wire.runs_with(nodes, reach) for wire in wires)
         return bool(wires)
 
-    def _hide(self, wires: tuple[Wire, ...]) -> None:
+    def _hide(self, wires: tuple[BackgroundLine, ...]) -> None:
         """Use no pixel of these any more."""
         self.wires = wires
         if wires:
@@ -257,7 +257,7 @@ class _Job(Refiner):
         else:
             self.mask = self.open_mask
 
-    def _candidates(self, *, width: int, hasty: bool) -> list[Candidate]:
+    def _candidates(self, *, width: int, hasty: bool) -> list[CurveCandidate]:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
@@ -279,7 +279,7 @@ class _Job(Refiner):
                     found += self._rivals(ridges, trace, sign, width, enough)
         return found
 
-    def strength_of_another(self, found: Candidate) -> float:
+    def strength_of_another(self, found: CurveCandidate) -> float:
         """Contrast of a second sheet that leaves the clamp, or close beside it, over the first's.
 
         0 where there is none.
@@ -308,7 +308,7 @@ class _Job(Refiner):
             return 0.0
         return second.fit.usual_contrast / found.fit.usual_contrast
 
-    def bridged(self, found: Candidate, excess: FloatArray) -> NeutralCurve:
+    def bridged(self, found: CurveCandidate, excess: FloatArray) -> NeutralCurve:
         """The curve without the cells where something lies along the sheet.
 
         A refusal where the rest does not say to about a pixel where the sheet is.
@@ -333,7 +333,7 @@ class _Job(Refiner):
 
     def _rivals(
         self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float
-    ) -> list[Candidate]:
+    ) -> list[CurveCandidate]:
         """Other ways the sheet may go on, where a wire may have been taken for its end."""
         for share in (0.7, 0.45):
             tail = trace.path[round(share * len(trace.path)) :]

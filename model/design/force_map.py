@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import Status
+from model.mechanics.equilibrium import SolverStatus
 from model.parameter import Parameter
-from model.sheet.beam_problem import Setup
+from model.sheet.beam_problem import ConditionProblem
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
-from model.sheet.solution import Solved, solved
+from model.sheet.solution import SolvedProblems, solved
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class ForceMap:
     normal_N: FloatArray  # (P, V) along the arc's normal, outward positive
     s_hat_m: FloatArray
     reachable: npt.NDArray[np.bool_]
-    setups: list[Setup]  # position after position, each at all voltages
-    solved: Solved
+    setups: list[ConditionProblem]  # position after position, each at all voltages
+    solved: SolvedProblems
 
     def all_reachable(self) -> bool:
         """Whether every place is reachable at every voltage."""
@@ -51,7 +51,7 @@ def force_map(
     normal = -found.normal_N * np.sin(found.gamma_rad)
     return ForceMap(
         p, V, found.force_N.reshape(shape), normal.reshape(shape), found.s_hat_m.reshape(shape),
-        (found.status == Status.SOLVED).reshape(shape), setups, found,
+        (found.status == SolverStatus.SOLVED).reshape(shape), setups, found,
     )  # fmt: skip
 
 

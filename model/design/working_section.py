@@ -26,7 +26,7 @@ from model.sheet.solution import sampled_s
 
 
 @dataclass(frozen=True)
-class Line:
+class StraightLine:
     """1: the best line F = at_zero_N + slope p through F(p) at one voltage."""
 
     voltage_V: float
@@ -44,7 +44,7 @@ class Line:
 
 def best_line(
     model: SheetModel, configuration: str, low_m: float, high_m: float, voltage_V: float
-) -> Line:
+) -> StraightLine:
     """1: the line with the smallest squared error over the section."""
     p = section(low_m, high_m)
 
@@ -56,7 +56,7 @@ def best_line(
     slope, start, error = propagate(model, configuration, question, ("N/m", "N", "N"))
     force = force_map(model, configuration, p, voltage_V).tangential_N[:, 0]
     off = float(np.max(np.abs(slope.value * p + start.value - force)))
-    return Line(voltage_V, slope, start, error, off, float(np.ptp(force)))
+    return StraightLine(voltage_V, slope, start, error, off, float(np.ptp(force)))
 
 
 @dataclass(frozen=True)

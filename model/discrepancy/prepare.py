@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Look, look
+from model.discrepancy.data.data_vector import DataVector, look
 from model.discrepancy.likelihood.base_model import bases_of, rest_of, start
 from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.likelihood.forward_model import ForwardModel
 from model.discrepancy.likelihood.linearisation import Bases
-from model.discrepancy.likelihood.mixed_model_fit import Problem
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem
 from model.discrepancy.likelihood.row_noise import noise_of
 from model.effects.catalogue import effect as effect_of
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
@@ -40,7 +40,7 @@ class Options:
 class Prepared:
     """Ready to be searched."""
 
-    problem: Problem
+    problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
     notes: tuple[str, ...]
@@ -70,7 +70,7 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     notes += [f"left out: {sentence}" for sentence in why]
     notes += _lacks(looks)
     known = [stated for _, stated in rests]
-    study = Study(looks, [rest for rest, _ in rests])
+    study = ForwardModel(looks, [rest for rest, _ in rests])
     bases = bases_of(study, known, options.symmetric)
     theta = start(used, study, bases, known, options.symmetric)
     bases = _anchored(study, bases, theta)
@@ -78,11 +78,11 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
         for one in looks:
             sheet = options.model.sheet(one.sheet.configuration).sheet
             _check_geometry(one.sheet, sheet)
-    problem = Problem.of(study, bases, noise_of(study))
+    problem = FitProblem.of(study, bases, noise_of(study))
     return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
 
 
-def _anchored(study: Study, bases: Bases, theta: FloatArray) -> Bases:
+def _anchored(study: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
     """B kept near what (2) says of all conditions, where there are curves.
 
     A base model that is millimetres off would else pay for its misfit under voltage with B, and
@@ -95,7 +95,7 @@ def _anchored(study: Study, bases: Bases, theta: FloatArray) -> Bases:
     return replace(bases, parts=tuple(parts))
 
 
-def _check_curves(one: Look) -> None:
+def _check_curves(one: DataVector) -> None:
     """A `ModelError` where a curve has another size than the sheet."""
     whole = one.sheet.free_length_m + one.sheet.elongation_m
     for seen in one.seen:
@@ -109,7 +109,7 @@ def _check_curves(one: Look) -> None:
             )
 
 
-def _lacks(looks: list[Look]) -> list[str]:
+def _lacks(looks: list[DataVector]) -> list[str]:
     """What these data cannot say, whatever is missing."""
     notes = []
     for one in looks:

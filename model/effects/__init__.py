@@ -1,6 +1,6 @@
 """The catalogue of effects: what the base model leaves out, one object and one file each."""
 
 from model.effects.catalogue import catalogue, effect
-from model.effects.interface import SLOTS, Effect, Knob, Slot
+from model.effects.interface import LOCATIONS, Effect, EffectParameter, Location
 
-__all__ = ["SLOTS", "Effect", "Knob", "Slot", "catalogue", "effect"]
+__all__ = ["LOCATIONS", "Effect", "EffectParameter", "Location", "catalogue", "effect"]

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.effects.interface import Clock, Knob
+from model.effects.interface import AcquisitionTimes, EffectParameter
 from model.measurements import FloatArray
 
 # The paper's 22 pulses of 0.6 s: the time under voltage over which a change since the last wetting
 # is stated, however often the sheet was moistened.
 RUN_DRIVEN_S = 13.2
-SINCE = Knob(
+SINCE = EffectParameter(
     "since_wetting", "0: over the whole session; 1: under voltage, since the last wetting", "",
     0.0, 0.0, 1.0, tried=(0.0, 1.0),
 )  # fmt: skip
-SETTLES = Knob(
+SETTLES = EffectParameter(
     "settles", "0: goes on evenly; 1: slows down, 95 % of it is over at the end", "",
     0.0, 0.0, 1.0, tried=(0.0, 1.0),
 )  # fmt: skip
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 
 
-def progress(clock: Clock, since_wetting: float, settles: float) -> FloatArray:
+def progress(clock: AcquisitionTimes, since_wetting: float, settles: float) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the data, or of a run's time under voltage."""
     done = clock.driven_s / RUN_DRIVEN_S if since_wetting > 0.5 else clock.session
     if settles > 0.5:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.effects.interface import Clock, Knob
+from model.effects.interface import AcquisitionTimes, EffectParameter
 from model.measurements import FloatArray
 
 PULSE_S = 0.6  # of the paper's pulses
-SPREAD = Knob(
+SPREAD = EffectParameter(
     "spread", "1: one time constant; more: three of them, apart by this factor", "",
     1.0, 1.0, 100.0, tried=(1.0, 5.0),
 )  # fmt: skip
 
 
-def before_edge(clock: Clock, tau_s: float, opposite: FloatArray | float) -> FloatArray:
+def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:
     """Where a lag was as the present pulse began, over where it goes now.
 
     It begins at rest, behind pulses of which each aims at `opposite` times the next one's aim.
@@ -24,7 +24,7 @@ def before_edge(clock: Clock, tau_s: float, opposite: FloatArray | float) -> Flo
     return np.asarray(np.where(n > 0.0, settled * (1.0 - (-forgotten) ** n), 0.0))
 
 
-def lagging(clock: Clock, tau_s: float, opposite: FloatArray | float) -> FloatArray:
+def lagging(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:
     """Where it is at these times, over where it goes."""
     left = np.exp(-np.maximum(clock.pulse_s, 0.0) / tau_s)
     return np.asarray(before_edge(clock, tau_s, opposite) * left + 1.0 - left)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._memory import SPREAD, lagging, spread_about
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 SAMPLE_S = 0.5  # after the edge: where the EIBM of the base model is taken
@@ -22,7 +22,7 @@ class BackRelaxation(Effect):
     the one before.
     """
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         loss = p["relative_loss_at_sample"]
         times = spread_about(p["time_constant_s"], p[SPREAD.name])
@@ -62,15 +62,15 @@ EFFECT = BackRelaxation(
         " 2899"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "relative_loss_at_sample", "share of the EIBM lost 0.5 s after the edge", "", 0.05,
             low=0.0, high=0.8,
         ),
-        Knob(
+        EffectParameter(
             "time_constant_s", "time in which 63 % of the loss happens", "s", 1.0,
             low=0.05, high=20.0, log=True, tried=(0.3, 1.0, 3.0),
         ),
-        Knob(
+        EffectParameter(
             "remembers", "0: each pulse begins anew; 1: what it lost is lost to the next", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),

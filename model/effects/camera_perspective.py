@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects.interface import Effect, Knob, Points, Values
+from model.effects.interface import Effect, EffectParameter, ImagePoints, Values
 from model.measurements import FloatArray
 
 OVER_M = 0.05  # a length of the sheet's plane, not of one sheet: all are seen by the same camera
@@ -16,7 +16,7 @@ OVER_M = 0.05  # a length of the sheet's plane, not of one sheet: all are seen b
 class CameraPerspective(Effect):
     """The scale changes linearly across the picture; it is right at the clamp."""
 
-    def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
+    def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""
         across = points.x_m * np.cos(p["direction_rad"]) + points.y_m * np.sin(p["direction_rad"])
         share = p["relative_error"] * across / OVER_M
@@ -41,8 +41,8 @@ EFFECT = CameraPerspective(
         " IEEE Trans. Pattern Anal. Mach. Intell. 22, 1330"
     ),
     knobs=(
-        Knob("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
-        Knob(
+        EffectParameter("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
+        EffectParameter(
             "direction_rad", "in which the scale grows: 0 along x, pi/2 along y", "rad", 0.0,
             -np.pi, np.pi, tried=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
         ),

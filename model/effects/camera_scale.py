@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from model.effects.interface import Effect, Knob, Points, Values
+from model.effects.interface import Effect, EffectParameter, ImagePoints, Values
 from model.measurements import FloatArray
 
 
@@ -12,7 +12,7 @@ from model.measurements import FloatArray
 class CameraScale(Effect):
     """All points farther from the clamp by the same share, or less so along one axis."""
 
-    def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray]:
+    def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""
         along_x, along_y = min(1.0, 1.0 - p["axis"]), min(1.0, 1.0 + p["axis"])
         error = p["relative_error"]
@@ -31,8 +31,9 @@ EFFECT = CameraScale(
     isolates="A target of known length in view; the visible end of the sheet.",
     source="Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 6",
     knobs=(
-        Knob("relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
-        Knob(
+        EffectParameter(
+            "relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
+        EffectParameter(
             "axis", "0: both alike; -1: x alone; 1: y alone; between: the other one less", "",
             0.0, -1.0, 1.0, tried=(0.0, -1.0, -0.5, 0.5, 1.0),
         ),

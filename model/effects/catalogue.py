@@ -13,7 +13,7 @@ from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from model.effects.interface import SLOTS, Effect
+from model.effects.interface import LOCATIONS, Effect
 from model.measurements import ModelError
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _found(path: tuple[str, ...]) -> dict[str, Effect]:
     from importlib.metadata import entry_points  # slow to import
 
     del path
-    effects = {e.name: e for e in sorted(_own(), key=lambda e: (SLOTS.index(e.slot), e.name))}
+    effects = {e.name: e for e in sorted(_own(), key=lambda e: (LOCATIONS.index(e.slot), e.name))}
     for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
         found = _loaded(entry)
         if isinstance(found, str):

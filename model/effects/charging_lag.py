@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._memory import before_edge
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 
@@ -19,7 +19,7 @@ class ChargingLag(Effect):
     which the base model has the known one. The slow one has not forgotten the pulse before.
     """
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         missing = np.zeros_like(clock.pulse_s)
         tau = p["time_constant_s"]
@@ -66,15 +66,15 @@ EFFECT = ChargingLag(
         " Shahinpoor and Kim 2000, Smart Mater. Struct. 9, 543"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "time_constant_s", "time in which the EIBM does 63 % of its way", "s", 0.12,
             low=0.003, high=3.0, log=True, tried=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
         ),
-        Knob(
+        EffectParameter(
             "slow_share", "of the EIBM, that comes so; the rest comes with the voltage", "",
             1.0, low=0.05, high=1.0, log=True, tried=(1.0,),
         ),
-        Knob(
+        EffectParameter(
             "remembers", "1: a pulse begins where the one before came to; 0: where it would have"
             " settled", "", 1.0, 0.0, 1.0, tried=(1.0, 0.0),
         ),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
 class ClampAngle(Effect):
     """The same turn in every condition."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         return replace(beam, tilt_rad=beam.tilt_rad + p["angle_rad"])
@@ -31,6 +31,6 @@ EFFECT = ClampAngle(
     ),
     isolates="A free shape, its first millimetres in the picture.",
     source="Bisshopp and Drucker 1945, Quart. Appl. Math. 3, 272 (the clamped end's condition)",
-    knobs=(Knob("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
+    knobs=(EffectParameter("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
     tolerance=("position",),
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class ClampCompliance(Effect):
     lever is R cos(gamma), and M(0) = -R F.
     """
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         moment = -beam.sheet.arc_radius_m * finite(held.normal_N * np.cos(held.gamma_rad))
         return replace(beam, tilt_rad=beam.tilt_rad + p["rotation_rad_per_Nm"] * moment)
@@ -42,7 +42,7 @@ EFFECT = ClampCompliance(
         " of its support)"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "rotation_rad_per_Nm", "turn of the clamped end per moment of the load", "rad/(N m)",
             20.0, low=0.0, high=2e4,
         ),

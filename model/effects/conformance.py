@@ -19,7 +19,7 @@ from model.effects.examples import (
     example_pulse,
     example_weighed,
 )
-from model.effects.interface import SLOTS, Beam, Effect, Knob
+from model.effects.interface import LOCATIONS, BeamProblem, Effect, EffectParameter
 from model.measurements import FloatArray
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
@@ -74,8 +74,8 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
         text = getattr(effect, name)
         if not (isinstance(text, str) and text.strip()):
             yield f"its {name} is empty"
-    if effect.slot not in SLOTS:
-        yield f"its slot {effect.slot!r} is none of {', '.join(SLOTS)}"
+    if effect.slot not in LOCATIONS:
+        yield f"its slot {effect.slot!r} is none of {', '.join(LOCATIONS)}"
     if unknown := sorted(set(effect.tolerance) - set(_TOLERANCES)):
         yield f"its tolerance {', '.join(unknown)} is none of {', '.join(_TOLERANCES)}"
     if not effect.knobs:
@@ -86,7 +86,7 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
         yield f"it overrides none of {', '.join(ACTIONS)}, so it changes nothing"
 
 
-def _faults_of_knob(knob: Knob) -> Iterator[str]:
+def _faults_of_knob(knob: EffectParameter) -> Iterator[str]:
     inside = [knob.plausible, *knob.tried]
     if not all(np.isfinite(v) and knob.low <= v <= knob.high for v in inside):
         yield f"{knob.name}: {inside} must lie between {knob.low:g} and {knob.high:g}"
@@ -159,7 +159,7 @@ def _untouched() -> Results:
     return found | _arrays(beam)
 
 
-def _arrays(beam: Beam) -> Results:
+def _arrays(beam: BeamProblem) -> Results:
     """What an effect may change of a beam."""
     kept = ("sheet", "s_m", "piece_m", "clock", "reading_of", "share")
     return {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam) if f.name not in kept}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import MILLI
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class EibmAsymmetry(Effect):
     The same all along the sheet, or falling from the clamp.
     """
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         even = (1.0 - p["ratio"]) / (1.0 + p["ratio"])
@@ -47,11 +47,11 @@ EFFECT = EibmAsymmetry(
     isolates="The free shapes at +V, 0 V and -V; the sheet turned over in the clamp.",
     source="the paper, section 4.2, observation 4: the asymmetry of the material",
     knobs=(
-        Knob(
+        EffectParameter(
             "ratio", "|EIBM| at negative over that at positive voltage", "", 0.8,
             low=0.1, high=10.0, neutral=1.0, log=True,
         ),
-        Knob(
+        EffectParameter(
             "fall_mm", "length in which it falls to 1/e from the clamp; 0: it does not", "mm",
             0.0, 0.0, 1e3, tried=(0.0, 25.0),
         ),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 LEAST = 0.05  # of the EIBM is always left
@@ -17,7 +17,7 @@ LEAST = 0.05  # of the EIBM is always left
 class EibmDrift(Effect):
     """The EIBM changes linearly, 0 in the middle of the data."""
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
         bounded = np.maximum(change, LEAST - 1.0)
@@ -46,7 +46,7 @@ EFFECT = EibmDrift(
         " ed., ch. 6 (response against hydration); the paper, section 3.2"
     ),
     knobs=(
-        Knob("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0),
+        EffectParameter("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0),
         SINCE,
         SETTLES,
     ),

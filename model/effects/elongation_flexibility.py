@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
 class ElongationFlexibility(Effect):
     """The elongation has a finite stiffness; the load bends it, the EIBM does not."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         if beam.sheet.elongation_m <= 0.0:
@@ -23,7 +23,7 @@ class ElongationFlexibility(Effect):
         return replace(beam, elongation_soft=beam.elongation_soft + p["relative_compliance"])
 
 
-def _hinged(beam: Beam, compliance: float) -> Beam:
+def _hinged(beam: BeamProblem, compliance: float) -> BeamProblem:
     """A hinge where the free length ends, which lets the contact go as far as the whole would.
 
     A load F at the lever L bends what is c times as soft as the sheet by c F L^3/3B, and turns a
@@ -53,11 +53,11 @@ EFFECT = ElongationFlexibility(
         " Mechanics of Materials (bending of a cantilever)"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "relative_compliance", "the sheet's stiffness over the elongation's", "", 0.02,
             low=0.0, high=2.0,
         ),
-        Knob(
+        EffectParameter(
             "in_the_joint", "0: all of it is soft; 1: only the joint, and goes as far", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),

@@ -8,7 +8,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from model.effects.interface import Beam, Clock, Held, Points, Weighed
+from model.effects.interface import (
+    AcquisitionTimes,
+    BeamProblem,
+    ContactSolution,
+    ImagePoints,
+    LoadCellInput,
+)
 from model.measurements import FloatArray, SheetGeometry
 
 NODES, READINGS, DISCARDED = 14, 32, 2
@@ -21,7 +27,7 @@ def example_sheet() -> SheetGeometry:
     return SheetGeometry("long", LENGTH_M, 0.011, 0.21e-3, 0.02, RADIUS_M, 0.0, rest)
 
 
-def example_beam(*, touched: bool = True) -> tuple[Beam, Held]:
+def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]:
     """Seven conditions and a solution; not `touched`: nothing touches the sheet in any of them."""
     voltage = np.array([0.0, 2.0, -2.0, 0.0, 2.0, -2.0, 2.0])
     stated = np.array([0.005, 0.005, 0.005, 0.025, 0.025, 0.025, np.nan])
@@ -40,13 +46,13 @@ def example_beam(*, touched: bool = True) -> tuple[Beam, Held]:
     cos, sin = np.cos(phi_hat)[:, None], np.sin(phi_hat)[:, None]
     before = s < s_hat[:, None]
     zero, flat = np.zeros(7), np.zeros((7, NODES))
-    beam = Beam(
+    beam = BeamProblem(
         example_sheet(), s, voltage, stated, np.array([1.0, 1, 1, -1, -1, -1, 1]),
         np.full(7, B_NM2), flat.copy(), np.outer(15.0 * voltage, np.ones(NODES)), flat.copy(),
         np.ones((7, NODES)), zero.copy(), zero.copy(), zero.copy(), zero.copy(),
         LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1], *example_readings(voltage),
     )  # fmt: skip
-    held = Held(
+    held = ContactSolution(
         normal * np.cos(gamma), normal, gamma, np.where(held_at, s_hat, np.nan),
         np.where(before, dx * cos + dy * sin, 0.0), np.where(before, dy * cos - dx * sin, 0.0),
         x, y, phi, curvature, end_phi,
@@ -54,7 +60,7 @@ def example_beam(*, touched: bool = True) -> tuple[Beam, Held]:
     return beam, held
 
 
-def example_clock() -> Clock:
+def example_clock() -> AcquisitionTimes:
     """A run in the middle of a session: ten readings at 0 V, then 22 pulses of alternating sign."""
     index = np.arange(READINGS, dtype=float)
     pulse = np.maximum(index - 10.0, -1.0)
@@ -62,14 +68,14 @@ def example_clock() -> Clock:
     run_s, driven_s = 0.6 * index + 0.5, 0.6 * np.maximum(pulse, 0.0)
     opposite = np.where(pulse > 0.0, -1.0, np.where(pulse == 0.0, 0.0, 1.0))
     session = 0.5 + 0.05 * index / READINGS
-    return Clock(
+    return AcquisitionTimes(
         voltage, np.full(READINGS, 0.5), pulse, run_s, session, run_s + 5.0, driven_s, opposite
     )
 
 
 def example_readings(
     voltage_V: FloatArray,
-) -> tuple[Clock, npt.NDArray[np.int64], FloatArray]:
+) -> tuple[AcquisitionTimes, npt.NDArray[np.int64], FloatArray]:
     """The readings of conditions, of which condition each is, and its share in the mean.
 
     The first two pulses are in no mean.
@@ -77,31 +83,31 @@ def example_readings(
     clock = example_clock()
     use = [clock.voltage_V == volts for volts in voltage_V]
     of = np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])
-    every = Clock.joined([clock.of(u) for u in use])
+    every = AcquisitionTimes.joined([clock.of(u) for u in use])
     counts = (every.pulse < 0.0) | (every.pulse >= DISCARDED)
     return every, of, counts / np.bincount(of, counts)[of]
 
 
-def example_pulse() -> Clock:
+def example_pulse() -> AcquisitionTimes:
     """Times within a pulse of the same run."""
     t = np.linspace(0.02, 0.58, 8)
     one = np.ones_like(t)
-    return Clock(2.0 * one, t, 6.0 * one, 9.6 + t, 0.51 * one, 14.6 + t, 3.6 + t, -one)
+    return AcquisitionTimes(2.0 * one, t, 6.0 * one, 9.6 + t, 0.51 * one, 14.6 + t, 3.6 + t, -one)
 
 
-def example_weighed(*, touched: bool = True) -> Weighed:
+def example_weighed(*, touched: bool = True) -> LoadCellInput:
     """The readings of the same run at 25 mm."""
     volts = example_clock().voltage_V
     gamma = 0.3 + 0.1 * volts
     normal = (-1e-3 + 1e-3 * volts) * float(touched)
-    return Weighed(
+    return LoadCellInput(
         normal * np.cos(gamma), normal, gamma, np.full(READINGS, 0.025 if touched else np.nan),
         example_clock().session, np.full(READINGS, float(touched)), example_clock().wetted_s,
     )  # fmt: skip
 
 
-def example_points() -> Points:
+def example_points() -> ImagePoints:
     """Two arcs of the sheet's length."""
     s = np.linspace(0.0, LENGTH_M, 21)
     k = np.array([[20.0], [40.0]])
-    return Points(np.sin(k * s) / k, (1.0 - np.cos(k * s)) / k, LENGTH_M)
+    return ImagePoints(np.sin(k * s) / k, (1.0 - np.cos(k * s)) / k, LENGTH_M)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 SAMPLE_S, PULSE_S = 0.5, 0.6  # of the paper's pulses
@@ -16,7 +16,7 @@ SAMPLE_S, PULSE_S = 0.5, 0.6  # of the paper's pulses
 class FirstPulseTransient(Effect):
     """Pulse k = 0, 1, ... lacks a r^k of the EIBM at its sampling point, and less as it goes on."""
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         k = clock.pulse + (clock.pulse_s - SAMPLE_S) / PULSE_S
         left = p["ratio"] ** np.maximum(k, -1.0)
@@ -43,8 +43,9 @@ EFFECT = FirstPulseTransient(
     source="the paper, section 3.2: the first two pulses are neglected",
     knobs=(
         # a first pulse that exceeds the others is what a lag makes of it, which begins from 0 V
-        Knob("relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0, usual=1.0),
-        Knob(
+        EffectParameter(
+            "relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0, usual=1.0),
+        EffectParameter(
             "ratio", "of each pulse's deficit to that before", "", 0.5,
             low=0.05, high=0.75, log=True, tried=(0.3, 0.5, 0.7),
         ),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from model.effects._drift import SETTLES, settled
 from model.effects._values import MILLI
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 
@@ -14,7 +14,7 @@ from model.measurements import FloatArray
 class ForceDrift(Effect):
     """A straight line over the session, 0 when it begins: the cell was set to zero then."""
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         done = weighed.session
         if p[SETTLES.name] > 0.5:
@@ -38,7 +38,9 @@ EFFECT = ForceDrift(
     source="OIML R 60, Metrological regulation for load cells (zero drift, temperature)",
     needs_session=True,
     knobs=(
-        Knob("force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20),
+        EffectParameter(
+            "force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20
+        ),
         SETTLES,
     ),
     tolerance=("time",),

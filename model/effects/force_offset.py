@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._values import MILLI
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 
@@ -15,7 +15,7 @@ from model.measurements import FloatArray
 class ForceOffset(Effect):
     """The same force added to every reading, whether the sheet is touched or not."""
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         return np.full_like(weighed.force_N, p["force_mN"] * MILLI)
 
@@ -31,6 +31,8 @@ EFFECT = ForceOffset(
     ),
     isolates="A zero taken without touching the sheet.",
     source="Doebelin, Measurement Systems: Application and Design (zero drift of a force cell)",
-    knobs=(Knob("force_mN", "what the cell shows without a load", "mN", 0.05, -20.0, 20.0),),
+    knobs=(
+        EffectParameter("force_mN", "what the cell shows without a load", "mN", 0.05, -20.0, 20.0),
+    ),
     tolerance=("time",),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.effects.rise import older_picture, through_zero
 from model.measurements import FloatArray
 
@@ -13,7 +13,7 @@ from model.measurements import FloatArray
 class FrameDelay(Effect):
     """Every frame shows the sheet as it was a while ago."""
 
-    def pictured(self, clock: Clock, p: Values) -> FloatArray:
+    def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray:
         """See `Effect.pictured`."""
         return older_picture(
             through_zero(clock) if p["through_zero"] > 0.5 else clock, p["delay_s"]
@@ -32,11 +32,11 @@ EFFECT = FrameDelay(
     isolates="A lamp in the picture switched with the voltage; frames over the whole pulse.",
     source="the paper, section 3.1: 25 frames a second, so that a frame may be 20 ms off",
     knobs=(
-        Knob(
+        EffectParameter(
             "delay_s", "age of the picture at the time of the reading", "s", 0.1, -0.2, 1.0,
             tried=(0.02, 0.1, 0.2, 0.3, 0.35, 0.4, 0.43, 0.46),
         ),
-        Knob(
+        EffectParameter(
             "through_zero", "0: the EIBM goes straight from one settled value to the other; 1: it"
             " follows the voltage through 0, each polarity at its own slope", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),

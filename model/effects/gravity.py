@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 
@@ -15,14 +15,14 @@ from model.measurements import FloatArray
 class Gravity(Effect):
     """A load per length along -y, of the sheet and of its elongation alike."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         load = p["load_N_per_m"] * np.broadcast_to(beam.upright, beam.stiffness.shape)
         moment = -load[:, None] * arm(beam, held)
         return replace(beam, bend=beam.bend + moment / beam.stiffness[:, None])
 
 
-def arm(beam: Beam, held: Held) -> FloatArray:
+def arm(beam: BeamProblem, held: ContactSolution) -> FloatArray:
     """Integral of x(sigma) - x(s) from s to the visible end, m^2: (K, G).
 
     Between nodes by the trapezoid's rule corrected with the ends' slopes dx/ds = cos(phi); beyond
@@ -59,7 +59,8 @@ EFFECT = Gravity(
         " is horizontal so that gravity does not matter"
     ),
     knobs=(
-        Knob("load_N_per_m", "weight per length that acts along -y", "N/m", 0.005, -0.5, 0.5),
+        EffectParameter(
+            "load_N_per_m", "weight per length that acts along -y", "N/m", 0.005, -0.5, 0.5),
     ),
     tolerance=("s",),
 )  # fmt: skip

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 FLAT_PER_M = 0.1  # mean of k0 below which nothing is in proportion to it
@@ -16,14 +16,14 @@ FLAT_PER_M = 0.1  # mean of k0 below which nothing is in proportion to it
 class InitialCurvature(Effect):
     """A change of k0, the same from the clamp to the end, or all of it by the same factor."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         shape = 1.0 + p["like_stated"] * (_like_stated(beam) - 1.0)
         return replace(beam, rest=beam.rest + p["curvature_error_per_m"] * shape)
 
 
-def _like_stated(beam: Beam) -> FloatArray:
+def _like_stated(beam: BeamProblem) -> FloatArray:
     """The stated k0 over its mean, (G,); 1 where there is none."""
     stated = beam.sheet.initial_curvature
     if stated is None:
@@ -47,11 +47,11 @@ EFFECT = InitialCurvature(
     isolates="A free shape at 0 V, with no load cell near the sheet.",
     source="the paper, table 3: the sheets have an initial curvature, measured once per sheet",
     knobs=(
-        Knob(
+        EffectParameter(
             "curvature_error_per_m", "curvature at rest less that stated", "1/m", 1.0,
             low=-60.0, high=60.0,
         ),
-        Knob(
+        EffectParameter(
             "like_stated", "0: the same everywhere; 1: in proportion to the stated one, whose mean"
             " is off by it", "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),

@@ -7,8 +7,8 @@ An effect acts in up to six places, each a method that changes nothing unless it
     `force`   what the load cell adds to the force
     `curve`   where the camera puts the points of a curve
     `pictured` the EIBM in the picture of a reading
-All work on arrays; a `Beam` holds K conditions of one configuration, quantities along the sheet are
-values at its G nodes.
+All work on arrays; a `BeamProblem` holds K conditions of one configuration, quantities along the
+sheet are values at its G nodes.
 """
 
 # ruff: noqa: ARG002 - the methods that an effect may override do nothing with what they are given
@@ -24,10 +24,10 @@ import numpy.typing as npt
 
 from model.measurements import FloatArray, SheetGeometry
 
-Slot = Literal[
+Location = Literal[
     "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
 ]
-SLOTS: tuple[Slot, ...] = (
+LOCATIONS: tuple[Location, ...] = (
     "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
 )  # fmt: skip
 Along = Literal["s", "curvature", "position", "voltage", "time", "place", "run"]
@@ -35,7 +35,7 @@ Values = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Knob:
+class EffectParameter:
     """A parameter of an effect, in the unit of its name."""
 
     name: str
@@ -52,7 +52,7 @@ class Knob:
 
 
 @dataclass
-class Clock:
+class AcquisitionTimes:
     """When something was taken: arrays of one shape."""
 
     voltage_V: FloatArray
@@ -66,25 +66,27 @@ class Clock:
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
     worked_s: FloatArray | float = 0.0  # under voltage in the whole session
 
-    def of(self, use: npt.NDArray[np.bool_]) -> Clock:
+    def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
         """Some of these times."""
         shape = self.voltage_V.shape
-        return Clock(*(np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(Clock)))
+        return AcquisitionTimes(
+            *(np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(AcquisitionTimes))
+        )
 
     @staticmethod
-    def joined(clocks: Sequence[Clock]) -> Clock:
+    def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
         """One after the other."""
         all_of_it = [clock.of(np.ones(clock.voltage_V.shape, dtype=bool)) for clock in clocks]
-        return Clock(
+        return AcquisitionTimes(
             *(
                 np.concatenate([np.zeros(0), *(getattr(clock, f.name) for clock in all_of_it)])
-                for f in fields(Clock)
+                for f in fields(AcquisitionTimes)
             )
         )
 
 
 @dataclass
-class Beam:
+class BeamProblem:
     """K conditions of one configuration before they are solved.
 
     Their curvature will be k0 + rest + soft (eibm + bend - (N/B) lever).
@@ -106,7 +108,7 @@ class Beam:
     offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
     piece_m: FloatArray  # (G,) of the sheet that each node stands for; their sum is its length
     # when the readings of each condition were taken (n,), and of which condition each is (n,)
-    clock: Clock
+    clock: AcquisitionTimes
     reading_of: npt.NDArray[np.int64]
     share: FloatArray  # (n,) of each reading in the mean of its condition; 0: it is in none
     # (K,) share of the weight's push towards -y: -1 where the rig is turned over
@@ -114,8 +116,8 @@ class Beam:
 
 
 @dataclass
-class Held:
-    """What solving a `Beam` gave; NaN where there is no contact."""
+class ContactSolution:
+    """What solving a `BeamProblem` gave; NaN where there is no contact."""
 
     force_N: FloatArray  # (K,) along the arc's tangent
     normal_N: FloatArray  # (K,) N
@@ -131,7 +133,7 @@ class Held:
 
 
 @dataclass
-class Weighed:
+class LoadCellInput:
     """What the load cell is given: arrays of one shape; the last axis is in the order of time."""
 
     force_N: FloatArray  # along the arc's tangent
@@ -145,7 +147,7 @@ class Weighed:
 
 
 @dataclass
-class Points:
+class ImagePoints:
     """Points of curves as the camera should see them, (K, S), metres from the clamp."""
 
     x_m: FloatArray
@@ -160,11 +162,11 @@ class Effect:
     name: str
     meaning: str
     form: str
-    slot: Slot
+    slot: Location
     signature: str
     isolates: str
     source: str
-    knobs: tuple[Knob, ...]
+    knobs: tuple[EffectParameter, ...]
     # along what its form may differ from the one written here
     tolerance: tuple[Along, ...] = ("voltage",)
     waves: int = 3  # of a deviation along the sheet: more where the form itself has no shape
@@ -175,34 +177,36 @@ class Effect:
     needs_session: bool = False  # says nothing of a single run, whose session has no course
 
     @property
-    def size(self) -> Knob:
+    def size(self) -> EffectParameter:
         """The knob that says how much of the effect there is."""
         return self.knobs[0]
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """The changed problem; `held` is its present solution."""
         return beam
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray] | None:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray] | None:
         """Relative change of EIBM and of stiffness at each time."""
         return None
 
-    def lagging(self, beam: Beam, held: Held, p: Values) -> Sequence[tuple[FloatArray, FloatArray]]:
+    def lagging(
+        self, beam: BeamProblem, held: ContactSolution, p: Values
+    ) -> Sequence[tuple[FloatArray, FloatArray]]:
         """Change of the rest curvature at each reading of `beam` beyond the mean of its condition.
 
         As shapes (K, G), 1/m, each with how much of it there is at each reading (n,).
         """
         return ()
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray | None:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray | None:
         """What is added to the force, N; to readings without contact, too."""
         return None
 
-    def curve(self, points: Points, p: Values) -> tuple[FloatArray, FloatArray] | None:
+    def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray] | None:
         """What is added to the points' x and y, m."""
         return None
 
-    def pictured(self, clock: Clock, p: Values) -> FloatArray | None:
+    def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
         """Relative change of the EIBM in the picture of a reading, at each time."""
         return None
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
 class LoadCellCompliance(Effect):
     """The contact moves along the arc in proportion to the force along it."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         # 1 mm/mN is 1 m/N
         given_way = p["compliance_mm_per_mN"] * finite(held.force_N)
@@ -31,7 +31,7 @@ EFFECT = LoadCellCompliance(
     isolates="The contact in the picture beside the force; the cell pushed with a known weight.",
     source="Doebelin, Measurement Systems: Application and Design (stiffness of force cells)",
     knobs=(
-        Knob("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
+        EffectParameter("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
     ),
     tolerance=("position",),
     of_the_rig=True,

@@ -8,7 +8,7 @@ import numpy as np
 
 from model.effects._loop import hung
 from model.effects._values import MILLI
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 
@@ -16,7 +16,7 @@ from model.measurements import FloatArray
 class LoadCellHysteresis(Effect):
     """A play of half the height `force_mN`: the reading hangs behind the load."""
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         load = np.where(weighed.touching > 0.0, weighed.force_N, 0.0)
         from_no_load = p["from_no_load"] > 0.5
@@ -45,12 +45,12 @@ EFFECT = LoadCellHysteresis(
         " Hysteresis (play and stop)"
     ),
     knobs=(
-        Knob("force_mN", "half the height of the loop", "mN", 0.05, 0.0, 5.0),
-        Knob(
+        EffectParameter("force_mN", "half the height of the loop", "mN", 0.05, 0.0, 5.0),
+        EffectParameter(
             "from_no_load", "0: a run begins in the middle of the loop; 1: at no load",
             "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),
-        Knob(
+        EffectParameter(
             "reach_mN", "change of load that turns the loop over; 0: half its height", "mN",
             0.0, 0.0, 20.0, tried=(0.0, 0.3, 4.0),
         ),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._values import finite
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 
@@ -15,7 +15,7 @@ from model.measurements import FloatArray
 class LoadCellMisalignment(Effect):
     """The cell measures N cos(gamma - angle) where (5) has N cos(gamma)."""
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         gamma = weighed.gamma_rad
         seen = np.cos(gamma - p["angle_rad"]) - np.cos(gamma)
@@ -36,7 +36,11 @@ EFFECT = LoadCellMisalignment(
     ),
     isolates="A dead weight hung along the tangent, or the cell turned by a known angle.",
     source="the paper, section 3.2: the cell has to stand square to the tangent of the trajectory",
-    knobs=(Knob("angle_rad", "from the arc's tangent to the cell's axis", "rad", 0.05, -0.8, 0.8),),
+    knobs=(
+        EffectParameter(
+            "angle_rad", "from the arc's tangent to the cell's axis", "rad", 0.05, -0.8, 0.8
+        ),
+    ),
     tolerance=("position",),
     of_the_rig=True,
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 AT_PER_M = 10.0  # the change of curvature at which the relative change is stated
@@ -27,7 +27,7 @@ class NonlinearStiffness(Effect):
     moment, so that solving and applying in turn are Newton's steps.
     """
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         load = -finite(held.normal_N / beam.stiffness)[:, None] * finite(held.lever)
         linear = (beam.eibm + beam.bend + load) * beam.soft
@@ -121,11 +121,11 @@ EFFECT = NonlinearStiffness(
         " beams of non-linear materials of the Ludwick type)"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "relative_change_at_10_per_m", "of the stiffness where bent by 10 per m", "", 0.05,
             low=-0.22, high=1.0,
         ),
-        Knob(
+        EffectParameter(
             "power", "0: Ludwick's law; else of the bending, with which the stiffness changes", "",
             0.0, 0.0, 2.0, tried=(0.0, 1.0, 2.0),
         ),

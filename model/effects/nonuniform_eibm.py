@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 from model.measurements import FloatArray, SheetGeometry
 
 
@@ -14,7 +14,7 @@ from model.measurements import FloatArray, SheetGeometry
 class NonuniformEibm(Effect):
     """exp(-s/lambda) over its mean: the mean EIBM along the free length stays what it was."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         share = falling(beam.s_m, p["decay_length_mm"] * 1e-3, beam.sheet.free_length_m)
@@ -53,7 +53,7 @@ EFFECT = NonuniformEibm(
         " Sensors and Actuators A 133, 200"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "decay_length_mm", "length over which the EIBM falls to 1/e", "mm", 30.0,
             low=3.0, high=1000.0, neutral=np.inf, log=True, tried=(5, 8, 12, 20, 35, 60, 120),
         ),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 
 @dataclass(frozen=True)
 class NonuniformStiffness(Effect):
     """B(s) on a straight line, with B in the middle of the free length."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         change = p["relative_change"]
@@ -37,7 +37,7 @@ EFFECT = NonuniformStiffness(
         " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
     ),
     knobs=(
-        Knob("relative_change", "of the stiffness, end to root", "", 0.15, -0.9, 9.0),
+        EffectParameter("relative_change", "of the stiffness, end to root", "", 0.15, -0.9, 9.0),
     ),
     tolerance=("s",),
     waves=7,  # a step is as likely as a line

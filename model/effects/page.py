@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from model.effects.catalogue import catalogue
-from model.effects.interface import SLOTS, Effect, Knob
+from model.effects.interface import LOCATIONS, Effect, EffectParameter
 
 HEAD = """\
 # The catalogue of effects
@@ -55,7 +55,7 @@ def _overview(effects: list[Effect]) -> Iterable[str]:
 
 
 def _sections(effects: list[Effect]) -> Iterable[str]:
-    for slot in SLOTS:
+    for slot in LOCATIONS:
         yield f"## {slot}: {SLOT_NAMES[slot]}\n"
         for e in effects:
             if e.slot == slot:
@@ -81,7 +81,7 @@ def _section(e: Effect) -> Iterable[str]:
     yield ""
 
 
-def _row(knob: Knob, *, shape: bool) -> str:
+def _row(knob: EffectParameter, *, shape: bool) -> str:
     bounds = f"{_number(knob.low)} to {_number(knob.high)}"
     absent = "" if shape else _number(knob.neutral)
     tried = ", ".join(_number(v) for v in knob.tried)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import MILLI
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 FAR_M = 0.03  # the paper's farthest position
 
@@ -16,7 +16,7 @@ FAR_M = 0.03  # the paper's farthest position
 class PositionError(Effect):
     """All contacts farther along the arc by the same length, or in proportion to the position."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del held
         far = np.nan_to_num(beam.stated_m) / FAR_M
@@ -39,7 +39,7 @@ EFFECT = PositionError(
     isolates="The contact's place in the picture; where the free sheet crosses the arc.",
     source="the paper, section 3.1: the load cell is repositioned by hand between experiments",
     knobs=(
-        Knob(
+        EffectParameter(
             "offset_mm",
             "true less stated position along the arc, at 30 mm",
             "mm",
@@ -47,7 +47,7 @@ EFFECT = PositionError(
             -10.0,
             10.0,
         ),
-        Knob(
+        EffectParameter(
             "scale",
             "0: the same everywhere; 1: in proportion to the position; 2: none at 15 mm",
             "",

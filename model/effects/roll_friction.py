@@ -8,7 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from model.effects._values import finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values, Weighed
+from model.effects.interface import (
+    BeamProblem,
+    ContactSolution,
+    Effect,
+    EffectParameter,
+    LoadCellInput,
+    Values,
+)
 from model.measurements import FloatArray
 
 TURNED_M, TURNED_RAD = 10e-6, 0.02  # sliding, or leaning, that turns friction round
@@ -21,11 +28,11 @@ class RollFriction(Effect):
 
     The force T t_hat on the sheet is the sum of one along the normal, T tan(gamma), and one along
     the radius of the arc, T/cos(gamma). The first is in what the load cell measures, so it belongs
-    to the N that `Held` has; the other has no component along the arc. So shape and measured force
-    are both right when one moment is added, that of the radial force.
+    to the N that `ContactSolution` has; the other has no component along the arc. So shape and
+    measured force are both right when one moment is added, that of the radial force.
     """
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         if p["force_alone"] > 0.5:
             return beam
@@ -37,7 +44,7 @@ class RollFriction(Effect):
         moment = rub * (finite(lean)[:, None] * finite(held.lever) + finite(held.offset))
         return replace(beam, bend=beam.bend - moment)
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         if p["force_alone"] < 0.5:
             return np.zeros_like(weighed.force_N)
@@ -45,7 +52,7 @@ class RollFriction(Effect):
         return np.asarray(-rub * np.sin(weighed.gamma_rad))
 
 
-def slid(beam: Beam, held: Held) -> FloatArray:
+def slid(beam: BeamProblem, held: ContactSolution) -> FloatArray:
     """Which way along the sheet the rolls last slid, 1 towards its end: (K,).
 
     At 0 V by the side from which the load cell was put to its position. The pulses then move the
@@ -110,8 +117,8 @@ EFFECT = RollFriction(
         " TOR-0158(3107-18); the paper takes the contact as frictionless"
     ),
     knobs=(
-        Knob("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),
-        Knob(
+        EffectParameter("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),
+        EffectParameter(
             "force_alone",
             "1: it is felt by the load cell and does not bend the sheet",
             "",

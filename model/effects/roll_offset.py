@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects._values import MILLI, finite
-from model.effects.interface import Beam, Effect, Held, Knob, Values
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
 TURNS_N = 5e-5  # of the contact force within which the sheet changes from roll to roll
 
@@ -16,7 +16,7 @@ TURNS_N = 5e-5  # of the contact force within which the sheet changes from roll 
 class RollOffset(Effect):
     """A distance along the sheet's normal: the same always, or towards the roll that is pressed."""
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         side = np.tanh(finite(held.normal_N) / TURNS_N) if p["at_the_pressed"] > 0.5 else 1.0
         return replace(beam, offset_m=beam.offset_m + p["offset_mm"] * MILLI * side)
@@ -38,9 +38,10 @@ EFFECT = RollOffset(
     isolates="The contact in the picture beside the stage's position, at several positions.",
     source="the paper, section 3.1: the sheet is held between two rolls of finite size",
     knobs=(
-        Knob("offset_mm", "from the neutral curve to the arc's point, along the normal", "mm", 0.3,
+        EffectParameter(
+            "offset_mm", "from the neutral curve to the arc's point, along the normal", "mm", 0.3,
              -5.0, 5.0),
-        Knob(
+        EffectParameter(
             "at_the_pressed", "0: always on the same side; 1: on that of the roll that is pressed",
             "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),

@@ -8,7 +8,7 @@ import numpy as np
 
 from model.effects._loop import hung
 from model.effects._values import MILLI
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 _SAME_M = 1e-6
@@ -24,13 +24,13 @@ class RollSticking(Effect):
     own sign, or always one way, whatever came before.
     """
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         ahead = self._held(weighed, p["force_mN"] * MILLI, round(p["kind"]))
         sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
         return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
 
-    def _held(self, weighed: Weighed, force_N: float, kind: int) -> FloatArray:
+    def _held(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
         if kind == ONE_WAY:
@@ -56,12 +56,13 @@ EFFECT = RollSticking(
     isolates="The sheet watched in the rolls; a tap on the rig; far positions approached again.",
     source="the paper, section 3.3: at 30 mm the sheet systematically got stuck between the rolls",
     knobs=(
-        Knob("force_mN", "change of force that it takes to get it loose", "mN", 0.2, -5.0, 5.0),
-        Knob(
+        EffectParameter(
+            "force_mN", "change of force that it takes to get it loose", "mN", 0.2, -5.0, 5.0),
+        EffectParameter(
             "from_position_mm", "the first position at which it sticks", "mm", 25.0,
             neutral=np.inf, tried=(10.0, 15.0, 20.0, 25.0, 30.0),
         ),
-        Knob(
+        EffectParameter(
             "kind", "0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
             " held against the force whatever came before; 3: pulled one way", "",
             0.0, 0.0, 3.0, tried=(0.0, 1.0, 2.0, 3.0),

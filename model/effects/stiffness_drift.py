@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import Clock, Effect, Knob, Values
+from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 MOST = 2.2  # a dry sheet is stiffer than a wet one by no more than this factor
@@ -17,7 +17,7 @@ MOST = 2.2  # a dry sheet is stiffer than a wet one by no more than this factor
 class StiffnessDrift(Effect):
     """B changes linearly, 0 in the middle of the data."""
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray]:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
         change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
         bounded = np.clip(change, 1.0 / MOST - 1.0, MOST - 1.0)
@@ -46,7 +46,7 @@ EFFECT = StiffnessDrift(
         " ed., ch. 6 (stiffness against hydration); the paper, section 3.2"
     ),
     knobs=(
-        Knob("relative_change", "of the stiffness over the data", "", 0.1, -1.0, 1.2),
+        EffectParameter("relative_change", "of the stiffness over the data", "", 0.1, -1.0, 1.2),
         SINCE,
         SETTLES,
     ),

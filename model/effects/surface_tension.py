@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.effects._values import MILLI
-from model.effects.interface import Effect, Knob, Values, Weighed
+from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 
@@ -19,7 +19,7 @@ class SurfaceTension(Effect):
     with it.
     """
 
-    def force(self, weighed: Weighed, p: Values) -> FloatArray:
+    def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         seen = weighed.touching * np.cos(weighed.gamma_rad)
         left = np.exp(-weighed.wetted_s / p["dries_s"]) if p["dries_s"] > 0.0 else 1.0
@@ -47,8 +47,8 @@ EFFECT = SurfaceTension(
         " section 4.2, observation 1"
     ),
     knobs=(
-        Knob("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
-        Knob(
+        EffectParameter("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
+        EffectParameter(
             "dries_s", "time constant with which the water goes; 0: it stays", "s",
             0.0, 0.0, 1e4, tried=(0.0, 15.0, 60.0),
         ),

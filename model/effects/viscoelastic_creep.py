@@ -9,7 +9,14 @@ import numpy as np
 
 from model.effects._memory import SPREAD, lagging, spread_about
 from model.effects._values import finite
-from model.effects.interface import Beam, Clock, Effect, Held, Knob, Values
+from model.effects.interface import (
+    AcquisitionTimes,
+    BeamProblem,
+    ContactSolution,
+    Effect,
+    EffectParameter,
+    Values,
+)
 from model.measurements import FloatArray
 
 NEUTRAL_S, FIRST_S, SAME_M = 5.0, 0.1, 1e-9
@@ -25,21 +32,23 @@ class ViscoelasticCreep(Effect):
     Taken loosely (`time_s` 0) the stiffness as a whole goes down with the logarithm of time.
     """
 
-    def beam(self, beam: Beam, held: Held, p: Values) -> Beam:
+    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         rest = beam.rest
         for strain, much in remembered(beam, held, p):
             rest = rest + _mean(much, beam)[:, None] * strain
         return replace(beam, rest=rest)
 
-    def lagging(self, beam: Beam, held: Held, p: Values) -> Sequence[tuple[FloatArray, FloatArray]]:
+    def lagging(
+        self, beam: BeamProblem, held: ContactSolution, p: Values
+    ) -> Sequence[tuple[FloatArray, FloatArray]]:
         """See `Effect.lagging`."""
         return [
             (strain, much - _mean(much, beam)[beam.reading_of])
             for strain, much in remembered(beam, held, p)
         ]
 
-    def course(self, clock: Clock, p: Values) -> tuple[FloatArray, FloatArray] | None:
+    def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray] | None:
         """See `Effect.course`."""
         if p["time_s"] > 0.0:
             return None
@@ -47,7 +56,9 @@ class ViscoelasticCreep(Effect):
         return np.zeros_like(decades), p["relative_change_per_decade"] * decades
 
 
-def remembered(beam: Beam, held: Held, p: Values) -> list[tuple[FloatArray, FloatArray]]:
+def remembered(
+    beam: BeamProblem, held: ContactSolution, p: Values
+) -> list[tuple[FloatArray, FloatArray]]:
     """Strains, 1/m (K, G), each with the share that has become the shape at rest by now (n,).
 
     The strain at 0 V stays from when the sheet was placed and wetted, or from when the run began;
@@ -75,7 +86,7 @@ def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
     return np.asarray(-p["relative_change_per_decade"] / decade * lagging)
 
 
-def strains(beam: Beam, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]:
+def strains(beam: BeamProblem, held: ContactSolution) -> tuple[FloatArray, FloatArray, FloatArray]:
     """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each."""
     load = finite(held.normal_N)[:, None] * finite(held.lever) / beam.stiffness[:, None]
     strain = beam.soft * (beam.eibm + beam.bend - load)
@@ -92,7 +103,7 @@ def strains(beam: Beam, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]
     return at_zero, mean, half
 
 
-def _mean(values: FloatArray, beam: Beam) -> FloatArray:
+def _mean(values: FloatArray, beam: BeamProblem) -> FloatArray:
     """Of the readings of each condition: (K,)."""
     return np.asarray(np.bincount(beam.reading_of, beam.share * values, len(beam.voltage_V)))
 
@@ -118,17 +129,17 @@ EFFECT = ViscoelasticCreep(
         " Newbury and Leo 2003, J. Intell. Mater. Syst. Struct. 14, 333"
     ),
     knobs=(
-        Knob(
+        EffectParameter(
             "relative_change_per_decade", "of the stiffness in each tenfold of time", "", -0.03,
             low=-0.4, high=0.0,
         ),
-        Knob(
+        EffectParameter(
             "time_s", "its time constant, where only the strain that stays relaxes; 0: the"
             " stiffness as a whole, with the logarithm of time", "s",
             0.0, 0.0, 1e4, tried=(0.0, 2.0, 8.0, 30.0),
         ),
         SPREAD,
-        Knob(
+        EffectParameter(
             "from_run", "0: held since it was wetted; 1: since the run began", "",
             0.0, 0.0, 1.0, tried=(0.0, 1.0),
         ),

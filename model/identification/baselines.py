@@ -22,7 +22,7 @@ from model.identification.options import FitOptions
 from model.identification.residuals import distance_to
 from model.identification.starting_values import rest_field
 from model.measurements import FloatArray, Measurements, ModelError
-from model.mechanics.equilibrium import Status, problems, solve
+from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field
 
 FORCE_SCALE_N, CURVE_SCALE_M = 1e-4, 3e-4  # what is weighed as one: the paper's own order of error
@@ -123,7 +123,7 @@ def full_model(observed: Observed, rest: Field, bend: float, angle: float) -> An
     sheet = observed.sheet
     kappa = rest + Field.constant(bend, sheet.free_length_m)
     found = solve(problems(kappa, angle, sheet.arc_radius_m, 10.0 * sheet.arc_radius_m))
-    if found.status[0] != Status.SOLVED:
+    if found.status[0] != SolverStatus.SOLVED:
         raise ModelError("no equilibrium")
     shape = found.shapes(np.linspace(0.0, sheet.free_length_m, 201))
     return Answer(float(found.force(1.0)[0]), shape.x_m[0], shape.y_m[0])
@@ -138,7 +138,7 @@ MODELS: dict[str, Simple] = {
 
 
 @dataclass(frozen=True)
-class Row:
+class BaselineRow:
     """One line of the comparison."""
 
     configuration: str
@@ -149,7 +149,9 @@ class Row:
     curve_rmse_m: float
 
 
-def compare(measurements: Measurements, options: FitOptions | None = None) -> tuple[Row, ...]:
+def compare(
+    measurements: Measurements, options: FitOptions | None = None
+) -> tuple[BaselineRow, ...]:
     """Every model against every configuration."""
     by_fit = fit(measurements, options)
     options = options or FitOptions()
@@ -165,16 +167,16 @@ def compare(measurements: Measurements, options: FitOptions | None = None) -> tu
     return tuple(rows)
 
 
-def _along(one: ConfigurationFit) -> Row:
+def _along(one: ConfigurationFit) -> BaselineRow:
     bends = {v: p.value / one.B.value for v, p in one.eibm.items()}
     errors = one.rmse["varying"]
-    return Row(
+    return BaselineRow(
         one.configuration, "full model, EIBM along the sheet", one.B.value, bends,
         errors.force_N, errors.curve_m,
     )  # fmt: skip
 
 
-def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Row:
+def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> BaselineRow:
     from scipy.optimize import least_squares  # slow to import
 
     used = [o for o in observed.touching() if np.isfinite(o.force_N)]
@@ -204,7 +206,7 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Row:
     begin = np.array([np.log(1e-6), *(20.0 * np.sign(v) for v in volts)])
     found = least_squares(residual, begin, x_scale=[0.1, *(5.0 for _ in volts)])
     force, curve = errors(np.asarray(found.x))
-    return Row(
+    return BaselineRow(
         observed.sheet.configuration, label, float(np.exp(found.x[0])),
         dict(zip(volts, (float(v) for v in found.x[1:]), strict=True)),
         float(np.sqrt(np.mean(force**2))),
@@ -217,4 +219,4 @@ def _angle(observed: Observed, o: Observation) -> float:
     return sheet.arc_origin_rad + (o.position_m or 0.0) / sheet.arc_radius_m
 
 
-__all__ = ["MODELS", "Answer", "Row", "compare"]
+__all__ = ["MODELS", "Answer", "BaselineRow", "compare"]

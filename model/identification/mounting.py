@@ -19,7 +19,7 @@ from model.parameter import Parameter
 
 
 @dataclass(frozen=True)
-class SetUp:
+class MountingParameters:
     """One run: the conditions that were measured without anything being set anew."""
 
     configuration: str
@@ -30,7 +30,7 @@ class SetUp:
     eibm: dict[float, Parameter]  # (9) by the voltages of this run
 
 
-def by_run(joint: Joint) -> tuple[SetUp, ...]:
+def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
     """All set-ups, configuration by configuration, along the arc, in the order of mounting."""
     added = np.concatenate(effects(joint.data, joint.solution), axis=1)  # (R, Q)
     found = [_SetUp(joint, r, u).result() for r, u in enumerate(added)]
@@ -38,7 +38,7 @@ def by_run(joint: Joint) -> tuple[SetUp, ...]:
     return tuple(sorted(found, key=lambda one: (names.index(one.configuration), *_order(one))))
 
 
-def _order(one: SetUp) -> tuple[float, int, int]:
+def _order(one: MountingParameters) -> tuple[float, int, int]:
     place = np.inf if one.position_m is None else one.position_m
     return place, one.mounting, one.run
 
@@ -62,7 +62,7 @@ class _SetUp:
         own = (Z * G).T @ W @ (Z * G)
         self.of_u = np.diag(G) - own + between.T @ self.C @ between
 
-    def result(self) -> SetUp:
+    def result(self) -> MountingParameters:
         n = self.conditions[0][0]
         directions = self.joint.directions(n)
         eibm = {}
@@ -74,7 +74,9 @@ class _SetUp:
                 eibm[volts] = self._here(common, directions[f"EIBM at {volts:+g} V"], columns)
         B = self._here(self.joint.stiffness(n), directions["B"], [self.first["stiffness"]])
         observation = self.joint.pool.systems[n].observed.observations[self.conditions[0][1]]
-        return SetUp(self.key[0], observation.position_m, self.key[2], self.key[3], B, eibm)
+        return MountingParameters(
+            self.key[0], observation.position_m, self.key[2], self.key[3], B, eibm
+        )
 
     def _here(self, common: Parameter, direction: FloatArray, columns: list[int]) -> Parameter:
         """A common value times one plus this set-up's shares, with the uncertainty of both."""

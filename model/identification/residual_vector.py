@@ -16,7 +16,7 @@ from numpy.polynomial import legendre
 
 from model.identification.observations import Observation, Observed
 from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import Directions, Equilibria, Problems, Status, finer, solve
+from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
 
@@ -24,7 +24,7 @@ STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 
 
 @dataclass(frozen=True)
-class Layout:
+class ParameterLayout:
     """Where a configuration's parameters stand in its vector."""
 
     voltages_V: tuple[float, ...]  # driving voltages, ascending
@@ -95,7 +95,9 @@ class Predicted:
 class System:
     """Predicts the data of one configuration."""
 
-    def __init__(self, observed: Observed, rest: Field, layout: Layout, modes: int) -> None:
+    def __init__(
+        self, observed: Observed, rest: Field, layout: ParameterLayout, modes: int
+    ) -> None:
         self.observed, self.layout, self.modes, self.rest = observed, layout, modes, rest
         sheet = observed.sheet
         self.length = sheet.free_length_m
@@ -167,7 +169,9 @@ class System:
         angles = self._angles + shift.position_m[rows] / sheet.arc_radius_m - shift.tilt_rad[rows]
         batch = Problems(self.breaks, kappa, none, sheet.arc_radius_m, reach, angles)
         found = solve(batch, self._last)
-        if np.any(found.status != Status.SOLVED):  # on the way a sheet may seem a little short
+        if np.any(
+            found.status != SolverStatus.SOLVED
+        ):  # on the way a sheet may seem a little short
             found = solve(replace(batch, reach_m=reach + 10.0 * sheet.arc_radius_m), self._last)
         self._last = found
         return found
@@ -175,7 +179,7 @@ class System:
     def _predict_touching(self, theta: FloatArray, shift: Shift, result: Predicted) -> None:
         R, size, rows = self.observed.sheet.arc_radius_m, self.layout.size, np.array(self.touching)
         found = self.solve(theta, shift)
-        if np.any(found.status != Status.SOLVED):
+        if np.any(found.status != SolverStatus.SOLVED):
             bad = self.observed.observations[self.touching[int(np.argmax(found.status != 0))]]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
         shapes, answers = found.answers(self._s, self._moved)

@@ -10,7 +10,7 @@ import numpy as np
 
 from model.identification.observations import Observation, Observed
 from model.measurements import Curve, FloatArray
-from model.mechanics.equilibrium import Shapes, Status
+from model.mechanics.equilibrium import Shapes, SolverStatus
 from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
 from model.sheet.prediction import predict, predict_free
@@ -49,7 +49,7 @@ def residuals(
     """All conditions of all configurations."""
     rows = []
     for one in observed:
-        answers: dict[Kind, list[_Answer]] = {
+        answers: dict[Kind, list[_PredictedCondition]] = {
             "constant": against(one, constant), "varying": against(one, varying)
         }  # fmt: skip
         for i, o in enumerate(one.observations):
@@ -71,13 +71,13 @@ def residuals(
 
 
 @dataclass(frozen=True)
-class _Answer:
+class _PredictedCondition:
     force_N: float
     curve_m: float
     why: str = ""
 
 
-def against(observed: Observed, model: SheetModel) -> list[_Answer]:
+def against(observed: Observed, model: SheetModel) -> list[_PredictedCondition]:
     """A model's force, and its distance from the measured curve, for each condition."""
     if model.effects:
         return [_seen(observed, o, model) for o in observed.observations]
@@ -87,16 +87,18 @@ def against(observed: Observed, model: SheetModel) -> list[_Answer]:
     shapes = found.shapes(sampled_s(setups[0]))
     for i, o in enumerate(observed.observations):
         if o.position_m is None:
-            answers.append(_Answer(np.nan, _free_distance(free_curvature(setups[i]), o)))
-        elif found.status[i] != Status.SOLVED:
-            answers.append(_Answer(np.nan, np.nan, "has no equilibrium there"))
+            answers.append(
+                _PredictedCondition(np.nan, _free_distance(free_curvature(setups[i]), o))
+            )
+        elif found.status[i] != SolverStatus.SOLVED:
+            answers.append(_PredictedCondition(np.nan, np.nan, "has no equilibrium there"))
         else:
             force = float(found.force_N[i])
-            answers.append(_Answer(force, _distance(shapes, i, o.curve, observed)))
+            answers.append(_PredictedCondition(force, _distance(shapes, i, o.curve, observed)))
     return answers
 
 
-def _seen(observed: Observed, o: Observation, model: SheetModel) -> _Answer:
+def _seen(observed: Observed, o: Observation, model: SheetModel) -> _PredictedCondition:
     """One condition against a model with effects, those of load cell and camera among them."""
     name, length = observed.sheet.configuration, observed.sheet.free_length_m
     if o.position_m is None:
@@ -105,11 +107,11 @@ def _seen(observed: Observed, o: Observation, model: SheetModel) -> _Answer:
     else:
         found = predict(model, name, o.position_m, o.voltage_V)
         if not found.reachable:
-            return _Answer(np.nan, np.nan, "has no equilibrium there")
+            return _PredictedCondition(np.nan, np.nan, "has no equilibrium there")
         force, why, s, x, y = found.F_N, "", found.s_m, found.x_m, found.y_m
     inside = s <= length * (1.0 + 1e-9)
     off = np.nan if o.curve is None else distance_to(x[inside], y[inside], o.curve, length)
-    return _Answer(force, off, why)
+    return _PredictedCondition(force, off, why)
 
 
 def _free_distance(kappa: Field, o: Observation) -> float:

@@ -10,9 +10,9 @@ from model.identification.curve_smoothing import smooth
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
 from model.identification.paper import Sample, loaded
-from model.identification.residual_vector import Layout, System
+from model.identification.residual_vector import ParameterLayout, System
 from model.measurements import FloatArray, ModelError, SheetGeometry
-from model.mechanics.equilibrium import Status
+from model.mechanics.equilibrium import SolverStatus
 from model.mechanics.field import Field
 
 LOOP_RAD = 2.0 * np.pi
@@ -51,7 +51,7 @@ def _measured_curvature(observed: Observed, voltage_V: float) -> float:
     return float(np.mean([c.coefficients[0] for c in curves]))
 
 
-def layout(observed: Observed, options: FitOptions, rest_known: bool) -> Layout:
+def layout(observed: Observed, options: FitOptions, rest_known: bool) -> ParameterLayout:
     """How many parameters there are, and an error where the data are too few for them."""
     sheet = observed.sheet
     curves = any(o.curve is not None for o in observed.observations)
@@ -59,7 +59,7 @@ def layout(observed: Observed, options: FitOptions, rest_known: bool) -> Layout:
     terms = 1 + round((MOST_TERMS - 1) * share)
     along = options.eibm_form == "along" and curves
     tolerant = curves and (not rest_known or options.initial_curvature_sigma_per_m > 0.0)
-    result = Layout(
+    result = ParameterLayout(
         tuple(observed.voltages_V),
         terms if along else 1,
         terms if tolerant else 0,
@@ -133,7 +133,7 @@ def _from_forces(system: System, theta: FloatArray) -> FloatArray:
     equilibria = system.solve(theta)
     forces = np.array([observed.observations[i].force_N for i in system.touching])
     by = equilibria.force(1.0)
-    use = np.isfinite(forces) & (equilibria.status == Status.SOLVED)
+    use = np.isfinite(forces) & (equilibria.status == SolverStatus.SOLVED)
     B = float(forces[use] @ by[use] / max(by[use] @ by[use], 1e-300)) if use.any() else 1e-6
     if B <= 0.0:
         raise _wrong_sign(observed)

@@ -8,7 +8,7 @@ import numpy as np
 
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
-from model.mechanics.equilibrium import Equilibria, Problems, Status, solve
+from model.mechanics.equilibrium import Equilibria, Problems, SolverStatus, solve
 
 WIDEST_RAD = 2.4  # positions beyond are never meant
 SAME = 1e-3
@@ -30,7 +30,7 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
     asked = float(batch.angle_rad[0])
     angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)
     found = solve(_at(batch, angles))
-    good = found.status == Status.SOLVED
+    good = found.status == SolverStatus.SOLVED
     if not good.any():
         return np.nan, False
     inside = float(angles[good][np.argmin(np.abs(angles[good] - asked))])
@@ -38,7 +38,7 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
     for _ in range(5):
         between = np.linspace(inside, outside, 12)
         found = solve(_at(batch, between))
-        bad = found.status != Status.SOLVED
+        bad = found.status != SolverStatus.SOLVED
         bad[0] = False
         if not bad.any():
             break
@@ -139,7 +139,7 @@ def other_solutions(found: Equilibria) -> list[float]:
     )  # fmt: skip
     again = solve(many, begin)
     known = [float(found.nu[0])]
-    for nu in again.nu[again.status == Status.SOLVED]:
+    for nu in again.nu[again.status == SolverStatus.SOLVED]:
         if abs(nu) * p.radius_m**2 > LARGEST:
             continue  # wound up: no sheet gets there
         if all(abs(nu - other) > SAME * (abs(other) + 1.0 / p.radius_m**2) for other in known):

@@ -38,7 +38,7 @@ _TURN: dict[Accuracy, float] = {"normal": 3.2, "reference": 1.0}  # rad of free 
 _SHARE: dict[Accuracy, float] = {"normal": 1.6, "reference": 0.7}  # of R in a panel
 
 
-class Status(IntEnum):
+class SolverStatus(IntEnum):
     """How the search ended."""
 
     SOLVED = 0
@@ -167,7 +167,7 @@ class Directions(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Answers:
+class EquilibriumSensitivities:
     """Derivatives of a batch with respect to Q parameters."""
 
     nu: FloatArray  # (K, Q)
@@ -213,14 +213,14 @@ class Equilibria:
 
     def answers(
         self, s_m: FloatArray, to: Directions, engine: Engine = "auto"
-    ) -> tuple[Shapes, Answers]:
+    ) -> tuple[Shapes, EquilibriumSensitivities]:
         """Curves at s_m, and the derivatives of everything (implicit function theorem)."""
         shapes, _, answers = self._describe(s_m, to, engine)
         return shapes, answers
 
     def _describe(
         self, s_m: FloatArray, to: Directions | None, engine: Engine
-    ) -> tuple[Shapes, FloatArray, Answers]:
+    ) -> tuple[Shapes, FloatArray, EquilibriumSensitivities]:
         p = self.problems
         s = np.ascontiguousarray(np.atleast_2d(np.asarray(s_m, dtype=float)))
         if to is None:
@@ -229,13 +229,15 @@ class Equilibria:
         out, lever = np.full((K, S, 4), np.nan), np.full(K, np.nan)
         dx, dout = np.full((K, Q, 3), np.nan), np.full((K, Q, S, 2), np.nan)
         state = np.stack([self.nu, self.s_hat_m, self.phi_hat_rad], axis=1)
-        good = self.status == Status.SOLVED
+        good = self.status == SolverStatus.SOLVED
         _engine(engine).describe_many(
             p.breaks_m, p.kappa, p.softness, rule(self.nodes), p.radius_m, p.angle_rad,
             self.psi, state, good, s, to, out, lever, dx, dout,
         )  # fmt: skip
         shapes = Shapes(np.asarray(s_m, dtype=float), *(out[:, :, i] for i in range(4)))
-        answers = Answers(dx[:, :, 0], dx[:, :, 1], dx[:, :, 2], dout[..., 0], dout[..., 1])
+        answers = EquilibriumSensitivities(
+            dx[:, :, 0], dx[:, :, 1], dx[:, :, 2], dout[..., 0], dout[..., 1]
+        )
         return shapes, lever / self.l_hat_m, answers
 
 
@@ -260,10 +262,10 @@ def solve(
         warm = np.isfinite(state[:, 0])
     for again in range(_PASSES[accuracy]):
         if again:  # from what was found, nearer than the first pass was asked to come
-            warm = status == Status.SOLVED
+            warm = status == SolverStatus.SOLVED
         if _share(by.solve_many, workers, batch, nodes, warm, psi, state, status):
             _share(by.rescue_many, workers, batch, nodes, psi, state, status)
-            state[status != Status.SOLVED] = np.nan
+            state[status != SolverStatus.SOLVED] = np.nan
     return Equilibria(batch, status, state[:, 0], state[:, 1], state[:, 2], psi, nodes)
 
 

@@ -1,4 +1,4 @@
-"""Effects of the catalogue in the beam problem of a `SheetModel`: `Setup` to `Beam` and back.
+"""Apply the catalogue's effects to the beam problem of a `SheetModel`.
 
 Some effects depend on the solution (a clamp that gives way under the load). So the problem is
 solved and the effects are applied in turn until nothing changes any more.
@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects import Effect, catalogue
-from model.effects.interface import Beam, Held
+from model.effects.interface import BeamProblem, ContactSolution
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
-from model.sheet.beam_problem import ActiveEffect, Profile, Setup
-from model.sheet.solution import Solved, solved
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.solution import SolvedProblems, solved
 from model.sheet.typical_run import kept_readings, mean_over, typical_run
 
 NODES = 14  # along the free length, where effects are worked out
@@ -79,8 +79,10 @@ def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
 
 
 def with_effects(
-    setups: Sequence[Setup], positions_m: Sequence[float | None], effects: Sequence[ActiveEffect]
-) -> list[Setup]:
+    setups: Sequence[ConditionProblem],
+    positions_m: Sequence[float | None],
+    effects: Sequence[ActiveEffect],
+) -> list[ConditionProblem]:
     """Setups of one configuration with the effects in them.
 
     Friction and the like look at the other voltages of the same position among the setups.
@@ -108,7 +110,7 @@ def with_effects(
 # -- one way and back
 
 
-def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
+def _beam(setups: Sequence[ConditionProblem], positions_m: Sequence[float | None]) -> BeamProblem:
     sheet = setups[0].sheet
     s = sheet.free_length_m * np.asarray(rule(NODES).c)
     B = np.array([one.B_Nm2 for one in setups])
@@ -116,7 +118,7 @@ def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
     clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
     none = np.zeros(len(setups))
     ones = np.ones((len(setups), NODES))
-    return Beam(
+    return BeamProblem(
         sheet=sheet, s_m=s, voltage_V=np.array([one.voltage_V for one in setups]),
         stated_m=np.array([np.nan if p is None else p for p in positions_m]),
         up=np.ones(len(setups)), stiffness=B, rest=0.0 * ones,
@@ -130,7 +132,9 @@ def _beam(setups: Sequence[Setup], positions_m: Sequence[float | None]) -> Beam:
     )  # fmt: skip
 
 
-def _setups(setups: Sequence[Setup], plain: Beam, beam: Beam) -> list[Setup]:
+def _setups(
+    setups: Sequence[ConditionProblem], plain: BeamProblem, beam: BeamProblem
+) -> list[ConditionProblem]:
     """The setups with everything in which a beam differs from the plain one."""
     R = beam.sheet.arc_radius_m
     moment = (beam.eibm + beam.bend) * beam.stiffness[:, None]
@@ -157,7 +161,7 @@ def _setups(setups: Sequence[Setup], plain: Beam, beam: Beam) -> list[Setup]:
     return result
 
 
-def _field(beam: Beam, values: FloatArray) -> Field:
+def _field(beam: BeamProblem, values: FloatArray) -> Field:
     """The polynomial through values at the nodes."""
     length = beam.sheet.free_length_m
     t = 2.0 * beam.s_m / length - 1.0
@@ -165,7 +169,7 @@ def _field(beam: Beam, values: FloatArray) -> Field:
     return Field(np.array([0.0, length]), row[None])
 
 
-def _held(found: Solved, beam: Beam) -> Held:
+def _held(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:
     shapes = found.shapes(np.append(beam.s_m, beam.sheet.free_length_m))
     x, y, phi = (a[:, :-1] for a in (shapes.x_m, shapes.y_m, shapes.phi_rad))
     # in the clamp's own frame, in which the contact's forces are worked out
@@ -179,7 +183,7 @@ def _held(found: Solved, beam: Beam) -> Held:
     dy = (R * np.sin(beta) - offset * np.cos(end))[:, None] - own_y
     cos, sin = np.cos(end)[:, None], np.sin(end)[:, None]
     before = beam.s_m <= found.s_hat_m[:, None]
-    return Held(
+    return ContactSolution(
         force_N=found.force_N, normal_N=found.normal_N, gamma_rad=found.gamma_rad,
         s_hat_m=found.s_hat_m, lever=np.where(before, dx * cos + dy * sin, 0.0),
         offset=np.where(before, dy * cos - dx * sin, 0.0), x_m=own_x, y_m=own_y,
@@ -191,7 +195,7 @@ def _held(found: Solved, beam: Beam) -> Held:
 # -- what the effects do
 
 
-def _in_course(beam: Beam, named: Sequence[Acting]) -> Beam:
+def _in_course(beam: BeamProblem, named: Sequence[Acting]) -> BeamProblem:
     """EIBM and stiffness as the mean of a typical run's readings has them.
 
     An unknown course in time is a matter of single readings, not of their mean.
@@ -214,8 +218,11 @@ def _in_course(beam: Beam, named: Sequence[Acting]) -> Beam:
 
 
 def _applied(
-    base: Beam, held: Held, named: Sequence[Acting], strange: Sequence[ActiveEffect]
-) -> Beam:
+    base: BeamProblem,
+    held: ContactSolution,
+    named: Sequence[Acting],
+    strange: Sequence[ActiveEffect],
+) -> BeamProblem:
     beam = base
     for one in named:
         changed = one.effect.beam(beam, held, one.values)
@@ -225,7 +232,7 @@ def _applied(
     return beam
 
 
-def _formed(before: Beam, after: Beam, profile: Profile) -> Beam:
+def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamProblem:
     """An effect's change times the factors of the form that was inferred."""
     if profile.along in ("force", "time"):
         return after
@@ -239,7 +246,7 @@ def _formed(before: Beam, after: Beam, profile: Profile) -> Beam:
     return replace(after, **changed)
 
 
-def _with_unknown(beam: Beam, one: ActiveEffect) -> Beam:
+def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
     """The term of an unknown effect, added at its slot."""
     profile = one.profile
     assert profile is not None  # noqa: S101 - see `unknowns`
@@ -266,7 +273,7 @@ def _with_unknown(beam: Beam, one: ActiveEffect) -> Beam:
     return beam
 
 
-def _same(one: Beam, other: Beam) -> bool:
+def _same(one: BeamProblem, other: BeamProblem) -> bool:
     """Whether nothing that matters differs."""
     for name in _ALL:
         a, b = getattr(one, name), getattr(other, name)
@@ -276,7 +283,7 @@ def _same(one: Beam, other: Beam) -> bool:
     return True
 
 
-def _halfway(one: Beam, other: Beam) -> Beam:
+def _halfway(one: BeamProblem, other: BeamProblem) -> BeamProblem:
     return replace(
         one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in _ALL}
     )

@@ -1,6 +1,6 @@
 """What a beam problem is made of, before it is solved: the place where effects act.
 
-An effect that a model includes changes a `Setup` before the equilibrium is sought: see `active`.
+Effects of a model change a `ConditionProblem` before it is solved: see `applied_effects`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Under = Literal["", "voltage", "polarity"]
 
 
 @dataclass(frozen=True)
-class Setup:
+class ConditionProblem:
     """One configuration at one position and voltage."""
 
     sheet: SheetGeometry

@@ -11,18 +11,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.effects.interface import Points, Weighed
+from model.effects.interface import ImagePoints, LoadCellInput
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
 from model.sheet.applied_effects import acting, unknowns
-from model.sheet.beam_problem import ActiveEffect, Profile, Setup
-from model.sheet.solution import Solved
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.solution import SolvedProblems
 from model.sheet.typical_run import TypicalRun, mean_over, typical_run
 
 
 def load_cell_N(
     effects: Sequence[ActiveEffect],
-    found: Solved,
+    found: SolvedProblems,
     rows: Mapping[float, int],
     voltage_V: float,
     position_m: float,
@@ -64,18 +64,18 @@ def _factor(profile: Profile | None, position_m: float) -> float:
 
 
 def _weighed(
-    found: Solved, rows: Mapping[float, int], run: TypicalRun, position_m: float
-) -> Weighed:
+    found: SolvedProblems, rows: Mapping[float, int], run: TypicalRun, position_m: float
+) -> LoadCellInput:
     of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
     ones = np.ones(len(of))
-    return Weighed(
+    return LoadCellInput(
         np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
         np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
         run.clock.wetted_s,
     )  # fmt: skip
 
 
-def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
+def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> ConditionProblem:
     """The sheet as it was when the picture was taken, which may be older than the reading."""
     name = setup.sheet.configuration
     inner = acting(effects, name)
@@ -99,13 +99,13 @@ def as_pictured(setup: Setup, effects: Sequence[ActiveEffect]) -> Setup:
 
 
 def camera_m(
-    effects: Sequence[ActiveEffect], setup: Setup, curve: Shapes
+    effects: Sequence[ActiveEffect], setup: ConditionProblem, curve: Shapes
 ) -> tuple[FloatArray, FloatArray]:
     """What the camera adds to the points of one curve, the first of `curve`."""
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
     dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
     name = setup.sheet.configuration
-    points = Points(x_m[None], y_m[None], setup.sheet.free_length_m)
+    points = ImagePoints(x_m[None], y_m[None], setup.sheet.free_length_m)
     for one in acting(effects, name):
         added = one.effect.curve(points, one.values)
         if added is not None:

@@ -9,10 +9,10 @@ import numpy as np
 
 from model.measurements import FloatArray
 from model.mechanics.contact_range import limit_m, other_solutions, stable
-from model.mechanics.equilibrium import Equilibria, Status
-from model.sheet.beam_problem import Setup
+from model.mechanics.equilibrium import Equilibria, SolverStatus
+from model.sheet.beam_problem import ConditionProblem
 from model.sheet.sheet_model import SheetModel
-from model.sheet.solution import Solved, sampled_s, solved
+from model.sheet.solution import SolvedProblems, sampled_s, solved
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def predict(
     volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
     setup, names = found.setups[0], (configuration, position_m, voltage_V)
-    if found.status[0] != Status.SOLVED:
+    if found.status[0] != SolverStatus.SOLVED:
         nothing = np.zeros(0)
         gone = np.nan
         return Prediction(
@@ -112,7 +112,7 @@ def predict_free(
 
 
 def _shape(
-    model: SheetModel, found: Solved, s_m: FloatArray, *, as_seen: bool
+    model: SheetModel, found: SolvedProblems, s_m: FloatArray, *, as_seen: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x, y and curvature of the first of the solutions."""
     if not (model.effects and as_seen):
@@ -128,12 +128,12 @@ def _shape(
     return x + dx, y + dy, one.curvature_per_m[0]
 
 
-def _first(found: Solved) -> Equilibria:
+def _first(found: SolvedProblems) -> Equilibria:
     """The equilibrium of the first setup, which may lie in a batch with others."""
     return next(part for rows, part in found.parts if rows[0] == 0)
 
 
-def _why_not(setup: Setup, found: Equilibria) -> str:
+def _why_not(setup: ConditionProblem, found: Equilibria) -> str:
     limit, slips = limit_m(found.problems)
     if not np.isfinite(limit):
         return "no position of this sheet on the arc is an equilibrium"
@@ -144,7 +144,7 @@ def _why_not(setup: Setup, found: Equilibria) -> str:
     return f"there is no equilibrium beyond {at * 1e3:.1f} mm"
 
 
-def _remarks(found: Equilibria, setup: Setup) -> list[str]:
+def _remarks(found: Equilibria, setup: ConditionProblem) -> list[str]:
     remarks = []
     if not stable(found):
         remarks.append("not stable: the sheet would jump away from this shape")

@@ -11,7 +11,7 @@ import numpy as np
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
-from model.sheet.beam_problem import ActiveEffect, Setup
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
@@ -118,14 +118,16 @@ class SheetModel:
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
         return self.sheets[configuration]
 
-    def setup(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
+    def setup(
+        self, configuration: str, position_m: float | None, voltage_V: float
+    ) -> ConditionProblem:
         """The beam problem of a condition, effects included; without a position nothing touches."""
         volts = self.beside(configuration, voltage_V) if self.effects else (voltage_V,)
         return self.setups(configuration, [(position_m, v) for v in volts])[0]
 
     def setups(
         self, configuration: str, places: Sequence[tuple[float | None, float]]
-    ) -> list[Setup]:
+    ) -> list[ConditionProblem]:
         """Beam problems of conditions, given by position and voltage, effects included."""
         plain = [self._plain(configuration, *place) for place in places]
         if not self.effects:
@@ -142,12 +144,14 @@ class SheetModel:
             return (0.0, *(v for v in (max(known), min(known)) if v))
         return tuple(dict.fromkeys((float(voltage_V), 0.0, opposite)))
 
-    def _plain(self, configuration: str, position_m: float | None, voltage_V: float) -> Setup:
+    def _plain(
+        self, configuration: str, position_m: float | None, voltage_V: float
+    ) -> ConditionProblem:
         one = self.sheet(configuration)
         if not np.isfinite(0.0 if position_m is None else position_m) or not np.isfinite(voltage_V):
             raise ModelError("position and voltage must be finite numbers")
         along = np.nan if position_m is None else position_m / one.sheet.arc_radius_m
-        return Setup(
+        return ConditionProblem(
             one.sheet, voltage_V, one.sheet.arc_origin_rad + along,
             one.B.value, one.rest.field(one.sheet.free_length_m), one.eibm_at(voltage_V),
         )  # fmt: skip

@@ -13,16 +13,16 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements import FloatArray
-from model.mechanics.equilibrium import Equilibria, Problems, Shapes, Status, problems, solve
+from model.mechanics.equilibrium import Equilibria, Problems, Shapes, SolverStatus, problems, solve
 from model.mechanics.field import Field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
-from model.sheet.beam_problem import Setup
+from model.sheet.beam_problem import ConditionProblem
 
 SPACING_M = 0.5e-3
 _BESIDE = 4  # rounds of placing a contact beside the arc; each gains a factor of offset/R
 
 
-def free_curvature(setup: Setup) -> Field:
+def free_curvature(setup: ConditionProblem) -> Field:
     """k* = k0 + Me/B(s)."""
     if setup.softness is None:
         return setup.rest + setup.eibm * (1.0 / setup.B_Nm2)
@@ -35,12 +35,14 @@ def free_curvature(setup: Setup) -> Field:
     return Field.smooth(value, rest.length_m, kinks)
 
 
-def batch(setups: Sequence[Setup]) -> Problems:
+def batch(setups: Sequence[ConditionProblem]) -> Problems:
     """The beam problems of setups of one sheet, all with the contact on the arc."""
     return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], setups[0].sheet.arc_radius_m)
 
 
-def _batch(setups: Sequence[Setup], angles: Sequence[float], radius_m: float) -> Problems:
+def _batch(
+    setups: Sequence[ConditionProblem], angles: Sequence[float], radius_m: float
+) -> Problems:
     sheet = setups[0].sheet
     kappa, softness = [free_curvature(s) for s in setups], [s.softness for s in setups]
     bends = any(s.elongation_soft > 0.0 for s in setups) and sheet.elongation_m > 0.0
@@ -66,7 +68,7 @@ def _longer(field: Field, by_m: float, value: float) -> Field:
     return Field(breaks, np.concatenate([field.coefficients, row]))
 
 
-def sampled_s(setup: Setup) -> FloatArray:
+def sampled_s(setup: ConditionProblem) -> FloatArray:
     """Points from the clamp to the visible end, the sheet's end among them."""
     length, end = setup.sheet.free_length_m, setup.sheet.free_length_m + setup.sheet.elongation_m
     inner = np.linspace(0.0, length, max(2, int(np.ceil(length / SPACING_M - 1e-9)) + 1))
@@ -75,11 +77,11 @@ def sampled_s(setup: Setup) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Solved:
+class SolvedProblems:
     """Solutions in the order of the setups; NaN where there is no equilibrium, or no contact."""
 
-    setups: tuple[Setup, ...]
-    status: npt.NDArray[np.int64]  # (K,) `Status`; SOLVED where nothing touches
+    setups: tuple[ConditionProblem, ...]
+    status: npt.NDArray[np.int64]  # (K,) `SolverStatus`; SOLVED where nothing touches
     nu: FloatArray  # (K,) N/B, 1/m^2
     s_hat_m: FloatArray
     phi_hat_rad: FloatArray  # against the x axis
@@ -127,7 +129,7 @@ class Solved:
 
 
 def _hanging(
-    setup: Setup, s_m: FloatArray
+    setup: ConditionProblem, s_m: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     kappa = free_curvature(setup)
     x, y, phi, _ = free_shape(kappa, s_m)
@@ -135,7 +137,7 @@ def _hanging(
     return x, y, phi, np.where(inside, kappa(np.minimum(s_m, kappa.length_m)), 0.0)
 
 
-def solved(setups: Sequence[Setup]) -> Solved:
+def solved(setups: Sequence[ConditionProblem]) -> SolvedProblems:
     """All setups of one configuration."""
     K = len(setups)
     status = np.zeros(K, np.int64)
@@ -145,24 +147,24 @@ def solved(setups: Sequence[Setup]) -> Solved:
         status[rows], nu[rows], s_hat[rows] = found.status, found.nu, found.s_hat_m
         phi[rows] = found.phi_hat_rad + [setups[i].clamp_rad for i in rows]
         parts.append((rows, found))
-    return Solved(tuple(setups), status, nu, s_hat, phi, tuple(parts))
+    return SolvedProblems(tuple(setups), status, nu, s_hat, phi, tuple(parts))
 
 
-def _groups(setups: Sequence[Setup]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:
+def _groups(setups: Sequence[ConditionProblem]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:
     on_arc = [i for i, s in enumerate(setups) if s.touches and s.offset_m == 0.0]
     groups = [(np.array(on_arc), solve(batch([setups[i] for i in on_arc])))] if on_arc else []
     beside = [i for i, s in enumerate(setups) if s.touches and s.offset_m != 0.0]
     return groups + [(np.array([i]), _beside(setups[i])) for i in beside]
 
 
-def _beside(setup: Setup) -> Equilibria:
+def _beside(setup: ConditionProblem) -> Equilibria:
     """r(s_hat) + offset n_hat = p_hat, n_hat turning with the sheet."""
     d, R, gamma = setup.offset_m, setup.sheet.arc_radius_m, 0.0
     for _ in range(_BESIDE):
         along, outward = -d * np.cos(gamma), R + d * np.sin(gamma)
         angle = setup.angle_rad + float(np.arctan2(along, outward)) - setup.clamp_rad
         found = solve(_batch([setup], [angle], float(np.hypot(along, outward))))
-        if found.status[0] != Status.SOLVED:
+        if found.status[0] != SolverStatus.SOLVED:
             break
         gamma = float(found.phi_hat_rad[0]) + setup.clamp_rad - setup.angle_rad
     return found

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from model.effects.interface import Clock
+from model.effects.interface import AcquisitionTimes
 from model.measurements import FloatArray
 
 SLOT_S, SAMPLE_S = 0.6, 0.5
@@ -23,7 +23,7 @@ ZEROS, DISCARDED, PULSES = 10, 2, 22
 class TypicalRun:
     """Readings in the order of time: at 0 V, then pulses of `first_V` and `second_V` in turn."""
 
-    clock: Clock
+    clock: AcquisitionTimes
     kept: npt.NDArray[np.bool_]
 
     def at(self, voltage_V: float) -> npt.NDArray[np.bool_]:
@@ -44,7 +44,7 @@ def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> Typical
     driven_s = np.where(pulse < 0.0, 0.0, SLOT_S * pulse + SAMPLE_S)
     since_edge_s = np.where(pulse < 0.0, run_s, SAMPLE_S)
     middle = np.full(len(pulse), 0.5)
-    clock = Clock(
+    clock = AcquisitionTimes(
         voltage_V=voltage, pulse_s=since_edge_s, pulse=pulse, run_s=run_s, session=middle,
         wetted_s=run_s, driven_s=driven_s, opposite=np.asarray(before, dtype=float),
         rise_s=rise_s,
@@ -54,10 +54,10 @@ def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> Typical
 
 def kept_readings(
     runs: Sequence[TypicalRun], voltages_V: Sequence[float]
-) -> tuple[Clock, npt.NDArray[np.int64]]:
+) -> tuple[AcquisitionTimes, npt.NDArray[np.int64]]:
     """The readings that count of conditions, one after the other, and of which each is: (n,)."""
     use = [run.at(volts) for run, volts in zip(runs, voltages_V, strict=True)]
-    clock = Clock.joined([run.clock.of(u) for run, u in zip(runs, use, strict=True)])
+    clock = AcquisitionTimes.joined([run.clock.of(u) for run, u in zip(runs, use, strict=True)])
     return clock, np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])
 
 

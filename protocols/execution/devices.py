@@ -49,7 +49,7 @@ class Devices:
 
 
 @dataclass(frozen=True)
-class Rows:
+class ReadingSinks:
     """In which rows of a block the channels are; -1 where there is none."""
 
     force: int
@@ -57,7 +57,7 @@ class Rows:
     current: int
 
     @classmethod
-    def of(cls, signals: SignalInput) -> Rows:
+    def of(cls, signals: SignalInput) -> ReadingSinks:
         """Raises DeviceError when a channel that is needed is missing."""
         names = list(signals.channels)
         for name in ("force", "drive"):

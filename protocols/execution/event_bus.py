@@ -17,7 +17,7 @@ class SubscriberError(Exception):
     """A subscriber that the session depends on has failed; the text says which and why."""
 
 
-class EventHub:
+class EventBus:
     """Critical subscribers are called in order, and an exception of theirs reaches the emitter.
 
     Watchers can neither hold back nor break a run. With `threaded` (the real clock) each has a

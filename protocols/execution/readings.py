@@ -9,11 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.interfaces import Frame, SampleClock, SignalBlock
-from protocols.execution.devices import Devices, Rows
+from protocols.execution.devices import Devices, ReadingSinks
 from protocols.execution.events import FramesArrived, ReadingTaken, VoltageSet
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.lateness import lateness_s, written_s
-from protocols.execution.rules import Rules, Timing, bad_frame, bad_samples, late_edge, wrong_drive
+from protocols.execution.rules import (
+    LoopTiming,
+    Rules,
+    bad_frame,
+    bad_samples,
+    late_edge,
+    wrong_drive,
+)
 from protocols.execution.samples import SampleBuffer
 from protocols.planning.schedule import PlannedReading, PlannedRun
 
@@ -50,13 +57,13 @@ class ReadingMaker:
         sample_clock: SampleClock,
         frame_rate_hz: float,
         rules: Rules,
-        timing: Timing,
+        timing: LoopTiming,
         *,
         keep_all_frames: bool,
     ) -> None:
         self._run = run
         self._devices = devices
-        self._rows = Rows.of(devices.signals)
+        self._rows = ReadingSinks.of(devices.signals)
         self._sample_clock = sample_clock
         self._rules = rules
         self._timing = timing

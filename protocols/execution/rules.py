@@ -25,7 +25,7 @@ class Rules:
 
 
 @dataclass(frozen=True)
-class Timing:
+class LoopTiming:
     """Times of the loop, s."""
 
     service_s: float = 0.025  # between two looks at signals, frames, stop request; also the beat

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.devices import Devices, Rows
+from protocols.execution.devices import Devices, ReadingSinks
 from protocols.execution.events import (
     Event,
     RunStarted,
@@ -18,7 +18,7 @@ from protocols.execution.events import (
 )
 from protocols.execution.output import GuardedOutput
 from protocols.execution.readings import ReadingMaker
-from protocols.execution.rules import Rules, Timing
+from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel, StopRequest
 from protocols.planning.schedule import PlannedRun
@@ -44,7 +44,7 @@ class Loop:
     beat: Callable[[], None]  # called at least every 50 ms while energised
     enter: Callable[[RunState], None]
     rules: Rules
-    timing: Timing
+    timing: LoopTiming
     keep_all_frames: bool
 
     def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
@@ -67,7 +67,7 @@ class RunLoop:
     """One run, from the start of the acquisition to its end.
 
     Edges have priority: between them the loop looks at signals, frames and the stop request every
-    `Timing.service_s`, but not when the next edge is nearer than such a look may take. Whatever is
+    `LoopTiming.service_s`, but not when the next edge is nearer than that takes. Whatever is
     raised, by a device or by a subscriber, 0 V is written before anything else happens.
     """
 
@@ -84,7 +84,7 @@ class RunLoop:
         self._frame_rate_hz = frame_rate_hz
         self._stage_position_m = stage_position_m
         self._wetted_at_s = wetted_at_s
-        self._rows = Rows.of(loop.devices.signals)
+        self._rows = ReadingSinks.of(loop.devices.signals)
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0

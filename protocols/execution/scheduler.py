@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
 from protocols.errors import ScheduleError
-from protocols.execution.devices import Devices, Rows
+from protocols.execution.devices import Devices, ReadingSinks
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
     Event,
@@ -24,7 +24,7 @@ from protocols.execution.events import (
 )
 from protocols.execution.operator import RecordedOperator
 from protocols.execution.output import GuardedOutput, MakeSafe
-from protocols.execution.rules import Rules, Timing
+from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.run_loop import Loop, RunLoop, Stopped
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import StopLevel, StopRequest
@@ -89,7 +89,7 @@ class Scheduler:
         make_safe: MakeSafe,
         *,
         rules: Rules | None = None,
-        timing: Timing | None = None,
+        timing: LoopTiming | None = None,
         beat: Callable[[], None] = _no_beat,
         on_energised: Callable[[bool], None] = _no_guard,
         keep_all_frames: bool = False,
@@ -101,7 +101,7 @@ class Scheduler:
         self._stop = stop
         self._limits = limits
         self._rules = rules or Rules()
-        timing = timing or Timing()
+        timing = timing or LoopTiming()
         self._make_safe = make_safe
         self._wall = wall
         self._emit_lock = threading.RLock()
@@ -165,7 +165,7 @@ class Scheduler:
     def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:
         self._enter(RunState.PREPARING)
         self._emit(SessionStarted(self._clock.now(), self._wall()))
-        Rows.of(self._devices.signals)
+        ReadingSinks.of(self._devices.signals)
         self._output.write(0.0)
         self._output.tell("the session begins at 0 V")
         for run in schedule.runs:

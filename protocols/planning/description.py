@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from drivers.interfaces import Prompt
-from protocols.execution.rules import Timing
+from protocols.execution.rules import LoopTiming
 from protocols.planning.limits import time_under_voltage_s
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule
@@ -44,7 +44,7 @@ class PlanRow:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ScheduleDescription:
     """The whole session."""
 
     rows: tuple[PlanRow, ...]
@@ -64,16 +64,16 @@ class Timeline:
     reading_kind: tuple[ReadingKind, ...]
 
 
-def describe(schedule: Schedule, timing: Timing | None = None) -> Plan:
+def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDescription:
     """Times, voltages and readings of every run, and an estimate of the whole session's time."""
-    timing = timing or Timing()
+    timing = timing or LoopTiming()
     situation, clock_s, rows = Situation(), 0.0, []
     for run in schedule.runs:
         actions, situation = preparation(situation, run)
         clock_s += sum(map(_takes_s, actions)) + timing.lead_in_s
         rows.append(_row(run, actions, clock_s))
         clock_s += run.duration_s + timing.tail_s
-    return Plan(
+    return ScheduleDescription(
         rows=tuple(rows),
         running_s=sum(row.duration_s for row in rows),
         estimate_s=clock_s,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from drivers.interfaces import Clock
 from sim_hardware.camera.faults import CameraFaults
 from sim_hardware.camera.stream import FrameStream
-from sim_hardware.simulated_rig import Scene
+from sim_hardware.simulated_rig import OpticalSide
 
 # OpenCV's numbers of its properties, which do not change.
 POS_MSEC, FRAME_WIDTH, FRAME_HEIGHT, FPS, CONVERT_RGB, BUFFER_SIZE = 0, 3, 4, 5, 16, 38
@@ -28,7 +28,7 @@ class SimulatedCapture:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: OpticalSide,
         clock: Clock,
         *,
         faults: CameraFaults | None = None,

@@ -14,7 +14,7 @@ from fractions import Fraction
 from drivers.interfaces import Clock
 from sim_hardware.camera.faults import CameraFaults
 from sim_hardware.camera.stream import FrameStream, Image
-from sim_hardware.simulated_rig import Scene
+from sim_hardware.simulated_rig import OpticalSide
 
 _POLL_S = 0.05
 _BUFFERED = 4  # frames kept for a client that is busy for a moment
@@ -49,7 +49,7 @@ class CameraServer:
     """
 
     def __init__(
-        self, scene: Scene, clock: Clock, port: int = 0, *, faults: CameraFaults | None = None
+        self, scene: OpticalSide, clock: Clock, port: int = 0, *, faults: CameraFaults | None = None
     ) -> None:
         self.faults = faults if faults is not None else CameraFaults()
         self._clock = clock

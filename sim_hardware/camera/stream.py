@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.camera.faults import CameraFaults
-from sim_hardware.simulated_rig import Scene
+from sim_hardware.simulated_rig import OpticalSide
 
 Image = npt.NDArray[np.uint8]
 
@@ -17,7 +17,7 @@ class FrameStream:
     """Frame k's exposure ends at start + (k + 1) / rate; jitter and faults are added to that."""
 
     def __init__(
-        self, scene: Scene, start_s: float, faults: CameraFaults, jitter_s: float = 0.0
+        self, scene: OpticalSide, start_s: float, faults: CameraFaults, jitter_s: float = 0.0
     ) -> None:
         self.scene = scene
         self.faults = faults

@@ -3,23 +3,23 @@
 from sim_hardware.optics.marker import read_marker, write_marker
 from sim_hardware.optics.renderer import Contact, Renderer
 from sim_hardware.optics.settings import (
+    CameraNoise,
     FarFace,
     Jaws,
     Lens,
     Light,
-    Noise,
     OpticsSettings,
     Rolls,
     Spot,
 )
 
 __all__ = [
+    "CameraNoise",
     "Contact",
     "FarFace",
     "Jaws",
     "Lens",
     "Light",
-    "Noise",
     "OpticsSettings",
     "Renderer",
     "Rolls",

@@ -53,7 +53,7 @@ class Rolls(_Closed):
     rim_m: float = Field(default=0.12e-3, ge=0)
 
 
-class Noise(_Closed):
+class CameraNoise(_Closed):
     """Of one frame. At the default levels the signal-to-noise ratio is about 30."""
 
     electrons_per_level: float = Field(default=10.0, gt=0)
@@ -121,7 +121,7 @@ class OpticsSettings(_Closed):
 
     jaws: Jaws = Jaws()
     rolls: Rolls = Rolls()
-    noise: Noise = Noise()
+    noise: CameraNoise = CameraNoise()
     light: Light = Light()
     spots: tuple[Spot, ...] = ()
     far_face: FarFace | None = None

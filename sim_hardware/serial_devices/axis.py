@@ -11,7 +11,7 @@ from sim_hardware.serial_devices.motion import Motion
 MICROSTEP_RAD = math.radians(0.000234375)
 
 
-class Arc(Protocol):
+class AxisArc(Protocol):
     """The arc that the stage turns about."""
 
     @property
@@ -19,11 +19,11 @@ class Arc(Protocol):
         """Its radius."""
 
 
-class ArcSettings(Protocol):
+class AxisSettings(Protocol):
     """What the stage needs of the world's settings."""
 
     @property
-    def arc(self) -> Arc:
+    def arc(self) -> AxisArc:
         """The arc on which the load cell stands."""
 
 
@@ -31,7 +31,7 @@ class ArcWorld(Protocol):
     """What the stage needs of the world."""
 
     @property
-    def settings(self) -> ArcSettings:
+    def settings(self) -> AxisSettings:
         """The world's settings."""
 
     def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:

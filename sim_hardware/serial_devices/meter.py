@@ -28,7 +28,7 @@ class ForceWorld(Protocol):
         """Force on the load cell at a clock time."""
 
 
-class Dpm3Meter:
+class SimulatedDpm3Meter:
     """The meter, by default displaying gram-force to three places.
 
     In continuous mode it sends readings unasked, `rate_hz` of them, and listens to nothing but the

@@ -23,7 +23,7 @@ class RejectedError(Exception):
     """A command that the device refuses; the text is the reason it gives."""
 
 
-class ZaberStage:
+class SimulatedZaberStage:
     """The stage as a line-protocol state machine.
 
     The angle 0, where it homes to, is `origin_m` on the arc. The world hears of a new place when a

@@ -10,7 +10,7 @@ from sim_hardware.world.settings import AmplifierSettings
 FloatArray = npt.NDArray[np.float64]
 
 
-class Amplifier:
+class SimulatedAmplifier:
     """Gain, input offset, rails and a first-order lag; the output is known at any past time.
 
     Between two writes the output goes exponentially to its new level, so that it and its integral

@@ -38,7 +38,7 @@ def even(s_m: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class ChainSheet:
     """What a sheet is, per unit of its bending stiffness B. Functions take s (m) as an array.
 
     This is where a further property of the sheet or of its clamp goes; `Chain` lays it on hinges.
@@ -85,7 +85,7 @@ class Equilibrium:
 class Chain:
     """A sheet cut into links of about `link_m` each; the free length is a whole number of them."""
 
-    def __init__(self, sheet: Sheet, link_m: float) -> None:
+    def __init__(self, sheet: ChainSheet, link_m: float) -> None:
         self.sheet = sheet
         cut = max(1, math.ceil(sheet.free_length_m / link_m - 1e-9))
         self.h_m = sheet.free_length_m / cut

@@ -54,7 +54,7 @@ class Hinges(NamedTuple):
     load_y_per_m2: Floats
 
 
-class Roll(NamedTuple):
+class ContactPoint(NamedTuple):
     """What touches the sheet: a point on the arc."""
 
     x_m: float
@@ -217,7 +217,7 @@ def _contact_terms(
     towards: Floats,
     contact: Floats,
     h: float,
-    roll: Roll,
+    roll: ContactPoint,
     diagonal: Floats,
     work: Floats,
     rows: Floats,
@@ -283,7 +283,9 @@ def _negative_eigenvalues(m: Floats) -> int:
 
 
 @compiled
-def relax_touched(phi: Floats, contact: Floats, hinges: Hinges, roll: Roll, end_m: float) -> int:
+def relax_touched(
+    phi: Floats, contact: Floats, hinges: Hinges, roll: ContactPoint, end_m: float
+) -> int:
     """Bring the chain to rest with the roll holding it: least energy, the contact free to slide.
 
     `phi` (n,) and `contact` (s in m, and the force on the sheet over B, x and y, in 1/m^2) hold the

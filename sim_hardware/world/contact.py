@@ -19,7 +19,7 @@ _LONGEST_DRIVE = 0.3
 
 
 @dataclass(frozen=True)
-class Arc:
+class ContactArc:
     """What the object moves on: an arc about the clamp, and how it touches the sheet."""
 
     radius_m: float
@@ -37,10 +37,10 @@ def _directions(phi_rad: FloatArray) -> FloatArray:
     return np.column_stack((np.cos(phi_rad), np.sin(phi_rad)))
 
 
-class Contact:
+class ContactState:
     """Equilibria of one chain with one arc."""
 
-    def __init__(self, chain: Chain, arc: Arc) -> None:
+    def __init__(self, chain: Chain, arc: ContactArc) -> None:
         self.chain = chain
         self.arc = arc
 
@@ -80,7 +80,9 @@ class Contact:
 
         arc, chain = self.arc, self.chain
         ux, uy = math.cos(angle_rad), math.sin(angle_rad)
-        roll = kernels.Roll(arc.radius_m * ux, arc.radius_m * uy, arc.roll_offset_m, arc.friction)
+        roll = kernels.ContactPoint(
+            arc.radius_m * ux, arc.radius_m * uy, arc.roll_offset_m, arc.friction
+        )
         x, y = math.cos(start.angle_rad), math.sin(start.angle_rad)
         phi = start.phi_rad.copy()
         push_x = -(start.along_per_m2 * -uy + start.outward_per_m2 * ux)

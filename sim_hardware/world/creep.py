@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Chain, Sheet
+from sim_hardware.world.chain import Chain, ChainSheet
 from sim_hardware.world.table import DriveTable
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ def parts_of(drive: FloatArray) -> FloatArray:
     return np.column_stack((np.ones_like(drive), drive, drive**2))
 
 
-def crept_sheets(chain: Chain, table: DriveTable, share: float) -> list[Sheet]:
+def crept_sheets(chain: Chain, table: DriveTable, share: float) -> list[ChainSheet]:
     """The sheet with its rest curvature moved by each part of the strain, times `share`."""
     s_m = chain.hinge_m[1:]
     low, middle, high = (_curvature(chain, table, d) for d in (-_DRIVE, 0.0, _DRIVE))
@@ -43,7 +43,7 @@ def _curvature(chain: Chain, table: DriveTable, drive: float) -> FloatArray:
     return np.diff(table.state(drive).phi_rad) / chain.h_m
 
 
-def _moved(sheet: Sheet, s_m: FloatArray, change_per_m: FloatArray) -> Sheet:
+def _moved(sheet: ChainSheet, s_m: FloatArray, change_per_m: FloatArray) -> ChainSheet:
     rest = sheet.rest_curvature_per_m
     return replace(
         sheet, rest_curvature_per_m=lambda s: np.asarray(rest(s)) + np.interp(s, s_m, change_per_m)

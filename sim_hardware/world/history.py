@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.creep import PARTS, parts_of
-from sim_hardware.world.load_cell import LoadCell
+from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.track import Track
@@ -53,8 +53,8 @@ class History:
     def __init__(
         self,
         settings: WorldSettings,
-        amplifier: Amplifier,
-        cell: LoadCell,
+        amplifier: SimulatedAmplifier,
+        cell: SimulatedLoadCell,
         first: Stage,
         watcher: Callable[[FloatArray, FloatArray, FloatArray], None],
     ) -> None:

@@ -33,7 +33,7 @@ class CellFault(StrEnum):
     OVERLOADED = "overloaded"  # somebody leans on it
 
 
-class LoadCell:
+class SimulatedLoadCell:
     """Volts of a force; noise is a function of the time since the world's beginning."""
 
     def __init__(self, settings: LoadCellSettings, seed: int) -> None:

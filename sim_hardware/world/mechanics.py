@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.setup import Setup
+from sim_hardware.world.setup import MountedSheet
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class Stage:
     """A set-up from a moment on, with what hangs on the load cell."""
 
     start_s: float
-    setup: Setup
+    setup: MountedSheet
     load_N: float = 0.0
     moved_up: bool = True
     slip: Slip = field(default_factory=Slip)

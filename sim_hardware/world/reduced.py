@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.chain import Equilibrium
-from sim_hardware.world.contact import Contact
+from sim_hardware.world.contact import ContactState
 from sim_hardware.world.curve_noise import CurveErrors
-from sim_hardware.world.load_cell import LoadCell
+from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.settings import WorldSettings
-from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.setup import MountedSheet, Scatter
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -73,7 +73,7 @@ def reduced_session(
     """
     if seed is not None:
         settings = settings.model_copy(update={"seed": seed})
-    maker = _Maker(settings, tuple(voltages), readings, curve_errors or CurveErrors())
+    maker = _TableMaker(settings, tuple(voltages), readings, curve_errors or CurveErrors())
     setups = [(name, position) for name in configurations for position in positions_m]
     conditions = [
         condition
@@ -114,7 +114,7 @@ def _mean_drive_per_m(settings: WorldSettings, configuration: str, length_m: flo
     return float(np.mean(settings.eibm_per_m(configuration, s_m)))
 
 
-class _Maker:
+class _TableMaker:
     """Makes the conditions of one set-up after the other."""
 
     def __init__(
@@ -128,7 +128,7 @@ class _Maker:
         self._voltages = voltages
         self._readings = readings
         self._errors = errors
-        self._cell = LoadCell(settings.load_cell, settings.seed)
+        self._cell = SimulatedLoadCell(settings.load_cell, settings.seed)
         self._factors: dict[int, FloatArray] = {}
 
     def conditions(
@@ -136,7 +136,7 @@ class _Maker:
     ) -> list[ReducedCondition]:
         """Of one set-up; those in which the sheet slips out are left out."""
         scatter = Scatter.draw(self._settings, number)
-        setup = Setup(self._settings, configuration, position_m, scatter)
+        setup = MountedSheet(self._settings, configuration, position_m, scatter)
         times = self._times(number)
         result = []
         for k, voltage in enumerate(self._voltages):
@@ -161,7 +161,7 @@ class _Maker:
 
     def _condition(
         self,
-        setup: Setup,
+        setup: MountedSheet,
         state: Equilibrium,
         voltage_V: float,
         times: FloatArray,
@@ -199,7 +199,7 @@ class _Maker:
         )
 
     def _curve(
-        self, setup: Setup, state: Equilibrium, random: np.random.Generator
+        self, setup: MountedSheet, state: Equilibrium, random: np.random.Generator
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         length_m = setup.chain.sheet.visible_m
         s_m = self._errors.places(length_m)
@@ -218,11 +218,11 @@ class _Maker:
         return self._factors[s_m.size]
 
 
-def _state(setup: Setup, drive: float) -> Equilibrium | None:
+def _state(setup: MountedSheet, drive: float) -> Equilibrium | None:
     """At rest at a drive, reached as on the rig: placed at 0 V, then driven."""
     if setup.position_m is None:
         return setup.chain.free(drive)
-    contact = Contact(setup.chain, setup.arc)
+    contact = ContactState(setup.chain, setup.arc)
     start = contact.place(0.0, setup.arc_rad)
     if start is None:
         return None

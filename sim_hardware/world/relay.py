@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 
-class Relay:
+class SupplyRelay:
     """Closed by an edge for `hold_s`; each edge begins that time anew."""
 
     def __init__(self, hold_s: float, *, closed: bool) -> None:

@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from sim_hardware.optics import OpticsSettings
 from sim_hardware.world.along import EibmForm, StiffnessForm, broken, fall, stiffness_rise
-from sim_hardware.world.settings_base import Angle, Closed, NotNegative, Positive, Ratio
+from sim_hardware.world.settings_base import Angle, ClosedSettings, NotNegative, Positive, Ratio
 from sim_hardware.world.settings_rare import BumpOf, BumpSettings, CreepSettings, ViewSettings
 
 FloatArray = npt.NDArray[np.float64]
@@ -48,7 +48,7 @@ FaultKind = Literal[
 ]
 
 
-class ArcSettings(Closed):
+class ArcSettings(ClosedSettings):
     """The arc on which the load cell sits, about the clamp's end."""
 
     radius_mm: Positive
@@ -71,7 +71,7 @@ class ArcSettings(Closed):
         return position_m * (1 + self.scale_error) + error_mm * 1e-3
 
 
-class SheetSettings(Closed):
+class SheetSettings(ClosedSettings):
     """One configuration of the sheet."""
 
     free_length_mm: Positive
@@ -132,7 +132,7 @@ class SheetSettings(Closed):
         return np.asarray(1 + self.stiffness_change * rise)
 
 
-class EibmSettings(Closed):
+class EibmSettings(ClosedSettings):
     """The electrically induced bending moment, and how it follows the voltage."""
 
     curvature_per_m: Annotated[float, Field(ge=-400, le=400)]
@@ -168,7 +168,7 @@ class EibmSettings(Closed):
         return share if share >= 0 else share * self.negative_ratio
 
 
-class WaterSettings(Closed):
+class WaterSettings(ClosedSettings):
     """Water in the sheet: uneven after a rest, less and less under voltage."""
 
     first_pulse_deficit: Ratio
@@ -191,7 +191,7 @@ class WaterSettings(Closed):
     """Relative loss of Me in a minute at 2 V that no wetting brings back."""
 
 
-class AmplifierSettings(Closed):
+class AmplifierSettings(ClosedSettings):
     """Between the board's output and the sheet."""
 
     gain: Annotated[float, Field(gt=0, le=1000)]
@@ -203,7 +203,7 @@ class AmplifierSettings(Closed):
     """Time constant of its output."""
 
 
-class ElectricalSettings(Closed):
+class ElectricalSettings(ClosedSettings):
     """The sheet as a load of the amplifier."""
 
     rise_time_s: Positive
@@ -216,7 +216,7 @@ class ElectricalSettings(Closed):
     readback_noise_mV: NotNegative
 
 
-class LoadCellSettings(Closed):
+class LoadCellSettings(ClosedSettings):
     """The load cell and its wiring."""
 
     sensitivity_V_per_N: float
@@ -255,7 +255,7 @@ class LoadCellSettings(Closed):
     """What its cable adds 30 mm along the arc; it goes with the square of the position."""
 
 
-class ClampSettings(Closed):
+class ClampSettings(ClosedSettings):
     """How the sheet is held."""
 
     tilt_rad: Angle
@@ -263,7 +263,7 @@ class ClampSettings(Closed):
     """Turn of the clamped end per moment of the load."""
 
 
-class RollsSettings(Closed):
+class RollsSettings(ClosedSettings):
     """The two rolls of the load cell, between which the sheet runs."""
 
     friction: Annotated[float, Field(ge=0, le=0.5)]
@@ -280,7 +280,7 @@ class RollsSettings(Closed):
     """Time under voltage in which it falls to 1/e; 0: it stays."""
 
 
-class ScatterSettings(Closed):
+class ScatterSettings(ClosedSettings):
     """Standard deviations from one set-up to the next."""
 
     eibm: Ratio
@@ -291,7 +291,7 @@ class ScatterSettings(Closed):
     """Of the clamp's end in the picture, in each direction."""
 
 
-class ChainSettings(Closed):
+class ChainSettings(ClosedSettings):
     """The numerics."""
 
     link_mm: Annotated[float, Field(ge=0.02, le=1)]
@@ -299,7 +299,7 @@ class ChainSettings(Closed):
     """Of the time grid on which the sheet's state moves."""
 
 
-class InterlockSettings(Closed):
+class InterlockSettings(ClosedSettings):
     """An external one-shot and relay in the amplifier's supply."""
 
     line: str
@@ -308,7 +308,7 @@ class InterlockSettings(Closed):
     """After the last edge the relay opens."""
 
 
-class FaultSettings(Closed):
+class FaultSettings(ClosedSettings):
     """Something that goes wrong for a while."""
 
     what: FaultKind
@@ -327,7 +327,7 @@ class FaultSettings(Closed):
         return self
 
 
-class WorldSettings(Closed):
+class WorldSettings(ClosedSettings):
     """A whole world."""
 
     seed: Annotated[int, Field(ge=0, lt=2**63)]

@@ -12,7 +12,7 @@ Ratio = Annotated[float, Field(ge=0, le=1)]
 Angle = Annotated[float, Field(ge=-1.5, le=1.5)]
 
 
-class Closed(BaseModel):
+class ClosedSettings(BaseModel):
     """A table in which an unknown key, or a value that is not a number, is an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)

@@ -9,13 +9,13 @@ import numpy.typing as npt
 from pydantic import Field, model_validator
 
 from sim_hardware.world.along import bump
-from sim_hardware.world.settings_base import Closed, Positive
+from sim_hardware.world.settings_base import ClosedSettings, Positive
 
 FloatArray = npt.NDArray[np.float64]
 BumpOf = Literal["rest_curvature", "eibm", "even_moment", "stiffness"]
 
 
-class BumpSettings(Closed):
+class BumpSettings(ClosedSettings):
     """A place along the sheet where it is not like its neighbours."""
 
     of: BumpOf
@@ -38,7 +38,7 @@ class BumpSettings(Closed):
         return self.amount * bump(s_m, self.at_mm * 1e-3, self.width_mm * 1e-3)
 
 
-class CreepSettings(Closed):
+class CreepSettings(ClosedSettings):
     """Viscosity of the sheet: a strain that stays loses a share of its stress."""
 
     share: Annotated[float, Field(ge=0, le=0.5)]
@@ -49,7 +49,7 @@ class CreepSettings(Closed):
     """A third each with this time constant, and one so many times shorter and longer."""
 
 
-class ViewSettings(Closed):
+class ViewSettings(ClosedSettings):
     """How the picture deceives whoever believes the calibration."""
 
     scale_error: Annotated[float, Field(ge=-0.5, le=0.5)]

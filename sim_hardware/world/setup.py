@@ -9,8 +9,8 @@ from functools import cached_property, partial
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Chain, Sheet
-from sim_hardware.world.contact import Arc, Contact
+from sim_hardware.world.chain import Chain, ChainSheet
+from sim_hardware.world.contact import ContactArc, ContactState
 from sim_hardware.world.creep import crept_sheets
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.table import DriveTable
@@ -50,7 +50,7 @@ class Scatter:
 
 
 @dataclass(frozen=True)
-class Setup:
+class MountedSheet:
     """One set-up; what it does as a function of the drive is worked out when first asked for.
 
     The drive is the moment relative to the nominal one at +2 V, scatter and drying included, over
@@ -89,11 +89,11 @@ class Setup:
         return radius_m * math.cos(polar_rad) + dx, radius_m * math.sin(polar_rad) + dy
 
     @cached_property
-    def arc(self) -> Arc:
+    def arc(self) -> ContactArc:
         """The arc, and how the rolls touch."""
         s = self.settings
         give = s.load_cell.compliance_mm_per_mN * self.stiffness_Nm2  # m per force over B
-        return Arc(
+        return ContactArc(
             s.arc.radius_mm * MILLI,
             math.radians(s.arc.origin_deg),
             s.rolls.offset_mm * MILLI,
@@ -107,7 +107,7 @@ class Setup:
         sheet = s.configurations[self.configuration]
         B = self.stiffness_Nm2
         return Chain(
-            Sheet(
+            ChainSheet(
                 sheet.free_length_m,
                 sheet.elongation_m,
                 rest_curvature_per_m=self._rest_curvature,
@@ -140,12 +140,12 @@ class Setup:
     @cached_property
     def free(self) -> DriveTable:
         """The sheet with nothing touching it."""
-        return DriveTable(Contact(self.chain, self.arc), None)
+        return DriveTable(ContactState(self.chain, self.arc), None)
 
     @cached_property
     def held(self) -> DriveTable:
         """The sheet between the rolls."""
-        return DriveTable(Contact(self.chain, self.arc), self.arc_rad)
+        return DriveTable(ContactState(self.chain, self.arc), self.arc_rad)
 
     @cached_property
     def uncrept(self) -> DriveTable:
@@ -161,14 +161,14 @@ class Setup:
         angle_rad = None if self.position_m is None else self.arc_rad
         sheets = crept_sheets(self.chain, self.uncrept, share)
         chains = [Chain(sheet, self.settings.chain.link_mm * MILLI) for sheet in sheets]
-        return tuple(DriveTable(Contact(chain, self.arc), angle_rad) for chain in chains)
+        return tuple(DriveTable(ContactState(chain, self.arc), angle_rad) for chain in chains)
 
     @cached_property
     def _rubbed(self) -> tuple[DriveTable, DriveTable]:
         """The sheet between rolls that rub with all their friction, either way."""
         mu = self.settings.rolls.friction
         arcs = [replace(self.arc, friction=sign * mu) for sign in (1.0, -1.0)]
-        up, down = (DriveTable(Contact(self.chain, arc), self.arc_rad) for arc in arcs)
+        up, down = (DriveTable(ContactState(self.chain, arc), self.arc_rad) for arc in arcs)
         return up, down
 
     def slipped(self, drive: FloatArray) -> npt.NDArray[np.bool_]:
@@ -219,7 +219,7 @@ class Setup:
         if self.position_m is None or not self.held.reachable:
             return np.zeros(1)
         beside_rad = self.arc_rad + (-1 if moved_up else 1) * _APPROACH_M / self.arc.radius_m
-        contact = Contact(self.chain, self.arc)
+        contact = ContactState(self.chain, self.arc)
         states = [contact.place(0.0, beside_rad), self.held.state(0.0)]
         forces = [(s.along_per_m2, s.outward_per_m2) for s in states if s is not None]
         felt = self.stiffness_Nm2 * self.along_axis(np.array(forces).T)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.chain import Equilibrium
-from sim_hardware.world.contact import Contact
+from sim_hardware.world.contact import ContactState
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,7 +31,7 @@ _TO_COEFFICIENTS = np.linalg.inv(np.polynomial.chebyshev.chebvander(_NODES, NODE
 class DriveTable:
     """Equilibria of a held (or, with `angle_rad` None, of a free) chain over its drive."""
 
-    def __init__(self, contact: Contact, angle_rad: float | None) -> None:
+    def __init__(self, contact: ContactState, angle_rad: float | None) -> None:
         from sim_hardware.world import signal_kernels
 
         self._chebyshev = signal_kernels.chebyshev

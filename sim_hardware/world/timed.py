@@ -16,13 +16,13 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.curve_noise import CurveErrors, CurveNoise
 from sim_hardware.world.history import History, Moment
-from sim_hardware.world.load_cell import LoadCell
+from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.settings import WorldSettings
-from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.setup import MountedSheet, Scatter
 from sim_hardware.world.view import state_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -132,9 +132,9 @@ class _Runner:
         self._block = round(FINE_HZ / series_hz)
         if self._block < 1 or abs(self._block * series_hz - FINE_HZ) > 1e-6:
             raise ValueError(f"series_hz = {series_hz:g} must divide {FINE_HZ:g}")
-        self._amplifier = Amplifier(settings.amplifier, 0.0)
-        self._cell = LoadCell(settings.load_cell, settings.seed)
-        nowhere = Setup(settings, next(iter(settings.configurations)), None, Scatter())
+        self._amplifier = SimulatedAmplifier(settings.amplifier, 0.0)
+        self._cell = SimulatedLoadCell(settings.load_cell, settings.seed)
+        nowhere = MountedSheet(settings, next(iter(settings.configurations)), None, Scatter())
         self._history = History(
             settings, self._amplifier, self._cell, Stage(0.0, nowhere), lambda *_: None
         )
@@ -146,7 +146,7 @@ class _Runner:
             if visit.load_cell_alone:
                 train = replace(self._train, discarded=0, kept=0)
             scatter = visit.odd or Scatter.draw(self._settings, number)
-            setup = Setup(
+            setup = MountedSheet(
                 self._settings, visit.configuration, visit.position_m, scatter, visit.turned_over
             )
             if setup.uncrept.reachable:
@@ -154,7 +154,7 @@ class _Runner:
             start_s += train.run_s
 
     def _run(
-        self, number: int, visit: Visit, train: Train, setup: Setup, placed_s: float
+        self, number: int, visit: Visit, train: Train, setup: MountedSheet, placed_s: float
     ) -> TimedRun:
         self._history.advance(placed_s)
         moved_up = visit.approach == "up"
@@ -205,7 +205,7 @@ class _Runner:
         return time_s, self._amplifier.output_V(start_s + time_s), np.asarray(force_N)
 
     def _frames(
-        self, number: int, setup: Setup, sampled_s: FloatArray, s_m: FloatArray
+        self, number: int, setup: MountedSheet, sampled_s: FloatArray, s_m: FloatArray
     ) -> list[FloatArray]:
         """What the frame nearest to each sampling point shows, without error."""
         camera = self._settings.camera
@@ -217,7 +217,7 @@ class _Runner:
         return [_seen(setup, m, k, s_m) for m in moments for k in range(m.times.size)]
 
 
-def _seen(setup: Setup, moment: Moment, k: int, s_m: FloatArray) -> FloatArray:
+def _seen(setup: MountedSheet, moment: Moment, k: int, s_m: FloatArray) -> FloatArray:
     curve = setup.chain.curve(state_of(moment, k).phi_rad, s_m)
     return setup.settings.view.seen(curve + np.array(setup.scatter.registration_m))
 

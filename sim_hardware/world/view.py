@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from sim_hardware.world.chain import Equilibrium
 from sim_hardware.world.history import Moment
-from sim_hardware.world.setup import Setup
+from sim_hardware.world.setup import MountedSheet
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def state_of(moment: Moment, k: int = -1) -> Equilibrium:
     return _after_creep(setup, state, moment.crept[k]) if setup.crept else state
 
 
-def _after_creep(setup: Setup, state: Equilibrium, crept: FloatArray) -> Equilibrium:
+def _after_creep(setup: MountedSheet, state: Equilibrium, crept: FloatArray) -> Equilibrium:
     """The link angles moved by what has crept."""
     phi = state.phi_rad.copy()
     for part, table in zip(crept, setup.crept, strict=True):

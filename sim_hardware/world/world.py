@@ -13,17 +13,17 @@ import numpy.typing as npt
 
 from drivers.interfaces import Clock
 from sim_hardware.optics import Renderer
-from sim_hardware.world.amplifier import Amplifier
+from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.creep import PARTS
 from sim_hardware.world.history import History, Moment
-from sim_hardware.world.load_cell import CellFault, LoadCell
+from sim_hardware.world.load_cell import CellFault, SimulatedLoadCell
 from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.noise import WhiteNoise
 from sim_hardware.world.record import Record
-from sim_hardware.world.relay import Relay
+from sim_hardware.world.relay import SupplyRelay
 from sim_hardware.world.settings import WorldSettings
-from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.setup import MountedSheet, Scatter
 from sim_hardware.world.view import contact_of, shape_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -53,9 +53,9 @@ class World:
         self._recorded_s = -np.inf
         self._drawn = 0
         self._turned_over = False
-        self._amplifier = Amplifier(settings.amplifier, clock.now())
-        self._cell = LoadCell(settings.load_cell, settings.seed)
-        self._relay = Relay(settings.interlock.hold_s, closed=not settings.interlock.line)
+        self._amplifier = SimulatedAmplifier(settings.amplifier, clock.now())
+        self._cell = SimulatedLoadCell(settings.load_cell, settings.seed)
+        self._relay = SupplyRelay(settings.interlock.hold_s, closed=not settings.interlock.line)
         if settings.interlock.line:
             self._amplifier.supply(clock.now(), on=False)
         self._driven_calls: list[Callable[[float], None]] = []
@@ -268,7 +268,7 @@ class World:
     def _warm_up(self) -> None:
         """Compile what a session needs: on the real clock there is no time for it later."""
         now = np.array([self._history.start_s])
-        setup = Setup(self.settings, self.configuration, 0.0, Scatter())
+        setup = MountedSheet(self.settings, self.configuration, 0.0, Scatter())
         stage = Stage(float(now[0]), setup)
         stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
         for channel in (FORCE, CURRENT, READBACK):
@@ -282,10 +282,10 @@ class World:
         self._history.advance(now)
         return max(now, self._history.reached_s, self._history.stage.start_s)
 
-    def _new_setup(self, configuration: str, position_m: float | None) -> Setup:
+    def _new_setup(self, configuration: str, position_m: float | None) -> MountedSheet:
         scatter = Scatter.draw(self.settings, self._drawn)
         self._drawn += 1
-        return Setup(self.settings, configuration, position_m, scatter, self._turned_over)
+        return MountedSheet(self.settings, configuration, position_m, scatter, self._turned_over)
 
     def _set_up(
         self, configuration: str, position_m: float | None, *, moved_up: bool = True

@@ -31,7 +31,7 @@ class Load:
 
 def meter_on(clock, load: Load, faults=None, driver=None, **device) -> Dpm3Meter:
     device.setdefault("noise_N", 0.0)
-    simulated_meter = simulated.Dpm3Meter(load, clock, **device)
+    simulated_meter = simulated.SimulatedDpm3Meter(load, clock, **device)
 
     def port(name: str, **settings):
         return simulated.InMemorySerial(
@@ -172,7 +172,9 @@ def test_a_meter_that_is_not_open_says_so():
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
 def test_the_meter_is_read_over_a_real_port():
-    port = simulated.PtyPort(simulated.Dpm3Meter(Load(), RealClock(), noise_N=0.0, continuous=True))
+    port = simulated.PtyPort(
+        simulated.SimulatedDpm3Meter(Load(), RealClock(), noise_N=0.0, continuous=True)
+    )
     try:
         meter = Dpm3Meter(port.path)
         meter.open()

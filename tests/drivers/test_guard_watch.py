@@ -6,7 +6,7 @@ import pytest
 
 from drivers.boards.ni.take_over import OutputPlace
 from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
-from drivers.guard.watch import Ending, Watch
+from drivers.guard.watch import Ending, ParentWatchdog
 from drivers.interfaces import DeviceError
 
 SETTINGS = GuardSettings(
@@ -48,7 +48,7 @@ def beats(from_s: float, to_s: float, every_s: float = 0.05) -> list[tuple[float
 
 
 def watch(pipe: Pipe, lives=lambda: True) -> tuple[Ending, float]:
-    ending = Watch(SETTINGS, pipe, pipe, pipe.confirm, lives).until_end()
+    ending = ParentWatchdog(SETTINGS, pipe, pipe, pipe.confirm, lives).until_end()
     return ending, pipe.time_s
 
 

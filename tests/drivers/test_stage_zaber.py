@@ -55,7 +55,7 @@ class Bench:
     def __init__(self, faults=None, homed: bool = True, **driver) -> None:
         self.clock = VirtualClock()
         self.arc = Arc()
-        self.device = simulated.ZaberStage(self.arc, self.clock, homed=homed)
+        self.device = simulated.SimulatedZaberStage(self.arc, self.clock, homed=homed)
         self.stage = ZaberStage(
             "COM2",
             self.clock,
@@ -203,7 +203,7 @@ def test_checksums_and_alerts_do_not_disturb():
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
 def test_the_stage_moves_over_a_real_port():
     clock, arc = RealClock(), Arc()
-    port = simulated.PtyPort(simulated.ZaberStage(arc, clock, homed=True))
+    port = simulated.PtyPort(simulated.SimulatedZaberStage(arc, clock, homed=True))
     try:
         stage = ZaberStage(port.path, clock, RADIUS_M)
         stage.open()

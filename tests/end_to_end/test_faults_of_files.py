@@ -15,7 +15,7 @@ import pytest
 from labrig.cli.follow import RunDisplay
 from labrig.session import open_session, writer
 from labrig.session.journal import Journal
-from protocols.execution.event_bus import EventHub
+from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, Outcome, OutputState, ReadingTaken
 from sim_hardware.world import World
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
@@ -171,7 +171,7 @@ def test_a_display_that_blocks_holds_up_nothing(
             never.wait(60.0)
 
     monkeypatch.setattr(RunDisplay, "__call__", stuck)
-    monkeypatch.setattr("labrig.cli.follow.EventHub", lambda **_: EventHub(threaded=True))
+    monkeypatch.setattr("labrig.cli.follow.EventHub", lambda **_: EventBus(threaded=True))
     left = rig.run()
     never.set()
     assert (left.code, left.outcome, left.readings) == (0, Outcome.COMPLETED, 5)

@@ -12,10 +12,10 @@ import pytest
 
 from drivers.interfaces import DeviceError
 from drivers.safe_shutdown import Safety, SafetyReport
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig import Rig, opened
-from labrig.experiment.safe_shutdown import way_out
+from labrig.experiment.safe_shutdown import safe_shutdown
 from labrig.experiment.wiring import wire
 from tests.end_to_end.small_rig import make_rig
 
@@ -48,7 +48,7 @@ sys.exit(1)
 @pytest.fixture
 def rig(tmp_path: Path) -> Iterator[Rig]:
     folder = make_rig(tmp_path / "rig")
-    with opened(wire(plan_of(folder / "rig.toml"), NobodyAsked(print))) as rig:
+    with opened(wire(plan_of(folder / "rig.toml"), NoOperator(print))) as rig:
         yield rig
 
 
@@ -87,7 +87,7 @@ def test_an_interpreter_that_ends_with_the_sheet_energised_makes_it_safe(tmp_pat
 def test_an_exception_makes_safe_before_it_goes_on(rig: Rig) -> None:
     way = None
     try:
-        with way_out(rig) as way:
+        with safe_shutdown(rig) as way:
             rig.output.write(2.0)
             raise ZeroDivisionError
     except ZeroDivisionError:
@@ -99,7 +99,7 @@ def test_an_exception_makes_safe_before_it_goes_on(rig: Rig) -> None:
 
 
 def test_a_run_that_was_made_safe_is_not_made_safe_again(rig: Rig) -> None:
-    with way_out(rig) as way:
+    with safe_shutdown(rig) as way:
         first = way.make_safe()
     assert way.report is first
     atexit.unregister(way.make_safe)  # it was already: nothing to remove, nothing raised
@@ -112,7 +112,7 @@ def test_what_the_guard_finds_counts_when_the_program_cannot_do_it(
     def refuse(_board_V: float) -> None:
         raise DeviceError("the board refuses")
 
-    with way_out(rig) as way:
+    with safe_shutdown(rig) as way:
         way.watch = Guarding(rig, state)
         monkeypatch.setattr(rig.output._output, "write", refuse)
         monkeypatch.setattr(rig.output._output, "open", lambda: None)

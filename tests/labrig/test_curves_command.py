@@ -12,7 +12,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.config import load_load_cell
 from labrig.config.templates import template_text, write_templates
-from labrig.vision import Board, load_optics
+from labrig.vision import CalibrationBoard, load_optics
 from sim_hardware.clock import VirtualClock
 from sim_hardware.world import World, load_world
 
@@ -90,7 +90,7 @@ def test_a_board_in_the_sheets_plane_calibrates_the_camera(
 ) -> None:
     scale = 8.0
     shown = cv2.warpPerspective(
-        Board().picture(20),
+        CalibrationBoard().picture(20),
         np.array([[scale / 20, 0.0, 60.0], [0.0, scale / 20, 40.0], [0.0, 0.0, 1.0]]),
         (640, 480),
         flags=cv2.INTER_AREA,

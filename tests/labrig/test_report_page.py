@@ -12,7 +12,7 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.report.data.findings import Findings
-from labrig.report.data.fitted import Fitted
+from labrig.report.data.fitted import FittedSheets
 from labrig.report.figures.all_figures import NAMES
 from labrig.report.page.summary import remarks
 from labrig.report.page.write import write_report
@@ -219,6 +219,6 @@ def test_many_warnings_are_counted_at_the_top(tmp_path):
         measure("long", curves=False), warnings=tuple(f"curve {i} is odd" for i in range(30))
     )
     with open_session(session(tmp_path / "made.h5", many)) as opened:
-        said = remarks(Findings(opened, many, Fitted(None), ""))
+        said = remarks(Findings(opened, many, FittedSheets(None), ""))
     assert said[-1] == "22 more are listed with the data's quality."
     assert sum("is odd" in text for text in said) == 8

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_bvp
 
-from model.mechanics.equilibrium import Directions, Status, problems, solve
+from model.mechanics.equilibrium import Directions, SolverStatus, problems, solve
 from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
 
@@ -29,7 +29,7 @@ def field(values: list[float], length: float) -> Field:
 def equilibrium(kappa, position, soft=None, accuracy="reference"):
     batch = problems(kappa, position / R, R, 0.06, soft, accuracy)
     found = solve(batch, accuracy=accuracy)
-    assert found.status[0] == Status.SOLVED
+    assert found.status[0] == SolverStatus.SOLVED
     return found
 
 
@@ -221,7 +221,7 @@ def extreme(random, count, length):
 @pytest.mark.parametrize("length", [0.0045, 0.02, 0.05])
 def test_extreme_problems_are_solved_from_cold(length):
     found = extreme(np.random.default_rng(1), 400, length)
-    assert np.count_nonzero(found.status == Status.SOLVED) >= 399
+    assert np.count_nonzero(found.status == SolverStatus.SOLVED) >= 399
 
 
 @pytest.mark.parametrize(("length", "low", "high"), [(0.0045, -70, 110), (0.05, -30, 60)])
@@ -242,5 +242,5 @@ def test_the_branch_found_from_cold_is_the_one_followed_from_the_free_shape(leng
         angles = np.array(start) * (1.0 - share) + share * p / R
         batch = problems(kappa, angles, R, 10.0)
         walked = solve(batch, walked)
-    assert np.all(cold.status == Status.SOLVED)
+    assert np.all(cold.status == SolverStatus.SOLVED)
     np.testing.assert_allclose(cold.nu, walked.nu, atol=1e-6 / R**2)

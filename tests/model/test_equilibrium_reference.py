@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.mechanics.equilibrium import Status, problems, solve
+from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
 from model.mechanics.tip_load import tip_load
@@ -31,7 +31,7 @@ def test_contact_with_constant_curvature_is_exact(accuracy, wanted):
         kappa = Field.constant(row["kappa_star_1_per_mm"] * 1e3, length)
         batch = problems(kappa, row["p_mm"] * 1e-3 / R, R, 1.0, accuracy=accuracy)
         found = solve(batch, accuracy=accuracy)
-        assert found.status[0] == Status.SOLVED
+        assert found.status[0] == SolverStatus.SOLVED
         assert found.nu[0] * R * R == pytest.approx(row["N_R2_over_B"], rel=wanted)
         assert found.force(1.0)[0] * R * R == pytest.approx(row["F_R2_over_B"], rel=wanted)
         assert found.s_hat_m[0] == pytest.approx(row["shat_mm"] * 1e-3, rel=wanted)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.mechanics.equilibrium import Problems, Status, problems, solve
+from model.mechanics.equilibrium import Problems, SolverStatus, problems, solve
 from model.mechanics.field import Field
 from model.mechanics.tip_load import tip_load
 
@@ -32,7 +32,7 @@ def alone(many: Problems, k: int) -> Problems:
 def test_a_batch_is_what_its_problems_are_alone(count, length, panels, soft):
     many = several(count, length, panels, soft)
     found = solve(many)
-    assert np.all(found.status == Status.SOLVED)
+    assert np.all(found.status == SolverStatus.SOLVED)
     for k in range(0, count, max(1, count // 12)):
         one = solve(alone(many, k))
         assert found.nu[k] * R * R == pytest.approx(one.nu[0] * R * R, abs=2e-11)
@@ -62,7 +62,7 @@ def test_what_the_lanes_cannot_solve_is_solved_by_itself():
     found = solve(problems(fields, angles, R))
     singly = [solve(problems(f, a, R)) for f, a in zip(fields, angles, strict=True)]
     assert found.status.tolist() == [int(one.status[0]) for one in singly]
-    assert set(found.status.tolist()) == {Status.SOLVED, Status.SLIPPED}
+    assert set(found.status.tolist()) == {SolverStatus.SOLVED, SolverStatus.SLIPPED}
     np.testing.assert_allclose(
         found.nu * R * R, [one.nu[0] * R * R for one in singly], atol=2e-11
     )  # fmt: skip

@@ -201,12 +201,12 @@ def test_places_along_the_sheet_must_ascend():
 
 
 def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel):
-    from model.sheet.beam_problem import Setup
+    from model.sheet.beam_problem import ConditionProblem
     from model.sheet.solution import free_curvature
 
     one: ConfiguredSheet = truth.sheet("long")
     soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, 3.0]), 0.05)
-    setup = Setup(
+    setup = ConditionProblem(
         one.sheet, 2.0, 0.1, one.B.value, Field.constant(5.0, 0.05), one.eibm_at(2.0), soft
     )
     kappa, s = free_curvature(setup), np.linspace(0.0, 0.05, 11)

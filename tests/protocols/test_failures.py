@@ -7,7 +7,7 @@ import pytest
 from fake_rig import FakeRig, short_schedule
 
 from drivers.interfaces import OverloadError
-from protocols import EventHub, FinishReason, RunState, Timing
+from protocols import EventBus, FinishReason, LoopTiming, RunState
 from protocols.execution.events import (
     Outcome,
     OutputChanged,
@@ -20,7 +20,7 @@ from protocols.execution.events import (
 )
 
 # Fewer calls to fail, one after another.
-COARSE = Timing(service_s=0.1, starved_s=1.0)
+COARSE = LoopTiming(service_s=0.1, starved_s=1.0)
 # Calls of each device by which the end is made safe.
 END_CALLS = {"output": 1, "signals": 2}
 
@@ -173,7 +173,7 @@ def test_an_input_that_falls_silent_is_a_fault_within_its_time():
         if isinstance(event, VoltageSet) and event.write.sheet_V:
             rig.signals.silent = True
 
-    scheduler = rig.scheduler(emit=emit, timing=Timing(starved_s=0.4))
+    scheduler = rig.scheduler(emit=emit, timing=LoopTiming(starved_s=0.4))
     assert scheduler.run(short_schedule()) is Outcome.FAILED
     assert "no samples for 0.4 s" in rig.events[-1].reason
     pulses = [w for w in rig.of_kind(VoltageSet) if w.write.sheet_V]
@@ -194,7 +194,7 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
     rig.scheduler(timing=COARSE).run(short_schedule())
     for k in range(len(rig.events)):
         broken, count, watched = FakeRig(), itertools.count(), []
-        hub = EventHub(threaded=False)
+        hub = EventBus(threaded=False)
 
         def write(event, k=k, count=count):
             if next(count) >= k:
@@ -213,7 +213,7 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
 
 def test_a_watcher_that_fails_at_every_event_changes_nothing():
     def voltages(break_it):
-        rig, hub = FakeRig(), EventHub(threaded=False)
+        rig, hub = FakeRig(), EventBus(threaded=False)
         hub.add_critical("file", rig.events.append)
         if break_it:
             hub.add_watcher("panel", lambda event: 1 / 0)

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from protocols import EventHub, SubscriberError
+from protocols import EventBus, SubscriberError
 from protocols.execution.event_bus import WATCHER_QUEUE
 from protocols.execution.events import SessionStarted, Warned
 
@@ -16,7 +16,7 @@ def raising(_):
 
 
 def test_everybody_gets_the_event_when_a_critical_subscriber_fails_and_the_emitter_is_told():
-    hub, heard = EventHub(threaded=False), []
+    hub, heard = EventBus(threaded=False), []
     hub.add_critical("the session file", raising)
     hub.add_critical("another", heard.append)
     hub.add_watcher("panel", heard.append)
@@ -27,7 +27,7 @@ def test_everybody_gets_the_event_when_a_critical_subscriber_fails_and_the_emitt
 
 @pytest.mark.parametrize("threaded", [False, True])
 def test_a_watchers_failure_is_told_once_as_a_warning_and_breaks_nothing(threaded):
-    hub, heard, failed = EventHub(threaded=threaded), [], threading.Semaphore(0)
+    hub, heard, failed = EventBus(threaded=threaded), [], threading.Semaphore(0)
 
     def fail(_):
         failed.release()
@@ -52,7 +52,7 @@ def test_a_watchers_failure_is_told_once_as_a_warning_and_breaks_nothing(threade
 
 
 def test_a_watcher_that_hangs_holds_nobody_back_and_is_reported_once():
-    hub, heard, release = EventHub(), [], threading.Event()
+    hub, heard, release = EventBus(), [], threading.Event()
     hub.add_critical("file", heard.append)
     hub.add_watcher("panel", lambda _: release.wait(30))
     for _ in range(WATCHER_QUEUE + 50):
@@ -65,7 +65,7 @@ def test_a_watcher_that_hangs_holds_nobody_back_and_is_reported_once():
 
 
 def test_closing_lets_a_watcher_finish():
-    hub, heard = EventHub(), []
+    hub, heard = EventBus(), []
     hub.add_watcher("progress", heard.append)
     for _ in range(100):
         hub.emit(EVENT)

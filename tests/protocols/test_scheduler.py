@@ -11,13 +11,13 @@ from drivers.interfaces import Prompt
 from protocols import (
     Extras,
     Hold,
+    LoopTiming,
     Place,
     PulseTrain,
     RecordedOperator,
     Rules,
     RunState,
     ScheduleError,
-    Timing,
     make_schedule,
 )
 from protocols.execution.events import (
@@ -120,7 +120,7 @@ def test_samples_are_told_without_a_gap(rig):
         assert event.block.first_index == end
         end += event.block.volts.shape[1]
     run = short_schedule().runs[0]
-    timing = Timing()
+    timing = LoopTiming()
     assert end >= 1000 * (run.duration_s + timing.lead_in_s + timing.tail_s - 0.03)
     assert rig.of_kind(RunStopped)[0].lost_samples == 0
 

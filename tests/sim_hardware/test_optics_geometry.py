@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from sim_hardware.optics import Jaws, Lens, Light, Noise, OpticsSettings, Renderer, Rolls
+from sim_hardware.optics import CameraNoise, Jaws, Lens, Light, OpticsSettings, Renderer, Rolls
 from sim_hardware.optics.geometry import Geometry, smooth_polyline
 
 PLAIN = OpticsSettings(
     jaws=Jaws(visible=False),
     rolls=Rolls(visible=False),
     light=Light(vignetting=0, gradient=(0, 0), unevenness=0),
-    noise=Noise(electrons_per_level=1e9, read_levels=0),
+    noise=CameraNoise(electrons_per_level=1e9, read_levels=0),
     background_level=0,
     sheet_level=255,
 )

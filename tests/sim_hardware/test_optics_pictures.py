@@ -9,10 +9,10 @@ import pytest
 from pydantic import ValidationError
 
 from sim_hardware.optics import (
+    CameraNoise,
     FarFace,
     Jaws,
     Light,
-    Noise,
     OpticsSettings,
     Renderer,
     Spot,
@@ -67,7 +67,7 @@ def test_default_signal_to_noise_ratio_is_between_20_and_40() -> None:
 
 
 def test_a_moving_sheet_is_blurred_over_the_exposure() -> None:
-    quiet = OpticsSettings(noise=Noise(electrons_per_level=1e9, read_levels=0))
+    quiet = OpticsSettings(noise=CameraNoise(electrons_per_level=1e9, read_levels=0))
     still, moving = (Renderer(quiet).render(shapes, None, 0) for shapes in ([SHAPE], MOVING))
     column = slice(250, 400), 480
     assert moving[column].max() < 0.75 * still[column].max()
@@ -86,7 +86,7 @@ def test_dark_sheet_before_a_bright_background() -> None:
 def test_rolls_touch_the_sheet_or_its_elongation_on_both_sides(
     sheet_length_m: float, held_mm: float
 ) -> None:
-    quiet = OpticsSettings(noise=Noise(electrons_per_level=1e9, read_levels=0))
+    quiet = OpticsSettings(noise=CameraNoise(electrons_per_level=1e9, read_levels=0))
     straight = np.array([[0, 0], [0.05, 0.0]])
     renderer = Renderer(quiet)
     with_rolls, without = (
@@ -102,7 +102,7 @@ def test_rolls_touch_the_sheet_or_its_elongation_on_both_sides(
 
 
 def test_far_face_lies_towards_the_middle_of_the_picture() -> None:
-    quiet = OpticsSettings(noise=Noise(electrons_per_level=1e9, read_levels=0))
+    quiet = OpticsSettings(noise=CameraNoise(electrons_per_level=1e9, read_levels=0))
     face = quiet.model_copy(update={"far_face": FarFace(level=90)})
     changed = Renderer(face).render([SHAPE], None, 0).astype(float)
     changed -= Renderer(quiet).render([SHAPE], None, 0)

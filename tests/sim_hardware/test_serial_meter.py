@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from sim_hardware.serial_devices import Dpm3Meter
+from sim_hardware.serial_devices import SimulatedDpm3Meter
 
 GF = 9.80665e-3
 
@@ -26,9 +26,9 @@ class Ramp:
         return (2 + (when - 50.0)) * GF
 
 
-def meter(**settings) -> tuple[Dpm3Meter, Clock]:
+def meter(**settings) -> tuple[SimulatedDpm3Meter, Clock]:
     clock = Clock()
-    return Dpm3Meter(Ramp(), clock, **{"noise_N": 0.0, **settings}), clock
+    return SimulatedDpm3Meter(Ramp(), clock, **{"noise_N": 0.0, **settings}), clock
 
 
 def test_a_reading_is_sign_digits_and_point() -> None:

@@ -12,11 +12,11 @@ import serial
 
 from drivers.interfaces import RealClock
 from sim_hardware.serial_devices import (
-    Dpm3Meter,
     InMemorySerial,
     PtyPort,
     SerialFaults,
-    ZaberStage,
+    SimulatedDpm3Meter,
+    SimulatedZaberStage,
 )
 
 GF = 9.80665e-3
@@ -54,7 +54,7 @@ class World:
 
 def meter_port(faults: SerialFaults | None = None, **device) -> tuple[InMemorySerial, JumpingClock]:
     clock = JumpingClock()
-    meter = Dpm3Meter(World(), clock, noise_N=0, **device)
+    meter = SimulatedDpm3Meter(World(), clock, noise_N=0, **device)
     return InMemorySerial(meter, clock, timeout=0.5, faults=faults), clock
 
 
@@ -90,7 +90,7 @@ def test_without_time_out_a_read_waits_for_the_device() -> None:
 
 def test_the_wrong_baud_rate_is_not_understood() -> None:
     clock = JumpingClock()
-    meter = Dpm3Meter(World(), clock, noise_N=0, continuous=True, baudrate=19200)
+    meter = SimulatedDpm3Meter(World(), clock, noise_N=0, continuous=True, baudrate=19200)
     port = InMemorySerial(meter, clock, baudrate=9600, timeout=0.01)
     unasked = port.read(8)
     assert unasked
@@ -132,7 +132,7 @@ def test_replies_can_be_garbled_broken_off_and_lost() -> None:
 @pytest.fixture
 def meter_pty() -> Iterator[PtyPort]:
     before = threading.active_count()
-    port = PtyPort(Dpm3Meter(World(), RealClock(), noise_N=0, rate_hz=100))
+    port = PtyPort(SimulatedDpm3Meter(World(), RealClock(), noise_N=0, rate_hz=100))
     yield port
     port.stop()
     port.stop()
@@ -174,7 +174,9 @@ def test_pyserial_meets_the_faults_of_the_cable(meter_pty: PtyPort) -> None:
 
 @needs_pty
 def test_a_device_that_speaks_to_nobody_neither_blocks_nor_ends() -> None:
-    port = PtyPort(Dpm3Meter(World(), RealClock(), noise_N=0, continuous=True, rate_hz=20_000))
+    port = PtyPort(
+        SimulatedDpm3Meter(World(), RealClock(), noise_N=0, continuous=True, rate_hz=20_000)
+    )
     clock = RealClock()
     clock.sleep_until(clock.now() + 0.3)
     with serial.Serial(port.path, 9600, timeout=1) as client:
@@ -193,7 +195,7 @@ def test_the_makers_library_drives_the_stage() -> None:
     from zaber_motion.exceptions import BadDataException, MovementFailedException
 
     world = World()
-    stage = ZaberStage(world, RealClock())
+    stage = SimulatedZaberStage(world, RealClock())
     port = PtyPort(stage)
     try:
         with ascii_protocol.Connection.open_serial_port(port.path) as connection:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim_hardware.serial_devices import ZaberStage
+from sim_hardware.serial_devices import SimulatedZaberStage
 from sim_hardware.serial_devices.motion import Motion
 
 STEP_M = math.radians(0.000234375) * 0.04
@@ -39,7 +39,7 @@ class Bench:
 
     def __init__(self, **settings) -> None:
         self.clock, self.world = Clock(), World()
-        self.stage = ZaberStage(self.world, self.clock, **settings)
+        self.stage = SimulatedZaberStage(self.world, self.clock, **settings)
 
     def ask(self, line: str) -> str:
         return self.stage.respond(line.encode() + b"\n").decode()

@@ -12,7 +12,7 @@ import pytest
 
 from drivers.interfaces import Clock, Prompt, ThreadHandle
 from sim_hardware.operator import SimulatedPerson
-from sim_hardware.simulated_rig import Bench, Scene
+from sim_hardware.simulated_rig import AnalogSide, OpticalSide
 from sim_hardware.world import CellFault, World, WorldError, WorldSettings, load_world
 
 QUIET = {
@@ -65,8 +65,8 @@ def samples(world: World, channel: str, start_s: float, count: int) -> np.ndarra
 
 def test_the_world_is_a_bench_and_a_scene() -> None:
     world, _ = quiet_world()
-    bench: Bench = world
-    scene: Scene = world
+    bench: AnalogSide = world
+    scene: OpticalSide = world
     clock: Clock = HandClock()
     assert bench is scene
     assert clock.now() == 5.0

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim_hardware.world.chain import Chain, Equilibrium, Sheet
-from sim_hardware.world.contact import Arc, Contact
+from sim_hardware.world.chain import Chain, ChainSheet, Equilibrium
+from sim_hardware.world.contact import ContactArc, ContactState
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 R = 0.04
@@ -33,14 +33,14 @@ def varying(row: dict[str, str]) -> Callable[[Floats], Floats]:
     return lambda s: a * np.exp(-s / decay) + k0 + k1 * s
 
 
-def held(sheet: Sheet, row: dict[str, str], link_m: float) -> Equilibrium:
-    contact = Contact(Chain(sheet, link_m), Arc(R))
+def held(sheet: ChainSheet, row: dict[str, str], link_m: float) -> Equilibrium:
+    contact = ContactState(Chain(sheet, link_m), ContactArc(R))
     state = contact.place(0.0, float(row["p_mm"]) * 1e-3 / R)
     assert state is not None
     return state
 
 
-def errors(sheet: Sheet, row: dict[str, str], link_m: float) -> Floats:
+def errors(sheet: ChainSheet, row: dict[str, str], link_m: float) -> Floats:
     """Of N and F (relative to B/R^2 or, if larger, themselves), s_hat/R and phi_hat."""
     state = held(sheet, row, link_m)
     N, F = float(row["N_R2_over_B"]), float(row["F_R2_over_B"])
@@ -58,11 +58,11 @@ CONSTANT = rows("iv_v_vi_contact_constant_kappa_R40mm.csv")
 VARYING = rows("v_varying_kappa_contact_R40mm.csv")
 
 
-def sheet_of(row: dict[str, str]) -> Sheet:
+def sheet_of(row: dict[str, str]) -> ChainSheet:
     length_m = float(row["l_mm"]) * 1e-3
     if "A_1_per_mm" in row:
-        return Sheet(length_m, 0.06, varying(row))
-    return Sheet(length_m, 0.06, constant(float(row["kappa_star_1_per_mm"]) * 1e3))
+        return ChainSheet(length_m, 0.06, varying(row))
+    return ChainSheet(length_m, 0.06, constant(float(row["kappa_star_1_per_mm"]) * 1e3))
 
 
 @pytest.mark.parametrize("row", CONSTANT + VARYING)
@@ -93,7 +93,7 @@ def test_the_free_chain_is_an_arc_and_crosses_where_it_should(row: dict[str, str
     k = float(row["kappa_1_per_mm(k0+Me/B)"]) * 1e3
     length_m = float(row["l_mm"]) * 1e-3
     link_m = 0.1e-3
-    contact = Contact(Chain(Sheet(length_m, 0.06, constant(k)), link_m), Arc(R))
+    contact = ContactState(Chain(ChainSheet(length_m, 0.06, constant(k)), link_m), ContactArc(R))
     # The corners of a chain lie on a circle that is larger by (k h)^2 / 12 or / 24 of itself, and
     # the contact is rounded over links, which moves it by about k h^2 / 6.
     near_mm = 50 * (k * link_m) ** 2 / 4 + 1e3 * abs(k) * link_m**2 / 4 + 1e-9
@@ -114,24 +114,24 @@ def test_an_evenly_spread_weight_bends_less_than_the_same_weight_at_the_tip(
 ) -> None:
     length_m, load = 0.05, float(row["FL2_over_EI"])
     per_length = load / length_m**3
-    chain = Chain(Sheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
+    chain = Chain(ChainSheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
     tip = chain.curve(chain.free(0.0).phi_rad, np.array([length_m]))[0]
     assert 0 < tip[1] < float(row["w_over_L(deflection)"]) * length_m
 
 
 def test_a_small_even_load_bends_the_chain_as_the_linear_beam() -> None:
     length_m, per_length = 0.05, 1e-3 / 0.05**3
-    chain = Chain(Sheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
+    chain = Chain(ChainSheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
     tip = chain.curve(chain.free(0.0).phi_rad, np.array([length_m]))[0]
     assert tip[1] == pytest.approx(per_length * length_m**4 / 8, rel=1e-4)
 
 
-LONG = Sheet(
+LONG = ChainSheet(
     0.05,
     rest_curvature_per_m=lambda s: 24 * np.exp(-s / 0.04),
     drive_curvature_per_m=lambda s: 100 * np.exp(-s / 0.012),
 )
-MIRRORED = Sheet(
+MIRRORED = ChainSheet(
     0.05,
     rest_curvature_per_m=lambda s: -24 * np.exp(-s / 0.04),
     drive_curvature_per_m=lambda s: 100 * np.exp(-s / 0.012),
@@ -142,7 +142,7 @@ def test_the_mirrored_sheet_does_the_mirrored_thing() -> None:
     for position_m, drive in ((0.0, 1.0), (0.012, -0.5), (0.03, 0.0)):
         states = []
         for sheet, sign in ((LONG, 1), (MIRRORED, -1)):
-            contact = Contact(Chain(sheet, 0.2e-3), Arc(R))
+            contact = ContactState(Chain(sheet, 0.2e-3), ContactArc(R))
             start = contact.place(0.0, sign * position_m / R)
             assert start is not None
             state, whole = contact.drive_to(start, sign * drive, sign * position_m / R)
@@ -156,7 +156,7 @@ def test_the_mirrored_sheet_does_the_mirrored_thing() -> None:
 
 
 def test_the_force_along_the_arc_is_the_energy_s_derivative() -> None:
-    contact = Contact(Chain(LONG, 0.1e-3), Arc(R))
+    contact = ContactState(Chain(LONG, 0.1e-3), ContactArc(R))
     start = contact.place(0.0, 0.0)
     assert start is not None
     start, _ = contact.drive_to(start, 0.7, 0.0)
@@ -180,41 +180,43 @@ def test_the_force_along_the_arc_is_the_energy_s_derivative() -> None:
 
 
 def test_no_nearby_shape_through_the_same_contact_has_less_energy() -> None:
-    contact = Contact(Chain(LONG, 0.5e-3), Arc(R))
+    contact = ContactState(Chain(LONG, 0.5e-3), ContactArc(R))
     state = contact.place(0.0, 0.3)
     assert state is not None
     rng = np.random.default_rng(1)
     least = contact.chain.energy_per_m(state)
     drive = rng.normal(0.0, 1.0, (20, contact.chain.links))
     for bend in drive:
-        nudged = Sheet(
+        nudged = ChainSheet(
             0.05,
             rest_curvature_per_m=lambda s, bend=bend: (
                 24 * np.exp(-s / 0.04) + np.interp(s, np.linspace(0, 0.05, bend.size), bend)
             ),
             drive_curvature_per_m=LONG.drive_curvature_per_m,
         )
-        other = Contact(Chain(nudged, 0.5e-3), Arc(R)).place(0.0, 0.3)
+        other = ContactState(Chain(nudged, 0.5e-3), ContactArc(R)).place(0.0, 0.3)
         assert other is not None
         moved = Equilibrium(0.0, other.phi_rad, other.s_m, other.angle_rad, 0.0, 0.0, 0.0)
         assert contact.chain.energy_per_m(moved) > least
 
 
 def test_a_position_beyond_the_sheet_s_reach_is_not_reachable() -> None:
-    straight = Contact(Chain(Sheet(0.05), 0.2e-3), Arc(R))
+    straight = ContactState(Chain(ChainSheet(0.05), 0.2e-3), ContactArc(R))
     assert straight.place(0.0, 54.0e-3 / R) is not None
     assert straight.place(0.0, 54.3e-3 / R) is None
 
 
 def test_a_sheet_too_curled_to_meet_the_arc_cannot_be_placed() -> None:
-    curled = Contact(Chain(Sheet(0.05, rest_curvature_per_m=constant(100.0)), 0.2e-3), Arc(R))
+    curled = ContactState(
+        Chain(ChainSheet(0.05, rest_curvature_per_m=constant(100.0)), 0.2e-3), ContactArc(R)
+    )
     assert curled.place(0.0, 0.0) is None
 
 
 def test_the_clamp_turns_by_its_compliance_times_the_moment_of_the_load() -> None:
     compliance_m = 2e-3
-    chain = Chain(Sheet(0.05, clamp_compliance_m=compliance_m), 0.1e-3)
-    contact = Contact(chain, Arc(R))
+    chain = Chain(ChainSheet(0.05, clamp_compliance_m=compliance_m), 0.1e-3)
+    contact = ContactState(chain, ContactArc(R))
     state = contact.place(0.0, 0.4)
     assert state is not None
     x, y = R * math.cos(0.4), R * math.sin(0.4)
@@ -226,7 +228,7 @@ def test_the_clamp_turns_by_its_compliance_times_the_moment_of_the_load() -> Non
 
 def test_friction_turns_the_force_by_its_angle() -> None:
     for mu in (0.1, -0.2):
-        contact = Contact(Chain(Sheet(0.05), 0.1e-3), Arc(R, friction=mu))
+        contact = ContactState(Chain(ChainSheet(0.05), 0.1e-3), ContactArc(R, friction=mu))
         state = contact.place(0.0, 0.4)
         assert state is not None
         radial, along = state.outward_per_m2, state.along_per_m2
@@ -238,7 +240,7 @@ def test_friction_turns_the_force_by_its_angle() -> None:
 
 def test_rolls_beside_the_neutral_curve_touch_it_further_on() -> None:
     offset_m = 1e-3
-    contact = Contact(Chain(Sheet(0.05), 0.1e-3), Arc(R, roll_offset_m=offset_m))
+    contact = ContactState(Chain(ChainSheet(0.05), 0.1e-3), ContactArc(R, roll_offset_m=offset_m))
     state = contact.place(0.0, 0.4)
     assert state is not None
     point = contact.chain.curve(state.phi_rad, np.array([state.s_m]))[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_hardware.world import WorldSettings, load_world, reduced_session
-from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.setup import MountedSheet, Scatter
 
 
 def changed(path: str, value: float) -> WorldSettings:
@@ -22,7 +22,7 @@ def changed(path: str, value: float) -> WorldSettings:
 
 
 def force_mN(settings: WorldSettings, configuration: str, position_m: float, drive: float) -> float:
-    setup = Setup(settings, configuration, position_m, Scatter())
+    setup = MountedSheet(settings, configuration, position_m, Scatter())
     force = setup.stiffness_Nm2 * setup.cell_force_per_m2(np.array([drive]))[0]
     return float(force) * 1e3
 
@@ -86,7 +86,7 @@ def test_gravity_lets_the_free_sheet_hang_down() -> None:
     heavy, light = changed("gravity_N_per_m", 0.02), load_world()
     tips = [
         s.chain.curve(s.free.state(0.0).phi_rad, np.array([0.05]))[0, 1]
-        for s in (Setup(settings, "long", None, Scatter()) for settings in (heavy, light))
+        for s in (MountedSheet(settings, "long", None, Scatter()) for settings in (heavy, light))
     ]
     assert -0.02 < tips[0] - tips[1] < -1e-3
 

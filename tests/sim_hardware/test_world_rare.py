@@ -7,8 +7,8 @@ import pytest
 
 from sim_hardware.world import Train, Visit, load_world
 from sim_hardware.world.along import bump, fall, stiffness_rise
-from sim_hardware.world.load_cell import LoadCell
-from sim_hardware.world.setup import Scatter, Setup
+from sim_hardware.world.load_cell import SimulatedLoadCell
+from sim_hardware.world.setup import MountedSheet, Scatter
 from tests.sim_hardware.test_world_timed import forces_mN, one, world
 
 LONG_REST = Train(zero_readings=40, kept=1)
@@ -45,11 +45,11 @@ def _end_rad(curve: np.ndarray) -> float:
 def test_parts_of_what_creeps_add_up_to_the_sheet_that_crept_as_a_whole() -> None:
     # Held at 2 V for ever, a sheet with Me/B = d behaves as one with (1 - share) B.
     settings = world(creep__share=0.1)
-    setup = Setup(settings, "long", 0.005, Scatter())
+    setup = MountedSheet(settings, "long", 0.005, Scatter())
     drive = np.array([0.8])
     strain = np.array([[1.0, 0.8, 0.8**2]])
     crept = setup.cell_force_per_m2(drive) + setup.crept_force_per_m2(drive, strain)
-    soft = 0.9 * Setup(world(), "long", 0.005, Scatter()).cell_force_per_m2(drive / 0.9)
+    soft = 0.9 * MountedSheet(world(), "long", 0.005, Scatter()).cell_force_per_m2(drive / 0.9)
     plain = setup.cell_force_per_m2(drive)
     assert crept[0] - plain[0] == pytest.approx(soft[0] - plain[0], rel=0.15)
 
@@ -87,7 +87,7 @@ def test_a_bump_bends_the_sheet_where_it_is_and_only_the_sheet_it_is_of() -> Non
         turned = {}
         for name in ("long", "short"):
             angles = [
-                Setup(w, name, None, Scatter()).free.state(drive).phi_rad
+                MountedSheet(w, name, None, Scatter()).free.state(drive).phi_rad
                 for w in (world(bumps=[{"of": of, **extra}]), world())
             ]
             turned[name] = angles[0] - angles[1]
@@ -102,7 +102,7 @@ def test_a_bump_bends_the_sheet_where_it_is_and_only_the_sheet_it_is_of() -> Non
 def test_a_soft_place_turns_more_under_load() -> None:
     notch = {"of": "stiffness", "at_mm": 10.0, "width_mm": 1.0, "amount": -0.5}
     forces = [
-        Setup(w, "long", 0.03, Scatter()).cell_force_per_m2(np.zeros(1))[0]
+        MountedSheet(w, "long", 0.03, Scatter()).cell_force_per_m2(np.zeros(1))[0]
         for w in (world(bumps=[notch]), world())
     ]
     assert forces[1] < forces[0] < 0.0
@@ -113,7 +113,7 @@ def test_a_joint_and_a_soft_elongation_of_equal_give_take_the_same_force_away() 
     even = world(configurations__short__elongation_give=0.03)
     joint = world(configurations__short__elongation_joint_mm=0.03 * lever_mm / 3)
     loss = [
-        Setup(w, "short", 0.02, Scatter()).cell_force_per_m2(np.zeros(1))[0]
+        MountedSheet(w, "short", 0.02, Scatter()).cell_force_per_m2(np.zeros(1))[0]
         for w in (even, joint, world())
     ]
     assert (loss[0] - loss[2]) == pytest.approx(loss[1] - loss[2], rel=0.05)
@@ -123,7 +123,7 @@ def test_a_joint_and_a_soft_elongation_of_equal_give_take_the_same_force_away() 
 def test_drying_goes_on_in_any_form_and_is_the_same_after_a_minute() -> None:
     changes = []
     for form in ("line", "root", "exp"):
-        setup = Setup(world(water__drying_form=form), "short", 0.0, Scatter())
+        setup = MountedSheet(world(water__drying_form=form), "short", 0.0, Scatter())
         from sim_hardware.world.mechanics import Stage
 
         values = Stage(0.0, setup).stiffening(np.array([0.0, 10.0, 60.0])) - 1
@@ -158,10 +158,10 @@ def test_the_cell_warms_beats_and_hears_its_cables() -> None:
         load_cell__warming_mN=2.0, load_cell__warming_s=100.0, load_cell__warming_form="root",
         load_cell__cable_mN=0.9, load_cell__pickup_mN=0.4,
     )  # fmt: skip
-    cell = LoadCell(settings.load_cell, 1)
+    cell = SimulatedLoadCell(settings.load_cell, 1)
     assert cell.zero_N(np.array([0.0, 25.0, 100.0])) * 1e3 == pytest.approx([0.0, 1.0, 2.0])
     assert cell.stray_N(0.01, np.array([0.0, 2.0, -2.0])) * 1e3 == pytest.approx([0.1, 0.5, -0.3])
-    beating = LoadCell(world(load_cell__beat_mN=0.3).load_cell, 1)
+    beating = SimulatedLoadCell(world(load_cell__beat_mN=0.3).load_cell, 1)
     assert beating.zero_N(np.array([3.7 / 4])) * 1e3 == pytest.approx([0.3])
 
 

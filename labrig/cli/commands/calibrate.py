@@ -12,7 +12,7 @@ from labrig.errors import BadInputError
 from labrig.files import write_text
 
 if TYPE_CHECKING:
-    from labrig.vision import Board, Calibration
+    from labrig.vision import Calibration, CalibrationBoard
 
 Columns = Annotated[int, typer.Option(help="squares across the board")]
 Rows = Annotated[int, typer.Option(help="squares down the board")]
@@ -44,7 +44,7 @@ def load_cell(
     The output stays at 0 V. The calibration that is replaced is kept under its date.
     """
     from labrig.experiment.load_cell_calibration import weigh, write_calibration
-    from labrig.experiment.operator import ConsoleOperator, NobodyAsked
+    from labrig.experiment.operator import ConsoleOperator, NoOperator
     from labrig.experiment.preflight import plan_of
     from labrig.experiment.wiring import wire
 
@@ -54,7 +54,7 @@ def load_cell(
             "--weight-mN 0 --weight-mN 19.6 --weight-mN 49."
         )
     plan = plan_of(rig)
-    operator = NobodyAsked(warn) if yes else ConsoleOperator(warn)
+    operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     found = weigh(wire(plan, operator), plan, [load / 1000 for load in weight_mN], warn)
     rows = [
         [f"{1e3 * load:.2f}", f"{1e3 * volt:+.5f}", f"{1e3 * left:+.4f}"]
@@ -135,10 +135,10 @@ def board(
     say(f"wrote {output}; print it at 100 % and measure the ruler on it")
 
 
-def _board(columns: int, rows: int, square_mm: float, marker_mm: float) -> Board:
-    from labrig.vision import Board
+def _board(columns: int, rows: int, square_mm: float, marker_mm: float) -> CalibrationBoard:
+    from labrig.vision import CalibrationBoard
 
-    return Board(columns, rows, square_mm, marker_mm)
+    return CalibrationBoard(columns, rows, square_mm, marker_mm)
 
 
 def _numbers(text: str, option: str, count: int) -> list[float]:

@@ -54,9 +54,9 @@ def curves(
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
     what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
     """
-    from labrig.vision import BatchOptions, Look
+    from labrig.vision import BatchOptions, SheetAppearance
 
-    chosen = None if look is None else Look(look)
+    chosen = None if look is None else SheetAppearance(look)
     options = BatchOptions(optics, sheet, configuration, look=chosen)
     if batch is not None:
         if sources or output is None:

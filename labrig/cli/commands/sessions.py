@@ -10,7 +10,7 @@ import typer
 from labrig.cli.screen import print_json, print_table, progress, say
 
 if TYPE_CHECKING:
-    from labrig.library import Entry
+    from labrig.library import CatalogueEntry
 
 
 def add_to(app: typer.Typer) -> None:
@@ -57,7 +57,7 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def _row(entry: Entry) -> list[str]:
+def _row(entry: CatalogueEntry) -> list[str]:
     if entry.error:
         return [entry.name, "-", "-", "cannot be read", *["-"] * (len(_COLUMNS) - 4)]
     return [

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drivers.interfaces import Camera, Clock, DeviceError
 from labrig.errors import BadInputError, ExitCode, NotReadyError
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.wiring import wire
 from labrig.panel.job.host import Host
@@ -22,7 +22,7 @@ def show(host: Host) -> tuple[int, str]:
     if host.order.rig is None:
         raise BadInputError("a rig.toml is needed to show its camera.")
     plan = plan_of(Path(host.order.rig))
-    rig = wire(plan, NobodyAsked(lambda _text: None))
+    rig = wire(plan, NoOperator(lambda _text: None))
     if rig.camera is None:
         raise BadInputError(f"{host.order.rig}: names no camera; add [camera].")
     ended = threading.Event()

@@ -1,8 +1,8 @@
 """Between a job and whoever follows it: a TCP connection on this computer, opened by a key.
 
-The job's side (`LinkServer`) tells its feed to everybody, each by threads of its own, and does what
-it is asked. The other side (`Link`) asks, and is told. Standard library only: the STOP process
-uses it, too.
+The job's side (`JobConnectionServer`) publishes its event stream to every client and answers
+requests, with threads for each. The client's side is `JobConnection`. Standard library only: the
+STOP process uses it, too.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MOST_ASKED_BYTES = 1 << 16
 HERE = "127.0.0.1"
 
 
-class Teller(Protocol):
+class Publisher(Protocol):
     """Keeps one follower told; made for each connection."""
 
     def run(self, send_it: Callable[[bytes], None]) -> None:
@@ -38,16 +38,16 @@ class Teller(Protocol):
 Do = Callable[[Header], Header | None]
 
 
-class LinkServer:
+class JobConnectionServer:
     """The job's side. `do` is called with what is asked, in the asker's thread."""
 
-    def __init__(self, do: Do, teller: Callable[[str], Teller]) -> None:
+    def __init__(self, do: Do, teller: Callable[[str], Publisher]) -> None:
         self._do = do
         self._teller = teller
         self.key = secrets.token_urlsafe(24)
         self._socket = socket.create_server((HERE, 0))
         self.port: int = self._socket.getsockname()[1]
-        self._tellers: dict[Teller, threading.Thread] = {}
+        self._tellers: dict[Publisher, threading.Thread] = {}
         self._lock = threading.Lock()
         threading.Thread(target=self._accept, name="link", daemon=True).start()
 
@@ -116,7 +116,7 @@ class LinkServer:
             send_it(pack({**answer, "type": "reply", "ask": asked.get("ask")}))
 
 
-def _told(teller: Teller, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
+def _told(teller: Publisher, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
     try:
         teller.run(send_it)
     except OSError:
@@ -126,7 +126,7 @@ def _told(teller: Teller, connection: socket.socket, send_it: Callable[[bytes], 
             connection.shutdown(socket.SHUT_RDWR)
 
 
-class Link:
+class JobConnection:
     """The other side. `on_message` is called in the link's thread, `on_end` once, at its end."""
 
     def __init__(

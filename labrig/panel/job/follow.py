@@ -9,9 +9,9 @@ import numpy as np
 from drivers.interfaces import Frame
 from labrig.experiment.rig import DRIVE, Rig
 from labrig.panel.job.preview import Preview
-from labrig.panel.live.event_stream import Feed
+from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frames import raw_picture
-from labrig.panel.live.messages import Scribe
+from labrig.panel.live.messages import MessageEncoder
 from labrig.panel.live.strip_chart import Envelope
 from protocols.execution import events as ev
 from protocols.execution.scheduler import Scheduler
@@ -21,7 +21,7 @@ from protocols.execution.states import RunState
 class Follower:
     """Subscribe to a run's events. `asks_itself`: whoever asks a prompt publishes it."""
 
-    def __init__(self, feed: Feed, scribe: Scribe, *, asks_itself: bool) -> None:
+    def __init__(self, feed: EventStream, scribe: MessageEncoder, *, asks_itself: bool) -> None:
         self._feed = feed
         self._scribe = scribe
         self._left_out: tuple[type, ...] = ()

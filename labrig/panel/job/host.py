@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
-from labrig.panel.job.connection import LinkServer
+from labrig.panel.job.connection import JobConnectionServer
 from labrig.panel.job.order import Order
-from labrig.panel.job.registry import Place, write_place
-from labrig.panel.live.event_stream import Feed, Mail, Mailbox, Message
+from labrig.panel.job.registry import JobAddress, write_place
+from labrig.panel.live.event_stream import EventStream, Mail, Mailbox, Message
 from labrig.panel.live.packing import Header, pack
 
 Handler = Callable[[dict[str, Any]], object]
@@ -26,10 +26,10 @@ class Host:
 
     def __init__(self, order: Order) -> None:
         self.order = order
-        self.feed = Feed()
+        self.feed = EventStream()
         self._handlers: dict[str, Handler] = {}
-        self._server = LinkServer(self._do, self._teller)
-        self.place = Place(
+        self._server = JobConnectionServer(self._do, self._teller)
+        self.place = JobAddress(
             id=order.id,
             kind=order.kind,
             by=order.by,
@@ -70,14 +70,14 @@ class Host:
             return {"error": f"what was asked cannot be understood ({error!r})."}
         return {}
 
-    def _teller(self, role: str) -> FeedTeller:
-        return FeedTeller(self.feed, _FOR_STOP if role == "stop" else None)
+    def _teller(self, role: str) -> EventStreamPublisher:
+        return EventStreamPublisher(self.feed, _FOR_STOP if role == "stop" else None)
 
 
-class FeedTeller:
+class EventStreamPublisher:
     """Sends what a feed tells; `only`: messages of these types and nothing else."""
 
-    def __init__(self, feed: Feed, only: frozenset[str] | None = None) -> None:
+    def __init__(self, feed: EventStream, only: frozenset[str] | None = None) -> None:
         self._feed = feed
         self._only = only
         self._news = threading.Event()

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from labrig.errors import LabrigError
 from labrig.panel.job import Order
-from labrig.panel.job.connection import Link
+from labrig.panel.job.connection import JobConnection
 from labrig.panel.job.processes import detached, module_environment
-from labrig.panel.job.registry import ENDED, GOING, LOST, Place, hidden_folder, read_place
-from labrig.panel.live.event_stream import Feed, Message
-from labrig.panel.live.frame_pipeline import Darkroom
+from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, hidden_folder, read_place
+from labrig.panel.live.event_stream import EventStream, Message
+from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.live.packing import BrokenLinkError, Header
 from labrig.panel.live.strip_chart import strip_from
 from labrig.panel.server.errors import NotNowError, UnreachableError
@@ -31,12 +31,12 @@ _LOST = (
 class Jobs:
     """One job at a time in a data folder. Its threads are the panel's, the job is nobody's."""
 
-    def __init__(self, data: Path, feed: Feed, darkroom: Darkroom) -> None:
+    def __init__(self, data: Path, feed: EventStream, darkroom: FramePipeline) -> None:
         self._data = data
         self._feed = feed
         self._darkroom = darkroom
-        self._link: Link | None = None
-        self._place: Place | None = None
+        self._link: JobConnection | None = None
+        self._place: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._guarded: str | None = None  # the job whose guard was heard last
         self._starting = False
@@ -47,7 +47,7 @@ class Jobs:
         self._thread.start()
 
     @property
-    def place(self) -> Place | None:
+    def place(self) -> JobAddress | None:
         """The job that is going on, or the last one."""
         return self._place
 
@@ -124,7 +124,9 @@ class Jobs:
                 return
             self._place = found
             try:
-                self._link = Link(found.port, found.key, "panel", self._on_message, self._on_end)
+                self._link = JobConnection(
+                    found.port, found.key, "panel", self._on_message, self._on_end
+                )
             except OSError:
                 self._lose(found)
             return
@@ -167,7 +169,7 @@ class Jobs:
                 self._place = found
         self._changed.set()
 
-    def _lose(self, place: Place) -> None:
+    def _lose(self, place: JobAddress) -> None:
         self._place = place.ended(None, _LOST, LOST)
         messages = [m for m in self._feed.messages() if m["type"] != "job"]
         self._feed.tell_story([*messages, self._place.message(), _output("unknown", _LOST)])

@@ -8,18 +8,18 @@ from collections.abc import Callable
 from drivers.interfaces import Prompt
 from labrig.errors import BadInputError
 from labrig.panel.live.event_stream import Message
-from labrig.panel.live.messages import Scribe
+from labrig.panel.live.messages import MessageEncoder
 from protocols.execution.stop import StopLevel, StopRequest
 
 _LOOK_S = 0.1  # for a stop that was asked for elsewhere, by a signal
 
 
-class PagePerson:
+class PageOperator:
     """An `Operator`. A request to stop is an answer, too."""
 
     def __init__(
         self,
-        scribe: Scribe,
+        scribe: MessageEncoder,
         tell: Callable[[Message], None],
         stop: StopRequest,
         now: Callable[[], float],

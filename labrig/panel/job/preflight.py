@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from labrig.errors import ExitCode
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
 from labrig.experiment.preflight import preflight
 from labrig.experiment.wiring import wire
@@ -15,7 +15,7 @@ from labrig.panel.job.host import Host
 def look(host: Host) -> tuple[int, str]:
     """Look; exit code and a sentence."""
     plan = load_plan(*host.order.files())
-    wired = wire(plan, NobodyAsked(lambda _text: None))
+    wired = wire(plan, NoOperator(lambda _text: None))
     checks = preflight(wired, plan, Path(host.order.data))
     good = all(check.ok for check in checks)
     told = [{**check.as_dict(), "warning": check.warning} for check in checks]

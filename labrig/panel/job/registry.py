@@ -21,7 +21,7 @@ _AGAIN_S = 0.05
 
 
 @dataclass(frozen=True)
-class Place:
+class JobAddress:
     """A job, and how to speak with it. `key` must be told first; nobody else knows it."""
 
     id: str
@@ -42,7 +42,7 @@ class Place:
         shown = ("id", "kind", "state", "by", "wall", "session", "code", "text")
         return {"type": "job", **{name: getattr(self, name) for name in shown}}
 
-    def ended(self, code: int | None, text: str, state: str = ENDED) -> Place:
+    def ended(self, code: int | None, text: str, state: str = ENDED) -> JobAddress:
         """The same, over."""
         return replace(self, state=state, code=code, text=text)
 
@@ -62,7 +62,7 @@ def place_path(data: Path) -> Path:
     return data / HIDDEN / "job.json"
 
 
-def write_place(data: Path, place: Place) -> None:
+def write_place(data: Path, place: JobAddress) -> None:
     """Write it, whole or not at all; only its owner can read it."""
     hidden_folder(data)
     path = place_path(data)
@@ -86,10 +86,10 @@ def _put(beside: Path, path: Path) -> None:
     beside.replace(path)
 
 
-def read_place(data: Path) -> Place | None:
+def read_place(data: Path) -> JobAddress | None:
     """The last job; None when there was none, or the file is no such file."""
     try:
         with place_path(data).open("rb") as file:
-            return Place(**json.loads(file.read(65536)))
+            return JobAddress(**json.loads(file.read(65536)))
     except (OSError, ValueError, TypeError):
         return None

@@ -18,17 +18,17 @@ from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
 from labrig.panel.job.follow import Follower
 from labrig.panel.job.host import Host
-from labrig.panel.job.operator import PagePerson
+from labrig.panel.job.operator import PageOperator
 from labrig.panel.job.order import Order
 from labrig.panel.job.preview import Preview
 from labrig.panel.job.registry import hidden_folder
 from labrig.panel.live.event_stream import Message
-from labrig.panel.live.messages import Scribe
+from labrig.panel.live.messages import MessageEncoder
 from labrig.panel.live.optics_message import setup_message
 from labrig.panel.live.plans import message_of_plan
 from labrig.session import open_session
 from protocols import ScheduleError
-from protocols.execution.event_bus import EventHub, SubscriberError
+from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.events import ActionTaken
 from protocols.execution.stop import StopLevel, StopRequest
 from protocols.planning.schedule import Purpose
@@ -100,11 +100,11 @@ class _Run:
         self._host = host
         self._plan = plan
         self._stop = StopRequest()
-        self._hub = EventHub(threaded=not plan.rig.is_simulated)
-        scribe = Scribe()
+        self._hub = EventBus(threaded=not plan.rig.is_simulated)
+        scribe = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
         self._follower = Follower(host.feed, scribe, asks_itself=asks_itself)
-        self._person = PagePerson(scribe, host.tell, self._stop, self._now)
+        self._person = PageOperator(scribe, host.tell, self._stop, self._now)
         self._rig = self._wired(plan)
         for name, handler in (
             ("stop", self._do_stop),

@@ -13,10 +13,10 @@ from labrig.experiment.load_cell_calibration import weigh, write_calibration
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.wiring import wire
 from labrig.panel.job.host import Host
-from labrig.panel.job.operator import PagePerson
+from labrig.panel.job.operator import PageOperator
 from labrig.panel.job.registry import hidden_folder
 from labrig.panel.live.event_stream import Message
-from labrig.panel.live.messages import Scribe
+from labrig.panel.live.messages import MessageEncoder
 from protocols.execution.events import Event
 from protocols.execution.stop import StopLevel, StopRequest
 
@@ -30,8 +30,8 @@ def weigh_all(host: Host) -> tuple[int, str]:
         raise BadInputError("a rig.toml is needed to weigh.")
     plan = plan_of(Path(host.order.rig))
     loads_N = [load / 1000 for load in host.order.loads_mN]
-    scribe, stop = Scribe(), StopRequest()
-    person = PagePerson(scribe, host.tell, stop, RealClock().now)
+    scribe, stop = MessageEncoder(), StopRequest()
+    person = PageOperator(scribe, host.tell, stop, RealClock().now)
     host.on("answer", lambda asked: person.answer(int(asked["prompt"]), bool(asked["done"])))
     host.on("stop", lambda asked: stop.request(StopLevel.NOW, str(asked.get("why", ""))))
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from labrig.panel.live.strip_chart import Strip, joined
+from labrig.panel.live.strip_chart import StripChart, joined
 
 Message = dict[str, Any]
 Picture = tuple[Message, bytes]  # header, and whatever the picture is packed as
@@ -29,13 +29,13 @@ class Mail:
 
     story: list[Message] | None = None  # forget everything, this is what happened so far
     messages: list[Message] = field(default_factory=list)
-    strip: Strip | None = None
+    strip: StripChart | None = None
     newest: list[Message] = field(default_factory=list)  # of each kind only the last one
     picture: Picture | None = None
 
 
 class Mailbox:
-    """Filled by a `Feed`, emptied by one follower. `wake` is called when there is something."""
+    """Hold messages of an `EventStream` for one client; `wake` is called when one arrives."""
 
     def __init__(self, wake: Callable[[], None], most: int = MOST_WAITING) -> None:
         self._wake = wake
@@ -43,7 +43,7 @@ class Mailbox:
         self._lock = threading.Lock()
         self._story: list[Message] | None = None
         self._messages: list[Message] = []
-        self._strips: list[Strip] = []
+        self._strips: list[StripChart] = []
         self._newest: dict[str, Message] = {}
         self._picture: Picture | None = None
         self.behind = False  # was full: its feed must tell it the story anew
@@ -64,7 +64,7 @@ class Mailbox:
             self._newest[message["type"]] = message
         self._wake()
 
-    def put_strip(self, strip: Strip) -> None:
+    def put_strip(self, strip: StripChart) -> None:
         """Behind the strips that wait; what is too much to wait is left out at the front."""
         with self._lock:
             self._strips = joined([*self._strips, strip])
@@ -79,7 +79,7 @@ class Mailbox:
     def begin(
         self,
         story: list[Message],
-        strips: list[Strip],
+        strips: list[StripChart],
         newest: list[Message],
         picture: Picture | None,
     ) -> None:
@@ -105,13 +105,13 @@ class Mailbox:
         return None if found == Mail() else found
 
 
-class Feed:
+class EventStream:
     """Told by whoever knows; any thread may call anything."""
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
         self._story: deque[Message] = deque()
-        self._strips: list[Strip] = []
+        self._strips: list[StripChart] = []
         self._newest: dict[str, Message] = {}
         self._picture: Picture | None = None
         self._boxes: list[Mailbox] = []
@@ -146,7 +146,7 @@ class Feed:
             for box in self._boxes:
                 box.put_newest(message)
 
-    def tell_strip(self, strip: Strip) -> None:
+    def tell_strip(self, strip: StripChart) -> None:
         """Signals."""
         with self._lock:
             self._strips = joined([*self._strips, strip])[-1:]

@@ -14,7 +14,7 @@ from typing import Generic, TypeVar
 
 from drivers.interfaces import GreyImage
 from labrig.panel.job.processes import module_environment
-from labrig.panel.live.event_stream import Feed, Message, Picture
+from labrig.panel.live.event_stream import EventStream, Message, Picture
 from labrig.panel.live.frames import image_of, jpeg_picture
 from labrig.panel.live.packing import BrokenLinkError, pack, read, write
 
@@ -22,7 +22,7 @@ _RESTARTS = 3  # of a curve process that dies; then there are no curves any more
 Item = TypeVar("Item")
 
 
-class Slot(Generic[Item]):
+class FrameSlot(Generic[Item]):
     """One place: who puts never waits, who takes gets the newest."""
 
     def __init__(self) -> None:
@@ -51,13 +51,13 @@ class Slot(Generic[Item]):
             self._changed.notify()
 
 
-class Darkroom:
+class FramePipeline:
     """Takes raw pictures, tells a feed of JPEGs and curves. Its threads end with `close`."""
 
-    def __init__(self, feed: Feed) -> None:
+    def __init__(self, feed: EventStream) -> None:
         self._feed = feed
-        self._raw: Slot[Picture] = Slot()
-        self._to_search: Slot[Picture] = Slot()
+        self._raw: FrameSlot[Picture] = FrameSlot()
+        self._to_search: FrameSlot[Picture] = FrameSlot()
         self._setup: Message | None = None
         self._model: str | None = None
         self._told = 0  # counts changes of setup and model

@@ -14,7 +14,7 @@ from protocols.planning.schedule import PlannedRun, Schedule
 Message = dict[str, Any]
 
 
-class Scribe:
+class MessageEncoder:
     """Writes down one session. Not thread-safe: one thread tells it of the events in order."""
 
     def __init__(self) -> None:

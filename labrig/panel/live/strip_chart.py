@@ -26,7 +26,7 @@ ROWS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
+class StripChart:
     """A piece of one run's signals: `values` (7, count), rows as in `ROWS`."""
 
     run: int
@@ -47,23 +47,23 @@ class Strip:
         """As a binary frame."""
         return pack(self.header(), np.ascontiguousarray(self.values, dtype="<f4").tobytes())
 
-    def as_fresh(self) -> Strip:
+    def as_fresh(self) -> StripChart:
         """The same, for somebody who knows nothing of it yet."""
         return replace(self, fresh=True)
 
 
-def strip_from(header: dict[str, Any], payload: memoryview) -> Strip:
-    """The reverse of `Strip.packed`. Raises ValueError, KeyError."""
+def strip_from(header: dict[str, Any], payload: memoryview) -> StripChart:
+    """The reverse of `StripChart.packed`. Raises ValueError, KeyError."""
     values = np.frombuffer(payload, dtype="<f4").reshape(len(ROWS), int(header["count"]))
-    return Strip(int(header["run"]), values, bool(header["fresh"]))
+    return StripChart(int(header["run"]), values, bool(header["fresh"]))
 
 
-def joined(strips: list[Strip]) -> list[Strip]:
+def joined(strips: list[StripChart]) -> list[StripChart]:
     """Pieces of the same run made one, and not longer than `KEEP_S`; of other runs, kept apart.
 
     A fresh piece makes those before it pointless.
     """
-    found: list[Strip] = []
+    found: list[StripChart] = []
     for strip in strips:
         if strip.fresh or not found or found[-1].run != strip.run:
             found = [] if strip.fresh else found[-1:]
@@ -85,7 +85,7 @@ class Envelope:
         self._rest = np.empty((4, 0))  # samples whose 10 ms are not over: run_s, drive, force, mA
         self._fresh = True
 
-    def add(self, samples: npt.NDArray[np.float64]) -> Strip | None:
+    def add(self, samples: npt.NDArray[np.float64]) -> StripChart | None:
         """`samples` (4, n): run_s, drive in V, force in mN, current in mA; a strip if due."""
         known = np.concatenate([self._rest, samples], axis=1)
         bins = np.floor(known[0] / BIN_S + 1e-6).astype(np.int64)
@@ -100,4 +100,4 @@ class Envelope:
         values[0] = (bins[starts] + 0.5) * BIN_S
         values[1::2], values[2::2] = least, most
         fresh, self._fresh = self._fresh, False
-        return Strip(self._run, values, fresh)
+        return StripChart(self._run, values, fresh)

@@ -16,29 +16,29 @@ from labrig.panel.job.weighing import MADE
 from labrig.panel.live.frames import png
 from labrig.panel.pages import point_refinement as refining
 from labrig.panel.pages.camera_calibration import arc_through
-from labrig.panel.pages.run import Body, Here, ended_or_refuse
+from labrig.panel.pages.run import Here, RequestModel, ended_or_refuse
 from labrig.panel.server.errors import NotNowError
 from labrig.panel.server.panel import Panel
-from labrig.vision import Board, load_optics
+from labrig.vision import CalibrationBoard, load_optics
 
 router = APIRouter(prefix="/api")
 Pixel = tuple[float, float]
 Load = Annotated[float, Field(ge=0.0, le=1e5)]
 
 
-class WeighingBody(Body):
+class WeighingBody(RequestModel):
     """The weights, 0 included, in the order in which they are hung."""
 
     loads_mN: list[Load] = Field(min_length=3, max_length=50)
 
 
-class CameraBody(Body):
+class CameraBody(RequestModel):
     """Live pictures on or off."""
 
     do: Literal["start", "end"]
 
 
-class BoardBody(Body):
+class BoardBody(RequestModel):
     """The printed board."""
 
     columns: int = 12
@@ -46,18 +46,18 @@ class BoardBody(Body):
     square_mm: float = 5.0
     marker_mm: float = 3.6
 
-    def board(self) -> Board:
+    def board(self) -> CalibrationBoard:
         """As `labrig.vision` takes it."""
-        return Board(**self.model_dump())
+        return CalibrationBoard(**self.model_dump())
 
 
-class ViewBody(Body):
+class ViewBody(RequestModel):
     """Keep the newest picture."""
 
     board: BoardBody = BoardBody()
 
 
-class RefineBody(Body):
+class RefineBody(RequestModel):
     """A click."""
 
     what: Literal["corner", "round"]
@@ -65,7 +65,7 @@ class RefineBody(Body):
     reach_px: float = Field(12.0, ge=3.0, le=60.0)
 
 
-class CalibrateBody(Body):
+class CalibrateBody(RequestModel):
     """From views of the board, or from a scale bar."""
 
     clamp_px: Pixel
@@ -76,7 +76,7 @@ class CalibrateBody(Body):
     ruler_mm: float | None = Field(None, gt=0, le=10_000)
 
 
-class ArcBody(Body):
+class ArcBody(RequestModel):
     """The roll at position 0."""
 
     px: Pixel

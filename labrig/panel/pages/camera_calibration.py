@@ -15,7 +15,7 @@ from labrig.errors import BadInputError
 from labrig.files import not_written
 from labrig.panel.live.event_stream import Message
 from labrig.panel.server.errors import MissingError, NotNowError
-from labrig.vision import Board, Calibration, Optics, calibrate_camera, calibrate_ruler
+from labrig.vision import Calibration, CalibrationBoard, Optics, calibrate_camera, calibrate_ruler
 from labrig.vision.calibration.corners import find_corners
 
 Point = tuple[float, float]
@@ -30,7 +30,7 @@ class View:
     corners_px: list[Point]
 
 
-class Calibrating:
+class CameraCalibrationRun:
     """Kept while the panel lives; nothing is written before it is accepted."""
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ class Calibrating:
         self._count = 0
         self.made: Calibration | None = None
 
-    def add_view(self, image: GreyImage, board: Board) -> Message:
+    def add_view(self, image: GreyImage, board: CalibrationBoard) -> Message:
         """Keep a picture in which the board was found. Raises BadInputError."""
         with self._lock:
             if len(self._views) >= MOST_VIEWS:
@@ -67,7 +67,7 @@ class Calibrating:
             self._views.pop(number, None)
 
     def from_board(
-        self, board: Board, views: list[int], clamp_px: Point, along_px: Point | None
+        self, board: CalibrationBoard, views: list[int], clamp_px: Point, along_px: Point | None
     ) -> Message:
         """Calibrate from views, the first one flat in the sheet's plane."""
         images = [self.view(number).image for number in views]

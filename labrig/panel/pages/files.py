@@ -14,14 +14,14 @@ from labrig.experiment.plan import load_plan, make_plan
 from labrig.panel.live.plans import message_of_plan
 from labrig.panel.pages import configuration_files as files
 from labrig.panel.pages.file_names import existing, inside
-from labrig.panel.pages.run import Body, Here, Name
+from labrig.panel.pages.run import Here, Name, RequestModel
 from labrig.panel.server.panel import Panel
 
 router = APIRouter(prefix="/api")
 _SUFFIXES = (".toml", ".json")
 
 
-class FileBody(Body):
+class FileBody(RequestModel):
     """A file as text, or as the values of a form."""
 
     kind: Literal["rig", "sheet", "protocol", "load_cell", "optics", "model", "world"]
@@ -37,7 +37,7 @@ class FileBody(Body):
         return files.from_values(self.kind, self.values or {}, name, before)
 
 
-class PlanBody(Body):
+class PlanBody(RequestModel):
     """Which files make the plan; `protocol_text`: one that is not in a file yet."""
 
     protocol: Name | None = None

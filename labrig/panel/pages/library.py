@@ -12,7 +12,7 @@ from fastapi.responses import FileResponse
 from starlette.background import BackgroundTask
 
 from labrig.errors import BadInputError
-from labrig.library import Entry, compare_means, read_entry, select
+from labrig.library import CatalogueEntry, compare_means, read_entry, select
 from labrig.panel.pages.file_names import existing
 from labrig.panel.pages.run import Here
 from labrig.panel.server.panel import Panel
@@ -107,13 +107,13 @@ def export(
     )
 
 
-def _entry(panel: Panel, path: Path, name: str) -> Entry:
+def _entry(panel: Panel, path: Path, name: str) -> CatalogueEntry:
     """As the library knows it, with its fit; looked up now where it does not."""
     known = next((entry for entry in panel.library.entries() if entry.name == name), None)
     return known or read_entry(path, name)
 
 
-def _shown(entry: Entry) -> dict[str, Any]:
+def _shown(entry: CatalogueEntry) -> dict[str, Any]:
     plain = entry.as_dict()
     del plain["checksum"]
     return plain

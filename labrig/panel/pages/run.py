@@ -28,13 +28,13 @@ Here = Annotated[Panel, Depends(panel_of)]
 Name = Annotated[str, Field(min_length=1, max_length=400)]
 
 
-class Body(BaseModel):
+class RequestModel(BaseModel):
     """What a page sends: what is not known is a mistake."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
-class ControlBody(Body):
+class ControlBody(RequestModel):
     """Take control or give it back."""
 
     do: Literal["take", "release"]
@@ -42,14 +42,14 @@ class ControlBody(Body):
     force: bool = False
 
 
-class StopBody(Body):
+class StopBody(RequestModel):
     """STOP."""
 
     why: str = Field("", max_length=200)
     name: str = Field("", max_length=80)
 
 
-class RunBody(Body):
+class RunBody(RequestModel):
     """A new session, or one to go on with."""
 
     protocol: Name = "protocol.toml"
@@ -59,21 +59,21 @@ class RunBody(Body):
     resume: Name | None = None
 
 
-class PreflightBody(Body):
+class PreflightBody(RequestModel):
     """For which protocol and sheet the rig is to be ready."""
 
     protocol: Name = "protocol.toml"
     sheet: Name = "sheet.toml"
 
 
-class AnswerBody(Body):
+class AnswerBody(RequestModel):
     """An answer to a prompt."""
 
     prompt: int
     done: bool
 
 
-class MarkBody(Body):
+class MarkBody(RequestModel):
     """A reading, or a whole run, that is invalid."""
 
     run: int = Field(ge=0)
@@ -81,7 +81,7 @@ class MarkBody(Body):
     why: str = Field(min_length=1, max_length=200)
 
 
-class ModelBody(Body):
+class ModelBody(RequestModel):
     """Whose predicted curve is drawn."""
 
     name: Name | None

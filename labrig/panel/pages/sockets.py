@@ -10,7 +10,7 @@ from typing import Any
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from labrig.panel.live.event_stream import Feed, Mail, Mailbox, Message
+from labrig.panel.live.event_stream import EventStream, Mail, Mailbox, Message
 from labrig.panel.live.packing import dumps, pack
 from labrig.panel.server.control import as_seen_by
 from labrig.panel.server.panel import Panel
@@ -97,7 +97,7 @@ async def hear(socket: WebSocket, heard: Heard) -> None:
 class Post:
     """Delivers a feed to one page."""
 
-    def __init__(self, socket: WebSocket, feed: Feed, client: str = "") -> None:
+    def __init__(self, socket: WebSocket, feed: EventStream, client: str = "") -> None:
         self._socket = socket
         self._feed = feed
         self._client = client

@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 from labrig.errors import LabrigError
-from labrig.panel.live.event_stream import Feed, Message
-from labrig.panel.live.frame_pipeline import Darkroom
+from labrig.panel.live.event_stream import EventStream, Message
+from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.replay.recording import Recording
 
 TICK_S = 0.05
@@ -22,9 +22,9 @@ class Player:
 
     def __init__(self, path: Path, name: str, model: Path | None) -> None:
         """Raises BadInputError when the session cannot be replayed."""
-        self.feed = Feed()
+        self.feed = EventStream()
         self._recording = Recording(path, name)
-        self._darkroom = Darkroom(self.feed)
+        self._darkroom = FramePipeline(self.feed)
         self._darkroom.know(self._recording.setup)
         self._darkroom.choose_model(model)
         self._changed = threading.Condition()

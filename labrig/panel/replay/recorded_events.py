@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from drivers.interfaces import Frame, Prompt, VoltageWrite
-from labrig.session import LoggedEvent, RunRecord, Session
+from labrig.session import LoggedEvent, RecordedSession, RunRecord
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedReading
@@ -16,7 +16,7 @@ from protocols.planning.schedule import PlannedReading
 _NO_IMAGE = np.empty((0, 0), dtype=np.uint8)  # a message names a frame, it does not hold it
 
 
-def events_of(session: Session) -> list[ev.Event]:
+def events_of(session: RecordedSession) -> list[ev.Event]:
     """In the order of time. What a later version has logged is left out."""
     found = [*_logged(session)]
     for run in session.runs:
@@ -25,7 +25,7 @@ def events_of(session: Session) -> list[ev.Event]:
     return sorted(found, key=lambda event: event.time_s)
 
 
-def _logged(session: Session) -> Iterator[ev.Event]:
+def _logged(session: RecordedSession) -> Iterator[ev.Event]:
     prompt = Prompt("confirm", "")
     for line in session.events:
         if line.kind == "asked":
@@ -35,21 +35,21 @@ def _logged(session: Session) -> Iterator[ev.Event]:
             yield way(session, line, prompt)
 
 
-Way = Callable[[Session, LoggedEvent, Prompt], ev.Event]
+Way = Callable[[RecordedSession, LoggedEvent, Prompt], ev.Event]
 
 
-def _output(_session: Session, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
+def _output(_session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
     known = {state.value for state in OutputState}
     state = OutputState(line.subject) if line.subject in known else OutputState.UNKNOWN
     return ev.OutputChanged(line.time_s, state, line.text)
 
 
-def _marked(_session: Session, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
+def _marked(_session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
     reading = None if line.reading < 0 else line.reading
     return ev.ReadingMarked(line.time_s, line.run, reading, line.text, line.subject)
 
 
-def _stopped(session: Session, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
+def _stopped(session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
     known = {outcome.value for outcome in Outcome}
     outcome = Outcome(line.subject) if line.subject in known else Outcome.FAILED
     state = session.output_state
@@ -70,7 +70,7 @@ _LINES: dict[str, Way] = {
 }
 
 
-def _stopped_s(session: Session, run: RunRecord) -> float:
+def _stopped_s(session: RecordedSession, run: RunRecord) -> float:
     """When a run's acquisition ended; by plan, where nobody wrote it down."""
     index = run.planned.index
     for line in session.events:

@@ -16,12 +16,12 @@ from labrig.errors import BadInputError
 from labrig.experiment.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
 from labrig.panel.live.frames import raw_picture
-from labrig.panel.live.messages import Scribe, plan_message
+from labrig.panel.live.messages import MessageEncoder, plan_message
 from labrig.panel.live.optics_message import setup_message
 from labrig.panel.live.plans import optics_message
-from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, Strip
+from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart
 from labrig.panel.replay.recorded_events import events_of
-from labrig.session import RunRecord, Session, open_session
+from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.vision import Optics
 from protocols.execution import events as ev
 
@@ -65,7 +65,7 @@ class Recording:
                 "recorded can be replayed."
             )
         self._begin_s = events[0].time_s
-        scribe = Scribe()
+        scribe = MessageEncoder()
         told = [(event.time_s - self._begin_s, scribe.message(event)) for event in events]
         self.timed = [(at_s, message) for at_s, message in told if message is not None]
         self._times = [at_s for at_s, _ in self.timed]
@@ -73,7 +73,7 @@ class Recording:
         self.spans = _spans(events, self._begin_s)
         self.plan = _plan(session, self.name)
         self.setup = setup_message(_optics(session), _sheets(session))
-        self._strips: tuple[int, Strip] | None = None
+        self._strips: tuple[int, StripChart] | None = None
         self._frames = self._all_frames()
         self._frame_times = [at_s for at_s, _, _ in self._frames]
 
@@ -101,7 +101,7 @@ class Recording:
         first, last = bisect_right(self._times, after_s), bisect_right(self._times, to_s)
         return [message for _, message in self.timed[first:last]]
 
-    def strip(self, after_s: float, to_s: float, *, fresh: bool) -> Strip | None:
+    def strip(self, after_s: float, to_s: float, *, fresh: bool) -> StripChart | None:
         """The signals of this time; of the run at its end, where there are several."""
         span = self.span_at(to_s)
         if span is None:
@@ -115,7 +115,7 @@ class Recording:
         low, high = np.searchsorted(times + BIN_S / 2, [from_s - zero_s, to_s - zero_s], "right")
         if low >= high:
             return None
-        return Strip(span.run, whole.values[:, low:high], fresh=new)
+        return StripChart(span.run, whole.values[:, low:high], fresh=new)
 
     def span_at(self, at_s: float) -> Span | None:
         """The run that is on, or was the last one to be."""
@@ -158,7 +158,7 @@ class Recording:
                 found += [(zero_s + float(t), run.planned.index, i) for i, t in enumerate(times)]
         return sorted(found)
 
-    def _whole_strip(self, run: int) -> Strip:
+    def _whole_strip(self, run: int) -> StripChart:
         if self._strips is None or self._strips[0] != run:
             self._strips = (run, _strip_of(self._session, self._session.runs[run]))
         return self._strips[1]
@@ -175,7 +175,7 @@ def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
     return sorted(found, key=lambda span: span.from_s)
 
 
-def _strip_of(session: Session, run: RunRecord) -> Strip:
+def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
     """All signals of a run, in the units of people."""
     calibration = parse_load_cell(session.texts["load_cell.toml"], "load_cell.toml")
     cell = LoadCell(calibration, run.ranges_V["force"])
@@ -188,11 +188,11 @@ def _strip_of(session: Session, run: RunRecord) -> Strip:
             1e3 * run.signal_V("current") / shunt_ohm,
         ]
     )
-    empty = Strip(run.planned.index, np.empty((7, 0), dtype=np.float32))
+    empty = StripChart(run.planned.index, np.empty((7, 0), dtype=np.float32))
     return Envelope(run.planned.index).add(samples) or empty
 
 
-def _plan(session: Session, name: str) -> Message:
+def _plan(session: RecordedSession, name: str) -> Message:
     rig: dict[str, Any] = session.resolved.get("rig", {})
     limits = rig.get("limits", {})
     capacity_N = session.resolved.get("load_cell", {}).get("capacity_N")
@@ -210,11 +210,11 @@ def _plan(session: Session, name: str) -> Message:
     )
 
 
-def _optics(session: Session) -> Optics | None:
+def _optics(session: RecordedSession) -> Optics | None:
     text = session.texts.get("optics.json")
     return None if text is None else Optics.from_json(text)
 
 
-def _sheets(session: Session) -> Any:
+def _sheets(session: RecordedSession) -> Any:
     text = session.texts.get("sheet.toml")
     return {} if text is None else parse_sheet(text, f"{session.path}: sheet.toml")

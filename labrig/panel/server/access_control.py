@@ -8,7 +8,7 @@ from contextlib import suppress
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from labrig.panel.server.bodies import MOST_BODY_BYTES, Body
+from labrig.panel.server.bodies import MOST_BODY_BYTES, RequestBody
 from labrig.panel.server.credentials import cookie_of, same_token
 from labrig.panel.server.rate_limits import Buckets
 from labrig.panel.server.settings import PanelSettings, host_name
@@ -28,7 +28,7 @@ class _TooLargeError(_RefusedError):
         super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
 
 
-class Gate:
+class AccessControl:
     """ASGI middleware: host, origin, token, size and rate."""
 
     def __init__(self, app: ASGIApp, settings: PanelSettings) -> None:
@@ -44,7 +44,7 @@ class Gate:
         headers = {
             name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]
         }
-        body = Body(receive)
+        body = RequestBody(receive)
         try:
             self._check(scope, headers)
             if scope["type"] == "websocket":
@@ -57,7 +57,9 @@ class Gate:
             else:
                 await _refuse(body, send, refused)
 
-    async def _serve(self, scope: Scope, headers: dict[str, str], body: Body, send: Send) -> None:
+    async def _serve(
+        self, scope: Scope, headers: dict[str, str], body: RequestBody, send: Send
+    ) -> None:
         stated = headers.get("content-length", "0")
         if not stated.isdigit() or int(stated) > MOST_BODY_BYTES:
             raise _TooLargeError
@@ -128,7 +130,7 @@ class Gate:
         ]
 
 
-async def _refuse(body: Body, send: Send, refused: _RefusedError) -> None:
+async def _refuse(body: RequestBody, send: Send, refused: _RefusedError) -> None:
     told = json.dumps({"error": str(refused)}).encode()
     headers = [
         (b"content-type", b"application/json"),

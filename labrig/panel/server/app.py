@@ -20,7 +20,7 @@ from labrig.panel.pages import library as routes_library
 from labrig.panel.pages import run as routes_run
 from labrig.panel.pages.replay_socket import serve_replay
 from labrig.panel.pages.sockets import serve_live
-from labrig.panel.server.access_control import Gate
+from labrig.panel.server.access_control import AccessControl
 from labrig.panel.server.credentials import same_token
 from labrig.panel.server.errors import status_of
 from labrig.panel.server.panel import Panel
@@ -46,7 +46,7 @@ def create_app(panel: Panel) -> FastAPI:
         app.include_router(router)
     _pages(app, panel.settings)
     _answers_in_sentences(app)
-    app.add_middleware(Gate, settings=panel.settings)
+    app.add_middleware(AccessControl, settings=panel.settings)
     return app
 
 

@@ -17,7 +17,7 @@ MOST_HEARD_BYTES = 4 * MOST_BODY_BYTES
 PATIENCE_S = 1.0  # with who was refused, and is still sending
 
 
-class Body:
+class RequestBody:
     """What comes after the head of a request."""
 
     def __init__(self, receive: Receive) -> None:

@@ -13,9 +13,9 @@ from labrig.errors import BadInputError
 from labrig.library import Library
 from labrig.panel.job import Kind, Order
 from labrig.panel.job.jobs import Jobs
-from labrig.panel.live.event_stream import Feed, Message
-from labrig.panel.live.frame_pipeline import Darkroom
-from labrig.panel.pages.camera_calibration import Calibrating
+from labrig.panel.live.event_stream import EventStream, Message
+from labrig.panel.live.frame_pipeline import FramePipeline
+from labrig.panel.pages.camera_calibration import CameraCalibrationRun
 from labrig.panel.server.actions import Actions
 from labrig.panel.server.control import Control, utc_now
 from labrig.panel.server.errors import NotNowError
@@ -30,12 +30,12 @@ class Panel:
     def __init__(self, settings: PanelSettings) -> None:
         self.settings = settings
         self.simulated = _is_simulated(settings.rig)  # first: here it may fail, and has no threads
-        self.feed = Feed()
+        self.feed = EventStream()
         self.actions = Actions(settings.data)
         self.control = Control(self.feed.tell_newest)
-        self.darkroom = Darkroom(self.feed)
+        self.darkroom = FramePipeline(self.feed)
         self.jobs = Jobs(settings.data, self.feed, self.darkroom)
-        self.calibrating = Calibrating()
+        self.calibrating = CameraCalibrationRun()
         self.library = Library(settings.data)
         self.replays = 0  # that are open
         self.model: str | None = None

@@ -21,7 +21,7 @@ from typing import Any
 
 from labrig.panel.server.credentials import cookie_of, same_token
 from labrig.panel.server.settings import host_name
-from labrig.panel.stop.press import Line
+from labrig.panel.stop.press import StopConnection
 
 PATIENCE_S = 3.0  # with a client that connects and says nothing
 MOST_BODY_BYTES = 4096
@@ -53,7 +53,7 @@ class StopServer(ThreadingHTTPServer):
     request_queue_size = 128  # a press must not wait behind those who only connect
     allow_reuse_address = sys.platform != "win32"  # there it would let others have our port, too
 
-    def __init__(self, settings: StopSettings, line: Line) -> None:
+    def __init__(self, settings: StopSettings, line: StopConnection) -> None:
         self.settings = settings
         self.line = line
         self._room = threading.Semaphore(MOST_AT_ONCE)
@@ -199,7 +199,7 @@ def _tls(settings: StopSettings) -> ssl.SSLContext | None:
 def main() -> None:
     """Serve until the panel has gone and no job is going on any more."""
     settings = StopSettings(**json.loads(sys.stdin.readline()))
-    line, ended = Line(Path(settings.data)), threading.Event()
+    line, ended = StopConnection(Path(settings.data)), threading.Event()
     server = StopServer(settings, line)
     threading.Thread(target=line.watch, args=(ended,), name="line", daemon=True).start()
     threading.Thread(target=server.serve_forever, name="http", daemon=True).start()

@@ -17,9 +17,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from labrig.panel.job.connection import Link
+from labrig.panel.job.connection import JobConnection
 from labrig.panel.job.processes import module_environment
-from labrig.panel.job.registry import GOING, Place, read_place
+from labrig.panel.job.registry import GOING, JobAddress, read_place
 from labrig.panel.live.packing import BrokenLinkError, Header
 
 OBEY_S = 1.0  # as long as the guard gives a run that hangs
@@ -44,14 +44,14 @@ class Pressed:
         return {"output": self.output, "took_s": round(self.took_s, 4), "told": self.told}
 
 
-class Line:
+class StopConnection:
     """A link to whatever job is going on, held before it is needed."""
 
     def __init__(self, data: Path) -> None:
         self._data = data
         self._lock = threading.Lock()
-        self._link: Link | None = None
-        self._place: Place | None = None
+        self._link: JobConnection | None = None
+        self._place: JobAddress | None = None
         self._output = "unknown"
         self._changed = threading.Condition()
 
@@ -66,7 +66,7 @@ class Line:
         """Whether there is a job that could be stopped."""
         return self._link is not None and self._link.alive
 
-    def hold(self) -> Place | None:
+    def hold(self) -> JobAddress | None:
         """Link to the present job if there is one. Raises OSError when it should be but is not."""
         with self._lock:
             if self.going:
@@ -79,7 +79,9 @@ class Line:
                 found,
                 "armed",
             )  # a job begins at 0 V, and tells what follows
-            self._link = Link(found.port, found.key, "stop", self._on_message, self._on_end)
+            self._link = JobConnection(
+                found.port, found.key, "stop", self._on_message, self._on_end
+            )
             return found
 
     def press(self, who: str, why: str) -> Pressed:
@@ -164,7 +166,9 @@ class Line:
             self._changed.notify_all()
 
 
-def _ask(link: Link, who: str, why: str, asked: threading.Event, refused: list[str]) -> None:
+def _ask(
+    link: JobConnection, who: str, why: str, asked: threading.Event, refused: list[str]
+) -> None:
     with suppress(BrokenLinkError):
         answer = link.ask({"do": "stop", "who": who, "why": why})
         refused += [str(answer["error"])] if answer.get("error") else []

@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
-from labrig.report.data.fitted import Fitted, fit_what_can_be
+from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
 from labrig.report.diagnosis.store import kept_diagnosis
-from labrig.session import Session, load_measurements, open_session
+from labrig.session import RecordedSession, load_measurements, open_session
 from model import Fit, FitOptions, Measurements, ModelError
 
 if TYPE_CHECKING:
     from model.discrepancy.verdict.result import Diagnosis
-    from model.identification.baselines import Row
+    from model.identification.baselines import BaselineRow
 
 Progress = Callable[[float, str], None]
 
@@ -28,9 +28,9 @@ Progress = Callable[[float, str], None]
 class Findings:
     """A session, and what was found in it as far as that goes. The session is open."""
 
-    session: Session
+    session: RecordedSession
     measurements: Measurements | None
-    fitted: Fitted
+    fitted: FittedSheets
     why_not: str  # why there are no measurements
     diagnosis: Diagnosis | None = None  # where the session holds one
 
@@ -45,7 +45,7 @@ class Findings:
         return [] if self.measurements is None else configurations(self.measurements)
 
     @cached_property
-    def baselines(self) -> tuple[Row, ...]:
+    def baselines(self) -> tuple[BaselineRow, ...]:
         """Simpler models fitted to the same; empty where the data do not allow it."""
         if self.fit is None or self.measurements is None:
             return ()
@@ -93,7 +93,7 @@ def gather(
         measurements = measured(path, progress, tell)
     except BadInputError as error:
         why = str(error)
-    fitted = Fitted(None)
+    fitted = FittedSheets(None)
     if measurements is not None:
         fitted = fit_what_can_be(measurements, options)
     diagnosis = None

@@ -11,7 +11,7 @@ from model import Fit, FitOptions, Measurements, ModelError, fit
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedSheets:
     """A fit of all configurations that allow one, and why the others do not."""
 
     fit: Fit | None
@@ -23,21 +23,21 @@ class Fitted:
         return None if self.fit is None else Models(self.fit.varying_model, self.fit.model)
 
 
-def fit_what_can_be(measurements: Measurements, options: FitOptions | None = None) -> Fitted:
+def fit_what_can_be(measurements: Measurements, options: FitOptions | None = None) -> FittedSheets:
     """Fit all configurations together, or those for which that is possible."""
     options = options or FitOptions()
     names = configurations(measurements)
     try:
-        return Fitted(fit(measurements, options))
+        return FittedSheets(fit(measurements, options))
     except ModelError as error:
         if len(names) < 2:
-            return Fitted(None, dict.fromkeys(names, str(error)))
+            return FittedSheets(None, dict.fromkeys(names, str(error)))
     missing = {name: _why_not(measurements, options, name) for name in names}
     good = tuple(name for name, why in missing.items() if not why)
     lacking = {name: why for name, why in missing.items() if why}
     if not good:
-        return Fitted(None, lacking)
-    return Fitted(fit(measurements, replace(options, configurations=good)), lacking)
+        return FittedSheets(None, lacking)
+    return FittedSheets(fit(measurements, replace(options, configurations=good)), lacking)
 
 
 def _why_not(measurements: Measurements, options: FitOptions, name: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig.report.data.selection import configurations, place, voltages
 from labrig.report.parts.table import Table, fixed, number, volts
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 from model import Condition, Measurements
 from model.measurements import FloatArray
 
@@ -25,7 +25,7 @@ class Quality:
     remarks: tuple[str, ...]
 
 
-def quality(session: Session, measurements: Measurements | None) -> Quality:
+def quality(session: RecordedSession, measurements: Measurements | None) -> Quality:
     """Look through a session's raw data and what was measured from them."""
     started = [run for run in session.runs if run.started]
     tables: list[Table] = []
@@ -69,7 +69,7 @@ def _spread(name: str, values_s: FloatArray) -> tuple[str, ...]:
     return (name, *(fixed(float(value), 3) for value in found), str(len(ms)))
 
 
-def _losses(session: Session, runs: list[RunRecord]) -> Quality:
+def _losses(session: RecordedSession, runs: list[RunRecord]) -> Quality:
     samples = sum(run.counts.lost_samples for run in runs)
     frames = sum(run.counts.frames_dropped for run in runs)
     grabbed = sum(run.counts.frames_grabbed for run in runs)
@@ -122,7 +122,7 @@ def _invalid(measurements: Measurements) -> Quality:
     return Quality((Table("Invalid readings", columns, rows),), (said,))
 
 
-def _missing_curves(session: Session, measurements: Measurements) -> Quality:
+def _missing_curves(session: RecordedSession, measurements: Measurements) -> Quality:
     if session.frame_shape is None:
         return Quality((), ())  # the measurements' own warning says so
     lost = [c for c in measurements.conditions if c.curve is None and c.readings]

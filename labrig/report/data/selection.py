@@ -88,14 +88,16 @@ def rest_position_m(measurements: Measurements, configuration: str) -> float | N
 
 
 @dataclass(frozen=True)
-class Line:
+class MeanForceLine:
     """The straight line through the mean forces of one voltage."""
 
     slope_N_per_m: float
     deviation_share: float  # RMS distance from the line over the range of the forces
 
 
-def force_line(measurements: Measurements, configuration: str, voltage_V: float) -> Line | None:
+def force_line(
+    measurements: Measurements, configuration: str, voltage_V: float
+) -> MeanForceLine | None:
     """How straight F(p) is; None with fewer than three positions."""
     forces = mean_forces(measurements, configuration, voltage_V)
     if len({force.position_m for force in forces}) < 3:
@@ -104,7 +106,7 @@ def force_line(measurements: Measurements, configuration: str, voltage_V: float)
     F: FloatArray = np.array([force.mean_N for force in forces])
     slope, offset = np.polyfit(p, F, 1)
     away = np.sqrt(np.mean((F - slope * p - offset) ** 2))
-    return Line(float(slope), float(away / np.ptp(F)))
+    return MeanForceLine(float(slope), float(away / np.ptp(F)))
 
 
 def place(position_m: float | None) -> str:

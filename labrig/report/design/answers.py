@@ -24,9 +24,9 @@ from model.design.sizing import Direction, Linearity, Size, least_area, linearit
 from model.design.working_section import (
     BothWays,
     LargestForce,
-    Line,
     Reach,
     ShapeDifference,
+    StraightLine,
     best_line,
     force_both_ways,
     largest_forces,
@@ -50,11 +50,11 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Answers:
+class DesignAnswers:
     """One configuration's answers; what cannot be answered is in `unanswered`, with the reason."""
 
     wanted: Wanted
-    lines: tuple[Line, ...]
+    lines: tuple[StraightLine, ...]
     plane: LinearModel
     plane_error_N: float
     valid: ValidityMap
@@ -69,13 +69,13 @@ class Answers:
     unanswered: dict[str, str]
 
 
-def answer(model: SheetModel, wanted: Wanted) -> Answers:
+def answer(model: SheetModel, wanted: Wanted) -> DesignAnswers:
     """Ask everything. Raises ModelError when the section itself is out of reach."""
     place = (model, wanted.configuration, wanted.low_m, wanted.high_m)
     volts = known_voltages(model, wanted.configuration)
     plane, plane_error_N = fit_linear(*place)
     sizes, unanswered = _sizes(model, wanted)
-    return Answers(
+    return DesignAnswers(
         wanted=wanted,
         lines=tuple(best_line(*place, float(volt)) for volt in volts),
         plane=plane,
@@ -119,7 +119,7 @@ def _said(found: Parameter, factor: float) -> str:
     return with_sigma(factor * found.value, factor * found.sigma)
 
 
-def tables(found: Answers) -> list[Table]:
+def tables(found: DesignAnswers) -> list[Table]:
     """The answers as tables, in the order of the paper's list."""
     name = found.wanted.configuration
     result = [_line_table(found, name), _control_table(found), _force_table(found, name)]
@@ -128,7 +128,7 @@ def tables(found: Answers) -> list[Table]:
     return result
 
 
-def _line_table(found: Answers, name: str) -> Table:
+def _line_table(found: DesignAnswers, name: str) -> Table:
     section = f"{1e3 * found.wanted.low_m:g} to {1e3 * found.wanted.high_m:g} mm"
     rows = tuple(
         (
@@ -144,7 +144,7 @@ def _line_table(found: Answers, name: str) -> Table:
     return Table(f"1. {name}: the best line through F(p), {section}", columns, rows)
 
 
-def _control_table(found: Answers) -> Table:
+def _control_table(found: DesignAnswers) -> Table:
     gains, plane, wanted = found.gains, found.plane, found.wanted
     valid = 100 * float(np.mean(found.valid.valid()))
     rows = (
@@ -164,7 +164,7 @@ def _control_table(found: Answers) -> Table:
     return Table(title, ("", "value"), rows)
 
 
-def _force_table(found: Answers, name: str) -> Table:
+def _force_table(found: DesignAnswers, name: str) -> Table:
     shapes, reach, both = found.shapes, found.reach, found.both_ways
     rows = [
         (
@@ -189,7 +189,7 @@ def _force_table(found: Answers, name: str) -> Table:
     return Table(f"2-5. {name}: shapes, reach and forces", ("", "value", "where"), tuple(rows))
 
 
-def _size_table(found: Answers) -> Table:
+def _size_table(found: DesignAnswers) -> Table:
     rows = [
         (
             name,
@@ -206,7 +206,7 @@ def _size_table(found: Answers) -> Table:
     return Table(title, ("", "length mm", "width mm", "area mm²", "elongation mm"), tuple(rows))
 
 
-def as_dict(found: Answers) -> dict[str, Any]:
+def as_dict(found: DesignAnswers) -> dict[str, Any]:
     """For `--json`, in SI."""
     return {
         "configuration": found.wanted.configuration,

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig.report.design.answers import Answers
+from labrig.report.design.answers import DesignAnswers
 from labrig.report.parts.style import colour_of, figure, label_of, save
 from model import SheetModel, predict
 from model.design.force_map import force_map, known_voltages, section
 
 
-def draw_design(model: SheetModel, found: Answers, folder: Path) -> list[Path]:
+def draw_design(model: SheetModel, found: DesignAnswers, folder: Path) -> list[Path]:
     """Draw all figures of one configuration into `folder`; their paths."""
     name = found.wanted.configuration
     drawings = {
@@ -32,7 +32,7 @@ def draw_design(model: SheetModel, found: Answers, folder: Path) -> list[Path]:
     return paths
 
 
-def draw_forces(model: SheetModel, found: Answers, path: Path) -> None:
+def draw_forces(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     """F(p) with its best lines, what is possible in both directions, and the normal force."""
     name, p = found.wanted.configuration, section(found.wanted.low_m, found.wanted.high_m)
     volts = known_voltages(model, name)
@@ -57,7 +57,7 @@ def draw_forces(model: SheetModel, found: Answers, path: Path) -> None:
         save(fig, path)
 
 
-def draw_shapes(model: SheetModel, found: Answers, path: Path) -> None:
+def draw_shapes(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     """The shapes at opposite EIBMs where they are farthest apart."""
     with figure(5.4, 3.2) as fig:
         axes = fig.subplots()
@@ -75,7 +75,7 @@ def draw_shapes(model: SheetModel, found: Answers, path: Path) -> None:
         save(fig, path)
 
 
-def draw_reach(model: SheetModel, found: Answers, path: Path) -> None:
+def draw_reach(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     """Where along the sheet the object is touched."""
     name, p = found.wanted.configuration, section(found.wanted.low_m, found.wanted.high_m)
     volts = known_voltages(model, name)
@@ -92,7 +92,7 @@ def draw_reach(model: SheetModel, found: Answers, path: Path) -> None:
         save(fig, path)
 
 
-def draw_validity(model: SheetModel, found: Answers, path: Path) -> None:  # noqa: ARG001
+def draw_validity(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
     """The error of the linear model over position and voltage."""
     valid = found.valid
     size = 1e3 * float(np.nanmax(np.abs(valid.error_N)))
@@ -117,7 +117,7 @@ def draw_validity(model: SheetModel, found: Answers, path: Path) -> None:  # noq
         save(fig, path)
 
 
-def draw_elongation(model: SheetModel, found: Answers, path: Path) -> None:  # noqa: ARG001
+def draw_elongation(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
     """How straight F(p) is, against how much of the reach is sheet."""
     with figure(5.0, 3.4) as fig:
         axes = fig.subplots()
@@ -135,7 +135,7 @@ def draw_elongation(model: SheetModel, found: Answers, path: Path) -> None:  # n
         save(fig, path)
 
 
-def draw_area(model: SheetModel, found: Answers, path: Path) -> None:  # noqa: ARG001
+def draw_area(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
     """Area that is needed, against the sheet's length."""
     with figure(5.0, 3.4) as fig:
         axes = fig.subplots()

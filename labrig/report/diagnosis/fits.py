@@ -18,7 +18,7 @@ from labrig.report.parts.style import (
     letter,
     panels_width_in,
 )
-from model.discrepancy.verdict.result import Diagnosis, Row
+from model.discrepancy.verdict.result import Diagnosis, ErrorRow
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,13 +51,13 @@ def forces_figure(found: Diagnosis) -> Figure | None:
         return fig
 
 
-def _held(found: Diagnosis, name: str) -> list[Row]:
+def _held(found: Diagnosis, name: str) -> list[ErrorRow]:
     own = [r for r in found.rows if r.configuration == name and r.position_m is not None]
     kept = [r for r in own if np.isfinite(r.force_N)]
     return sorted(kept, key=lambda r: (r.voltage_V, r.position_m or 0.0))
 
 
-def _forces(axes: Axes, rows: list[Row]) -> None:
+def _forces(axes: Axes, rows: list[ErrorRow]) -> None:
     p, colour = [1e3 * (r.position_m or 0.0) for r in rows], colour_of(rows[0].voltage_V)
     axes.plot(
         p, [1e3 * r.force_N for r in rows], "o", markersize=3.4, color=colour, zorder=3,
@@ -68,7 +68,7 @@ def _forces(axes: Axes, rows: list[Row]) -> None:
         axes.plot(p, values, color=colour, linestyle=style, linewidth=1.1)
 
 
-def _left(axes: Axes, rows: list[Row]) -> None:
+def _left(axes: Axes, rows: list[ErrorRow]) -> None:
     p, colour = [1e3 * (r.position_m or 0.0) for r in rows], colour_of(rows[0].voltage_V)
     before = [1e3 * (r.force_N - r.before_N) for r in rows]
     after = [1e3 * (r.force_N - r.after_N) for r in rows]
@@ -110,7 +110,7 @@ def curves_figure(found: Diagnosis) -> Figure | None:
         return fig
 
 
-def _worst(found: Diagnosis, name: str) -> list[Row]:
+def _worst(found: Diagnosis, name: str) -> list[ErrorRow]:
     """All voltages of the position whose curve was missed most."""
     own = [r for r in found.rows if r.configuration == name and len(r.before_off_m)]
     if not own:
@@ -119,7 +119,7 @@ def _worst(found: Diagnosis, name: str) -> list[Row]:
     return [r for r in own if r.position_m == worst.position_m]
 
 
-def _curve(axes: Axes, row: Row) -> None:
+def _curve(axes: Axes, row: ErrorRow) -> None:
     thin = np.unique(np.linspace(0, len(row.x_m) - 1, _MARKS).round().astype(int))
     axes.plot(
         1e3 * row.x_m[thin], 1e3 * row.y_m[thin], "o", markersize=3.4, markerfacecolor="none",

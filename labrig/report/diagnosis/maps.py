@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.report.parts.style import INK, figure, label_of, letter
-from model.discrepancy.verdict.result import Diagnosis, Row
+from model.discrepancy.verdict.result import Diagnosis, ErrorRow
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
@@ -52,19 +52,19 @@ def configurations(found: Diagnosis) -> list[str]:
     return list(dict.fromkeys(row.configuration for row in found.rows))
 
 
-def _ordered(found: Diagnosis, name: str) -> list[Row]:
+def _ordered(found: Diagnosis, name: str) -> list[ErrorRow]:
     own = [r for r in found.rows if r.configuration == name and len(r.before_off_m)]
     return sorted(own, key=lambda r: (-r.voltage_V, r.position_m is None, r.position_m or 0.0))
 
 
-def _map_mm(rows: list[Row], when: str) -> FloatArray:
+def _map_mm(rows: list[ErrorRow], when: str) -> FloatArray:
     end = max(float(row.s_m[-1]) for row in rows)
     s = np.linspace(0.0, end, _POINTS)
     values = [np.interp(s, row.s_m, getattr(row, f"{when}_off_m"), right=np.nan) for row in rows]
     return 1e3 * np.array(values)
 
 
-def _draw(axes: Axes, values: FloatArray, rows: list[Row], most: float) -> None:
+def _draw(axes: Axes, values: FloatArray, rows: list[ErrorRow], most: float) -> None:
     end_mm = 1e3 * max(float(row.s_m[-1]) for row in rows)
     axes.imshow(
         values, cmap=COLOURS, vmin=-most, vmax=most, aspect="auto", interpolation="nearest",
@@ -75,13 +75,13 @@ def _draw(axes: Axes, values: FloatArray, rows: list[Row], most: float) -> None:
         axes.axhline(edge, color=INK, linewidth=0.8)
 
 
-def _edges(rows: list[Row]) -> list[int]:
+def _edges(rows: list[ErrorRow]) -> list[int]:
     """Where one voltage ends and the next begins."""
     changes = [i for i in range(1, len(rows)) if rows[i].voltage_V != rows[i - 1].voltage_V]
     return [0, *changes, len(rows)]
 
 
-def _label_rows(axes: Axes, rows: list[Row]) -> None:
+def _label_rows(axes: Axes, rows: list[ErrorRow]) -> None:
     at = ["free" if r.position_m is None else f"{1e3 * r.position_m:g}" for r in rows]
     axes.set_yticks(np.arange(len(rows)) + 0.5, at, fontsize=6.5)
     axes.tick_params(axis="y", length=0)

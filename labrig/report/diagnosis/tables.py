@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig.report.parts.table import Table, fixed, interval, number, volts, with_sigma
 from model import Parameter
-from model.discrepancy.verdict.result import Diagnosis, Gap, Next, Ranked, Row, Where
+from model.discrepancy.verdict.result import Diagnosis, ErrorRow, Gap, Next, Ranked, Where
 from model.effects import catalogue
 from model.measurements import FloatArray
 
@@ -214,7 +214,7 @@ def _gap_rows(title: str, before: Gap, after: Gap) -> Iterator[tuple[str, ...]]:
             yield (f"{title}: {text}", *(fixed(v, decimals) for v in values))
 
 
-def _rms_gap(rows: list[Row], when: str) -> Gap:
+def _rms_gap(rows: list[ErrorRow], when: str) -> Gap:
     force = np.array([row.force_N - getattr(row, f"{when}_N") for row in rows])
     curves = [getattr(row, f"{when}_off_m") for row in rows]
     means = np.array([np.mean(off**2) for off in curves if len(off)])

@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig.report.data.selection import place
 from labrig.report.parts.style import figure, label_of, letter
-from labrig.session import Session
+from labrig.session import RecordedSession
 from labrig.vision import Optics
 from model import Condition
 from model.measurements import FloatArray
@@ -21,7 +21,7 @@ _FOUND = "#56B4E9"  # light, to be seen on the picture
 _MARGIN_PX = 30
 
 
-def mean_image(session: Session, condition: Condition) -> FloatArray | None:
+def mean_image(session: RecordedSession, condition: Condition) -> FloatArray | None:
     """The mean of a condition's frames as light intensities, as the paper has it."""
     used = {reading.index for reading in condition.used()}
     images = [
@@ -37,7 +37,9 @@ def mean_image(session: Session, condition: Condition) -> FloatArray | None:
     return np.mean(images, axis=0) if images else None
 
 
-def frame_figure(session: Session, optics: Optics, chosen: list[Condition]) -> Figure | None:
+def frame_figure(
+    session: RecordedSession, optics: Optics, chosen: list[Condition]
+) -> Figure | None:
     """Figure of the mean images of conditions with their curves; None without any image."""
     images = [(condition, mean_image(session, condition)) for condition in chosen]
     seen = [(c, image) for c, image in images if image is not None and c.curve is not None]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from labrig.report.parts.table import Table, fixed
-from labrig.session import RunRecord, Session
+from labrig.session import RecordedSession, RunRecord
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ _COLUMNS = {
 }
 
 
-def overview(session: Session) -> Overview:
+def overview(session: RecordedSession) -> Overview:
     """Look through an open session; images and samples are not read."""
     runs = tuple(_run(run) for run in session.runs)
     done = sum(run["state"] == "complete" for run in runs)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from labrig.report.parts.table import Table, fixed, number, volts
-from model.identification.baselines import Row
+from model.identification.baselines import BaselineRow
 
 
-def baseline_table(rows: Sequence[Row]) -> Table:
+def baseline_table(rows: Sequence[BaselineRow]) -> Table:
     """One row for each configuration and model."""
     driven = sorted({v for row in rows for v in row.bend_per_m}, reverse=True)
     bends = tuple(f"Me/B at {volts(v)}, 1/m" for v in driven)
@@ -31,7 +31,7 @@ def baseline_table(rows: Sequence[Row]) -> Table:
     return Table("Beside simpler models", columns, cells, note)
 
 
-def baselines_as_list(rows: Sequence[Row]) -> list[dict[str, Any]]:
+def baselines_as_list(rows: Sequence[BaselineRow]) -> list[dict[str, Any]]:
     """The same for `--json`."""
     return [
         {

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from labrig.report.parts.table import Table, number
-from model.effects import Effect, Knob
+from model.effects import Effect, EffectParameter
 
 _WIDTH = 96
 
@@ -78,7 +78,7 @@ def effect_as_dict(one: Effect) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _knob_as_dict(knob: Knob) -> dict[str, Any]:
+def _knob_as_dict(knob: EffectParameter) -> dict[str, Any]:
     return {
         "name": knob.name, "unit": knob.unit, "meaning": knob.meaning,
         "plausible": knob.plausible, "low": knob.low, "high": knob.high, "neutral": knob.neutral,

@@ -8,7 +8,7 @@ import numpy as np
 
 from labrig.errors import BadInputError
 from model import Measurements, SheetModel
-from model.identification.baselines import Row
+from model.identification.baselines import BaselineRow
 from model.identification.observations import observe
 from model.identification.residuals import against
 from model.measurements import FloatArray, SheetGeometry
@@ -19,7 +19,7 @@ _SAME = 1e-6
 
 def model_rows(
     measurements: Measurements, model: SheetModel, label: str, names: list[str]
-) -> Iterator[Row]:
+) -> Iterator[BaselineRow]:
     """A row for each configuration that the model has; BadInputError for another sheet."""
     for name in names:
         if name not in model.sheets:
@@ -34,7 +34,7 @@ def model_rows(
         B = sheet.B.value
         bends = {v: sheet.mean_eibm(v) / B for v in sheet.eibm}
         curves = np.array([a.curve_m for a in answers])
-        yield Row(name, label, B, bends, _rms(off), _rms(curves))
+        yield BaselineRow(name, label, B, bends, _rms(off), _rms(curves))
 
 
 def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:

@@ -9,7 +9,7 @@ from labrig.report.data.selection import place
 from labrig.report.parts.table import Table, volts, with_sigma
 from model import Measurements, Parameter
 from model.identification.fit import Fit
-from model.identification.mounting import SetUp
+from model.identification.mounting import MountingParameters
 
 Run = tuple[str, float | None, int, int]  # configuration, position, mounting, run
 
@@ -25,7 +25,9 @@ def sessions_of_runs(
     }
 
 
-def by_run_table(fit: Fit, found: Sequence[SetUp], sessions: Mapping[Run, str]) -> Table:
+def by_run_table(
+    fit: Fit, found: Sequence[MountingParameters], sessions: Mapping[Run, str]
+) -> Table:
     """A row for each set-up, below the common values of its configuration."""
     driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
     columns = ["set-up", "B, µN·m²", "off, %"]

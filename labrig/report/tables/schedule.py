@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocols import Plan, PlannedRun, Purpose, Schedule
+from protocols import PlannedRun, Purpose, Schedule, ScheduleDescription
 
 
 def run_rows(schedule: Schedule) -> list[list[str]]:
@@ -23,7 +23,7 @@ def _times(run: PlannedRun, step: int) -> str:
     return times[0] + f" ... {times[-1]} ({len(times)})" if len(times) > 2 else " ".join(times)
 
 
-def overview_rows(plan: Plan) -> list[list[str]]:
+def overview_rows(plan: ScheduleDescription) -> list[list[str]]:
     """One row for each run: when it starts, where, what is asked before it, what it takes."""
     return [
         [

@@ -18,7 +18,7 @@ DOTS_PER_MM = 40  # every edge of a marker is good to 0.0125 mm
 
 
 @dataclass(frozen=True)
-class Board:
+class CalibrationBoard:
     """A ChArUco board (`marker_mm` > 0), or a plain checkerboard (`marker_mm` = 0)."""
 
     columns: int = 12  # squares
@@ -65,7 +65,7 @@ class Board:
         return np.where(dark, 0, 255).astype(np.uint8)
 
 
-def write_board_pdf(path: Path, board: Board) -> None:
+def write_board_pdf(path: Path, board: CalibrationBoard) -> None:
     """One page with the board at its true size, and a ruler to check the printer's scale."""
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
     from matplotlib.figure import Figure

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
-from labrig.vision.calibration.board import Board
+from labrig.vision.calibration.board import CalibrationBoard
 from labrig.vision.calibration.corners import find_corners
 from labrig.vision.calibration.lens import distort, undistort
 from labrig.vision.calibration.optics import Optics, Point
@@ -51,7 +51,7 @@ class _PlaneFit:
 
 def calibrate_camera(
     images: Sequence[npt.NDArray[Any]],
-    board: Board,
+    board: CalibrationBoard,
     *,
     clamp_px: Point,
     along_px: Point | None = None,

@@ -8,14 +8,16 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
-from labrig.vision.calibration.board import Board
+from labrig.vision.calibration.board import CalibrationBoard
 
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_CORNERS = 12
 
 
-def find_corners(image: npt.NDArray[Any], board: Board, name: str) -> tuple[FloatArray, FloatArray]:
+def find_corners(
+    image: npt.NDArray[Any], board: CalibrationBoard, name: str
+) -> tuple[FloatArray, FloatArray]:
     """Corners in the board's mm (n, 2) and in the picture's pixels (n, 2)."""
     grey = _eight_bit(image, name)
     found = _charuco(grey, board) if board.marker_mm > 0 else _checkerboard(grey, board)
@@ -41,7 +43,9 @@ def _eight_bit(image: npt.NDArray[Any], name: str) -> npt.NDArray[np.uint8]:
     return ((values - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
 
 
-def _charuco(grey: npt.NDArray[np.uint8], board: Board) -> tuple[FloatArray, FloatArray] | None:
+def _charuco(
+    grey: npt.NDArray[np.uint8], board: CalibrationBoard
+) -> tuple[FloatArray, FloatArray] | None:
     import cv2
 
     detector = cv2.aruco.CharucoDetector(board.opencv())
@@ -54,7 +58,7 @@ def _charuco(grey: npt.NDArray[np.uint8], board: Board) -> tuple[FloatArray, Flo
 
 
 def _checkerboard(
-    grey: npt.NDArray[np.uint8], board: Board
+    grey: npt.NDArray[np.uint8], board: CalibrationBoard
 ) -> tuple[FloatArray, FloatArray] | None:
     import cv2
 
@@ -66,7 +70,7 @@ def _checkerboard(
 
 
 def _sharpened(
-    grey: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float32], board: Board
+    grey: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float32], board: CalibrationBoard
 ) -> FloatArray:
     import cv2
 

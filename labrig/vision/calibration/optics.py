@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import ConfigDict, Field, model_validator
 
-from labrig.config.base import Closed, parse_json, read_text, validate
+from labrig.config.base import ClosedModel, parse_json, read_text, validate
 from labrig.errors import BadInputError
 from labrig.vision.calibration.lens import distort, undistort
 
@@ -26,7 +26,7 @@ Point = tuple[float, float]
 Row = tuple[float, float, float]
 
 
-class Look(StrEnum):
+class SheetAppearance(StrEnum):
     """What shows of the sheet beside its near edge."""
 
     AUTO = "auto"  # to be found out
@@ -34,7 +34,7 @@ class Look(StrEnum):
     SILHOUETTE = "silhouette"  # its face is as dark (or bright) as the edge
 
 
-class Optics(Closed):
+class Optics(ClosedModel):
     """optics.json. Only `px_per_mm` and `clamp_px` are required."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -65,8 +65,8 @@ class Optics(Closed):
     polarity: Literal["auto", "bright", "dark"] = Field(
         "auto", description="bright: the sheet is brighter than the background"
     )
-    look: Look = Field(
-        Look.AUTO,
+    look: SheetAppearance = Field(
+        SheetAppearance.AUTO,
         description="what shows of the sheet beside its near edge: a face that is darker "
         "(lit_edge), or one as dark (or bright) as the edge (silhouette)",
     )

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.checks.continuation import seen_beyond_px
-from labrig.vision.checks.gap_continuity import Join, worst_join
+from labrig.vision.checks.gap_continuity import GapJoin, worst_join
 from labrig.vision.checks.neighbouring_structure import is_an_edge, runs_beside_opposite
-from labrig.vision.checks.sheet_end import Tip, missing_end_px, missing_start_px
+from labrig.vision.checks.sheet_end import SheetEnd, missing_end_px, missing_start_px
 from labrig.vision.curve import smallness
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit, seen_start, spread
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit, seen_start, spread
 from labrig.vision.search.ridge_tracing import MOST_CURVATURE_PER_M
 
 BoolArray = npt.NDArray[np.bool_]
@@ -41,11 +41,16 @@ class Verdict:
     covered: float
     residual_px: float
     worth: float  # to choose between candidates: how much of the picture the curve explains
-    join: Join  # the least likely one of what is seen before and beyond hidden stretches
+    join: GapJoin  # the least likely one of what is seen before and beyond hidden stretches
 
 
 def judge(
-    fit: Fit, setting: Setting, tip: Tip, *, followed: bool = False, beside: bool = True
+    fit: CurveFit,
+    setting: FitContext,
+    tip: SheetEnd,
+    *,
+    followed: bool = False,
+    beside: bool = True,
 ) -> Verdict:
     """All tests of a fitted curve.
 
@@ -69,7 +74,7 @@ def judge(
     )
 
 
-def smooth_residual_px(fit: Fit) -> float:
+def smooth_residual_px(fit: CurveFit) -> float:
     """RMS distance between the curve and the sheet as measured in pieces of 15 pixels."""
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
@@ -83,7 +88,7 @@ def smooth_residual_px(fit: Fit) -> float:
 
 
 def _faults(
-    fit: Fit, setting: Setting, tip: Tip, residual: float, followed: bool, beside: bool
+    fit: CurveFit, setting: FitContext, tip: SheetEnd, residual: float, followed: bool, beside: bool
 ) -> list[str]:
     shape, optics = fit.shape, setting.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
@@ -159,7 +164,7 @@ def _faults(
     ]
 
 
-def _broken(join: Join, tip: Tip) -> str:
+def _broken(join: GapJoin, tip: SheetEnd) -> str:
     in_place = tip.beyond_px is not None and abs(tip.beyond_px) < IN_PLACE_PX
     if join.chi2 <= MOST_JOIN_CHI2 + (END_IN_PLACE if in_place else 0.0):
         return ""
@@ -170,7 +175,7 @@ def _broken(join: Join, tip: Tip) -> str:
     )
 
 
-def _start_beside(fit: Fit, setting: Setting) -> tuple[float, float, float]:
+def _start_beside(fit: CurveFit, setting: FitContext) -> tuple[float, float, float]:
     """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
     beside, covariance = seen_start(fit, setting)
     clamp = np.diag(setting.prior**2 + np.array([0.0, KINK_RAD**2]))
@@ -183,22 +188,22 @@ def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:
     return float(used[part].sum() / in_view[part].sum()) if in_view[part].any() else 1.0
 
 
-def _further(tip: Tip, fit: Fit, setting: Setting, allowed: float) -> Tip:
+def _further(tip: SheetEnd, fit: CurveFit, setting: FitContext, allowed: float) -> SheetEnd:
     """The end as it is seen, or that the sheet goes on far beyond where it should end."""
     if tip.at_least or (tip.beyond_px is not None and abs(tip.beyond_px) > allowed):
         return tip
     beyond = seen_beyond_px(fit, setting)
-    return Tip(beyond, at_least=True) if beyond > allowed else tip
+    return SheetEnd(beyond, at_least=True) if beyond > allowed else tip
 
 
-def _shows(fit: Fit, setting: Setting, start: int) -> bool:
+def _shows(fit: CurveFit, setting: FitContext, start: int) -> bool:
     """Whether something of the sheet's brightness leaves the clamp, though of another width."""
     contrast = setting.sign * fit.contrast
     usual = float(np.median(contrast[fit.used])) if fit.used.any() else np.inf
     return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)
 
 
-def _warnings(setting: Setting, tip: Tip, covered: float, join: Join) -> list[str]:
+def _warnings(setting: FitContext, tip: SheetEnd, covered: float, join: GapJoin) -> list[str]:
     out = []
     if covered < 0.85:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Band, Setting, look
-from labrig.vision.fit.curve_fit import Fit, ridge_points
+from labrig.vision.fit.context import Band, FitContext, look
+from labrig.vision.fit.curve_fit import CurveFit, ridge_points
 from labrig.vision.image.image import SMOOTHING_PX
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ SPOILT_PX = 1.0
 ALL_PRESENT = 0.97  # share of the pixels beside the curve: nothing is hidden there
 
 
-def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
+def excess_width_px(fit: CurveFit, setting: FitContext) -> FloatArray:
     """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
     blur, wider = _sharper_look(fit, setting)
     half = np.append(fit.band.half_width, fit.band.half_width[-1])
@@ -45,7 +45,7 @@ def excess_width_px(fit: Fit, setting: Setting) -> FloatArray:
     return np.asarray(np.maximum(np.median(windows, axis=1) - TOLERANCE_PX, wider))
 
 
-def something_lies_along(excess_px: FloatArray, fit: Fit) -> bool:
+def something_lies_along(excess_px: FloatArray, fit: CurveFit) -> bool:
     """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
     thickness = 2 * float(fit.band.half_width[0])
     much = max(MOST_LOCAL_EXCESS_PX, thickness)
@@ -58,7 +58,7 @@ def spoilt_cells(excess_px: FloatArray) -> BoolArray:
     return np.convolve(wide, np.ones(2 * SMOOTH_NODES + 1), mode="same") > 0.5
 
 
-def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:
+def _sharper_look(fit: CurveFit, setting: FitContext) -> tuple[float, float]:
     """The blur, and how much wider than it is thick the whole sheet is, when that fits better.
 
     A wide band with sharp edges and a thin one with much blur differ in their flanks only.
@@ -78,7 +78,7 @@ def _sharper_look(fit: Fit, setting: Setting) -> tuple[float, float]:
     return blur, wider
 
 
-def _misfit(fit: Fit, setting: Setting, band: Band) -> float:
+def _misfit(fit: CurveFit, setting: FitContext, band: Band) -> float:
     cells, _ = look(fit.shape, setting, band, 20 * fit.noise, fit.used)
     return float(cells[fit.used & ~band.elongation, 5].sum()) / fit.noise**2
 

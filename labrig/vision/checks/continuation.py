@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision._jit import jit
-from labrig.vision.fit.context import MaskArray, Setting
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.context import FitContext, MaskArray
+from labrig.vision.fit.curve_fit import CurveFit
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
@@ -98,7 +98,7 @@ def _walk(
     return out
 
 
-def seen_beyond_px(fit: Fit, setting: Setting) -> float:
+def seen_beyond_px(fit: CurveFit, setting: FitContext) -> float:
     """How far beyond the stated end the sheet is seen; 0 where it ends, or nothing can tell."""
     shape, band = fit.shape, fit.band
     last = np.flatnonzero(fit.used)[-40:]

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit, around, information
-from labrig.vision.fit.shape import Shape
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit, around, information
+from labrig.vision.fit.shape import CurveShape
 from labrig.vision.fit.smoothness import averaged, covariance
 
 FloatArray = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ LINE_SIGMA = np.array([0.2, 0.015, 5e-4])
 
 
 @dataclass(frozen=True, eq=False)
-class Join:
+class GapJoin:
     """How what is seen beyond a hidden stretch lies beside what was to be expected there."""
 
     beside_px: float = 0.0
@@ -45,20 +45,20 @@ class Join:
         return self.chi2 > DOUBTFUL_CHI2
 
 
-def worst_join(fit: Fit, setting: Setting) -> Join:
+def worst_join(fit: CurveFit, setting: FitContext) -> GapJoin:
     """The least likely of a curve's joins."""
     shape, step = fit.shape, fit.shape.basis.step_px
     seen = np.flatnonzero(fit.used & ~holes(fit, setting))
     gaps = np.flatnonzero(np.diff(seen) * step > LEAST_HIDDEN_PX)
     gaps = gaps[gaps + 1 >= LEAST_BEFORE]
     if not len(gaps):
-        return Join()
+        return GapJoin()
     modes = shape.normal_modes()
     joins = [_join(fit, setting, modes, int(seen[i]) + 1, int(seen[i + 1])) for i in gaps]
     return max(joins, key=lambda join: join.chi2)
 
 
-def holes(fit: Fit, setting: Setting) -> BoolArray:
+def holes(fit: CurveFit, setting: FitContext) -> BoolArray:
     """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
     misfit, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
     size = np.maximum(size, 1e-9)
@@ -73,7 +73,7 @@ def holes(fit: Fit, setting: Setting) -> BoolArray:
     return around(hole, 1) > 0.5
 
 
-def _join(fit: Fit, setting: Setting, modes: FloatArray, until: int, again: int) -> Join:
+def _join(fit: CurveFit, setting: FitContext, modes: FloatArray, until: int, again: int) -> GapJoin:
     """The join of what is seen up to the cell `until` with what comes into sight at `again`."""
     shape, basis = fit.shape, fit.shape.basis
     offset, sigma = fit.offsets_px
@@ -91,10 +91,10 @@ def _join(fit: Fit, setting: Setting, modes: FloatArray, until: int, again: int)
     pushed = _pushed(shape, until, again)
     known = rows @ unsure @ rows.T + np.outer(pushed, pushed) + np.diag(LINE_SIGMA**2)
     aside = np.where(np.arange(len(modes)) < until, 0.0, modes @ change)
-    return Join(float(off[0]), float(off[1]), float(off @ np.linalg.solve(known, off)), aside)
+    return GapJoin(float(off[0]), float(off[1]), float(off @ np.linalg.solve(known, off)), aside)
 
 
-def _pushed(shape: Shape, until: int, again: int) -> FloatArray:
+def _pushed(shape: CurveShape, until: int, again: int) -> FloatArray:
     """(3,) how far a force where the sheet is hidden may lead place, direction and curvature aside.
 
     A force bends a sheet in proportion to the distance from it, so it ends a slope of curvature.

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting, pixels_beside
+from labrig.vision.fit.context import FitContext, pixels_beside
 from labrig.vision.fit.cross_section import templates
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.curve_fit import CurveFit
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -22,7 +22,7 @@ MORE_THAN_NOISE = 0.95  # residuals, of which Tukey's weights leave 0.9: else no
 LEAST_GAIN = 16.0  # twice the log-likelihood that a second image explains
 
 
-def pulled_px(fit: Fit, setting: Setting) -> FloatArray:
+def pulled_px(fit: CurveFit, setting: FitContext) -> FloatArray:
     """(nodes,) how far what lies beside the sheet may have pulled the curve; 0: nothing is seen."""
     used = fit.used
     starts = np.arange(0, len(used), PIECE_CELLS)
@@ -43,7 +43,7 @@ def pulled_px(fit: Fit, setting: Setting) -> FloatArray:
 
 
 def _pull(
-    fit: Fit, cells: slice, pixels: tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]
+    fit: CurveFit, cells: slice, pixels: tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]
 ) -> float:
     """How far the likeliest second image beside some cells pulls them; 0 where there is none."""
     value, distance, first = pixels
@@ -72,7 +72,7 @@ def _pull(
 
 
 def _bands(
-    fit: Fit, cells: slice, distance: FloatArray, first: npt.NDArray[np.int64]
+    fit: CurveFit, cells: slice, distance: FloatArray, first: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The sheet's band at distances from its middle, its slope, and its change with blur."""
     band = fit.band

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -16,7 +16,7 @@ STEP = 0.8  # of the contrast, from one side to the other
 FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside it does not reach
 
 
-def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
+def straightened(fit: CurveFit, setting: FitContext, across: FloatArray) -> FloatArray:
     """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside.
 
     Of every third node, which is enough for medians.
@@ -41,7 +41,7 @@ def straightened(fit: Fit, setting: Setting, across: FloatArray) -> FloatArray:
     )
 
 
-def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
+def runs_beside_opposite(fit: CurveFit, setting: FitContext) -> bool:
     """Whether a stronger band of the opposite sign accompanies the curve.
 
     A bright sheet's dark flank looks like a thin dark sheet to a filter, and the other way round.
@@ -65,7 +65,7 @@ def runs_beside_opposite(fit: Fit, setting: Setting) -> bool:
     return bool(votes >= PIECES // 2)
 
 
-def is_an_edge(fit: Fit, setting: Setting) -> bool:
+def is_an_edge(fit: CurveFit, setting: FitContext) -> bool:
     """Whether one side of the curve is as bright as the curve itself: the edge of something wide.
 
     The far face of a silhouette is that too, but not as wide.

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.curve_fit import CurveFit
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -23,7 +23,7 @@ SHINES_THROUGH = 0.3  # of that difference
 LIKE_SHADE = 0.25
 
 
-def strangers(fit: Fit) -> BoolArray:
+def strangers(fit: CurveFit) -> BoolArray:
     """(cells,) of stretches between two gaps whose grey changes with the ground."""
     strange = np.zeros(len(fit.used), dtype=bool)
     stretches = _stretches(fit.used)
@@ -46,7 +46,7 @@ def _stretches(used: BoolArray) -> list[slice]:
     return [slice(int(first), int(last) + 1) for first, last in zip(firsts, lasts, strict=True)]
 
 
-def _step(fit: Fit, before: slice, after: slice) -> tuple[float, float, float]:
+def _step(fit: CurveFit, before: slice, after: slice) -> tuple[float, float, float]:
     """How ground and sheet change over a gap, in units of the contrast; the latter under shade."""
     contrast = fit.usual_contrast
     one = _greys(fit, slice(max(before.start, before.stop - ENDS), before.stop))
@@ -55,7 +55,7 @@ def _step(fit: Fit, before: slice, after: slice) -> tuple[float, float, float]:
     return float(ground), float(sheet), float(ground * one[1] / max(one[0], 1.0))
 
 
-def _greys(fit: Fit, part: slice) -> FloatArray:
+def _greys(fit: CurveFit, part: slice) -> FloatArray:
     """(2,) of ground and sheet."""
     ground = fit.cells[part, 1][fit.used[part]]
     contrast = fit.contrast[part][fit.used[part]]

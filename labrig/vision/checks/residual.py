@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit, around, ridge_points
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit, around, ridge_points
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -26,7 +26,7 @@ ALL_PRESENT = 0.9  # share of the pixels beside the curve: nothing is hidden the
 LIKE_THE_SHEET = (0.5, 2.2)  # its height and width over the usual ones
 
 
-def beside_px(fit: Fit, setting: Setting) -> FloatArray:
+def beside_px(fit: CurveFit, setting: FitContext) -> FloatArray:
     """(nodes,) how far beside the curve the picture shows the sheet; 0: where the curve is."""
     beside = np.where(fit.used, _of_used(fit), 0.0)
     # by cells the share of pixels is uneven
@@ -40,7 +40,7 @@ def beside_px(fit: Fit, setting: Setting) -> FloatArray:
     return np.append(beside, beside[-1])
 
 
-def _of_used(fit: Fit) -> FloatArray:
+def _of_used(fit: CurveFit) -> FloatArray:
     """(cells,) what cells say together, and RMS around, where that is clearly more than noise."""
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
@@ -53,7 +53,7 @@ def _of_used(fit: Fit) -> FloatArray:
     return np.where(chi2 > MOST_CHI2, np.sqrt(np.maximum(more, square)), 0.0)
 
 
-def _of_unclear(fit: Fit, setting: Setting, unclear: BoolArray) -> FloatArray:
+def _of_unclear(fit: CurveFit, setting: FitContext, unclear: BoolArray) -> FloatArray:
     """(cells,) the middle of what looks like the sheet, but not as the fit's band has it."""
     half = float(fit.band.half_width.max())
     reach = np.full(len(fit.used) + 1, round(2 * half + 10))

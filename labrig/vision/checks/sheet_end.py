@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting, pixels_beside
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.context import FitContext, pixels_beside
+from labrig.vision.fit.curve_fit import CurveFit
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -18,7 +18,7 @@ LEAST_MISSING = 6.0  # of the sheet's start, in units of how well that is known
 
 
 @dataclass(frozen=True)
-class Tip:
+class SheetEnd:
     """The visible end against the stated one, in pixels; None where it cannot be seen."""
 
     beyond_px: float | None  # positive: the sheet is longer than stated
@@ -27,7 +27,7 @@ class Tip:
     out_of_sight: bool = False  # the sheet is seen up to where the picture or a roll ends
 
 
-def find_tip(fit: Fit, setting: Setting) -> Tip:
+def find_tip(fit: CurveFit, setting: FitContext) -> SheetEnd:
     """Fit a step to the sheet's contrast along the curve, around its stated end."""
     total = fit.shape.basis.total_px
     before = min(60.0, 0.3 * total)
@@ -37,9 +37,9 @@ def find_tip(fit: Fit, setting: Setting) -> Tip:
     seen = np.isfinite(ratio)
     beyond = seen & (at > 2)
     if seen[at < -3].sum() < 8 or beyond.sum() < 4:
-        return Tip(None, out_of_sight=bool(fit.used[-14:-4].mean() > 0.5))
+        return SheetEnd(None, out_of_sight=bool(fit.used[-14:-4].mean() > 0.5))
     if np.mean(np.abs(ratio[beyond] - 1) < 0.45) > 0.85:
-        return Tip(float(at[seen][-1]), at_least=True)
+        return SheetEnd(float(at[seen][-1]), at_least=True)
     noise = _roughness(ratio[seen])
     places = np.arange(at[seen][0] + 6, at[seen][-1] - 3, 0.1)
     blur = math.hypot(fit.band.blur, 0.3)
@@ -49,13 +49,13 @@ def find_tip(fit: Fit, setting: Setting) -> Tip:
     # a step must explain more than a sheet that goes on, or one that ended long before, does
     plain = min(cost[0], cost[-1])
     if best in (0, len(cost) - 1) or plain - cost[best] < 12:
-        return Tip(None)
+        return SheetEnd(None)
     if places[best] < -4 and missing_end_px(fit) == 0:
-        return Tip(None)  # something hides the sheet there; that is no end
-    return Tip(float(places[best]), noise / math.sqrt(1 / (2.5 * blur)) + 0.2)
+        return SheetEnd(None)  # something hides the sheet there; that is no end
+    return SheetEnd(float(places[best]), noise / math.sqrt(1 / (2.5 * blur)) + 0.2)
 
 
-def missing_end_px(fit: Fit) -> float:
+def missing_end_px(fit: CurveFit) -> float:
     """Length at the end on which there is plain background where the sheet should be.
 
     0 where something is there that may hide it: what hides a sheet differs from its background.
@@ -76,7 +76,7 @@ def missing_end_px(fit: Fit) -> float:
     return float(len(missing)) * fit.shape.basis.step_px if plain.mean() > 0.7 else 0.0
 
 
-def missing_start_px(fit: Fit, setting: Setting) -> float:
+def missing_start_px(fit: CurveFit, setting: FitContext) -> float:
     """Length at the clamp on which there is plain background where the sheet should be.
 
     0 where something is there that may hide it, or hardly any of it is missing.
@@ -107,7 +107,7 @@ def _roughness(ratio: FloatArray) -> float:
     return max(0.08, 1.5 * spread)
 
 
-def _contrast_along(fit: Fit, setting: Setting, at: FloatArray) -> FloatArray:
+def _contrast_along(fit: CurveFit, setting: FitContext, at: FloatArray) -> FloatArray:
     """Core minus flanks at distances `at` from the end, in units of the sheet's contrast."""
     import cv2
 

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Band, Pixels, Setting, measured, pixels_beside
-from labrig.vision.fit.curve_fit import Fit
-from labrig.vision.fit.shape import Shape
+from labrig.vision.fit.context import Band, FitContext, Pixels, measured, pixels_beside
+from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.fit.shape import CurveShape
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -50,7 +50,7 @@ IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what
 
 
 @dataclass(frozen=True)
-class Face:
+class SideFace:
     """How the far face shows; lengths in pixels of the sheet's plane."""
 
     depth: float
@@ -59,26 +59,26 @@ class Face:
     blur: float  # of the edges, which is less when the face is not taken for blur
     elongation_half: float  # half the elongation's visible thickness, which nobody knows
 
-    def widths(self, shape: Shape) -> FloatArray:
+    def widths(self, shape: CurveShape) -> FloatArray:
         """(cells,) visible width, to the side of its sign."""
         x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
         phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
         towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
         return np.asarray(np.clip(self.depth * towards, -MOST_FACE_PX, MOST_FACE_PX))
 
-    def on(self, band: Band, shape: Shape) -> Band:
+    def on(self, band: Band, shape: CurveShape) -> Band:
         """A band with this face."""
         looking = band.retuned(self.blur, self.elongation_half)
         return replace(looking, face=self.widths(shape), face_share=self.share)
 
 
-class FaceSearch:
+class SideFaceSearch:
     """The search for the far face, from a curve that was fitted without one.
 
     That curve runs in the middle of edge and face together; one fitted with a face, on the edge.
     """
 
-    def __init__(self, fit: Fit, setting: Setting) -> None:
+    def __init__(self, fit: CurveFit, setting: FitContext) -> None:
         self.setting, self.noise, self.used = setting, fit.noise, _looked_at(fit)
         rows, columns = setting.picture.grey.shape
         optics = setting.optics
@@ -92,9 +92,9 @@ class FaceSearch:
         self.nothing = self._misfits(self.seen, self.plain, tuned=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
         self.doubt_px = 0.0  # how far a face that is not seen may pull the curve
-        self.guessed: tuple[list[Face], list[float]] = ([], [])  # and what each gains
+        self.guessed: tuple[list[SideFace], list[float]] = ([], [])  # and what each gains
 
-    def first(self) -> Face | None:
+    def first(self) -> SideFace | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
         shown = [*GUESSES, *self._beside_thin_elongation()]
         guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
@@ -107,12 +107,12 @@ class FaceSearch:
         self._settle()
         return self._believed(self.seen, self._refined(self.seen, guesses[best]))
 
-    def again(self, fit: Fit, face: Face) -> Face | None:
+    def again(self, fit: CurveFit, face: SideFace) -> SideFace | None:
         """The likeliest face beside the curve that was fitted with the last one."""
         seen = _Seen(fit, self.setting, self.seen.reach, on_edge=True)
         return self._believed(seen, self._refined(seen, face))
 
-    def _believed(self, seen: _Seen, face: Face) -> Face | None:
+    def _believed(self, seen: _Seen, face: SideFace) -> SideFace | None:
         """A face that explains enough, and not one place only, as something beside it would.
 
         `doubt_px` then says how well it is known, else how far the curve may be off without it.
@@ -144,7 +144,7 @@ class FaceSearch:
         indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -LEAST_GAIN
         return float(gains.sum()) > STRONG_GAIN and not indifferent
 
-    def _doubt(self, faces: Sequence[Face], gains: Sequence[float]) -> float:
+    def _doubt(self, faces: Sequence[SideFace], gains: Sequence[float]) -> float:
         """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
         odds = LIKELY_SHOWN * np.exp(0.5 * np.minimum(gains, 2 * LEAST_GAIN))
         pulls = [self.seen.pull_px(face.on(self.plain, self.seen.shape)) for face in faces]
@@ -170,10 +170,10 @@ class FaceSearch:
     def _allowed(self, share: float) -> float:
         return 1.0 if self.silhouette else min(share, self.most_share)
 
-    def _guess(self, depth: float, share: float) -> Face:
+    def _guess(self, depth: float, share: float) -> SideFace:
         """A face, with the blur and the elongation's width that are left beside it."""
         band, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
-        face = Face(depth, share, centre, 1.0, 1.0)
+        face = SideFace(depth, share, centre, 1.0, 1.0)
         wide = np.abs(face.widths(self.seen.shape))
         thick = 2 * float(band.half_width[-1])
         if not band.elongation.any():
@@ -189,7 +189,7 @@ class FaceSearch:
         blur = float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2)))
         return replace(face, blur=blur, elongation_half=half)
 
-    def _refined(self, seen: _Seen, face: Face) -> Face:
+    def _refined(self, seen: _Seen, face: SideFace) -> SideFace:
         """The likeliest face, from a guess."""
         start = np.array(
             [np.log(face.depth), face.share, 0, 0, np.log(face.blur), face.elongation_half]
@@ -206,7 +206,7 @@ class FaceSearch:
 
         return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
 
-    def _oddness(self, face: Face) -> float:
+    def _oddness(self, face: SideFace) -> float:
         off = (np.array(face.centre) - self.centre) / self.spread
         return float(off @ off)
 
@@ -239,14 +239,14 @@ class FaceSearch:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
         self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
 
-    def _face(self, p: FloatArray) -> Face:
+    def _face(self, p: FloatArray) -> SideFace:
         x, y = self.centre + self.spread * p[2:4]
         blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
         share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
         depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
-        return Face(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
+        return SideFace(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
-    def _gains(self, seen: _Seen, face: Face) -> FloatArray:
+    def _gains(self, seen: _Seen, face: SideFace) -> FloatArray:
         """(pieces,) what a face explains, twice the log-likelihood."""
         return self.nothing - self._misfits(seen, face.on(self.plain, seen.shape), tuned=True)
 
@@ -276,7 +276,7 @@ class FaceSearch:
 class _Seen:
     """The pixels beside a curve."""
 
-    def __init__(self, fit: Fit, setting: Setting, reach: float, *, on_edge: bool) -> None:
+    def __init__(self, fit: CurveFit, setting: FitContext, reach: float, *, on_edge: bool) -> None:
         self.shape, self.reach, self.on_edge = fit.shape, reach, on_edge
         self.pixels = pixels_beside(fit.shape, setting, reach)
 
@@ -294,7 +294,7 @@ class _Seen:
         return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
 
 
-def _looked_at(fit: Fit) -> BoolArray:
+def _looked_at(fit: CurveFit) -> BoolArray:
     """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
     band = fit.band
     free = ~band.elongation & fit.in_view

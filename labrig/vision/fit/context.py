@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.fit.shape import Shape
-from labrig.vision.image.image import Picture, plane_map
+from labrig.vision.fit.shape import CurveShape
+from labrig.vision.image.image import GreyImage, plane_map
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -21,17 +21,17 @@ ROLL_MARGIN_PX = 2.5  # a roll's blurred rim
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class FitContext:
     """What stays the same during a fit."""
 
-    picture: Picture
+    picture: GreyImage
     optics: Optics
     sign: float  # +1: the sheet is brighter
     prior: FloatArray  # (2,) standard deviations of clamp offset (px) and angle
     spectral: float  # q in 1/px^3
     mask: MaskArray  # (rows, columns): not 0 where rolls hide the view
 
-    def nodes_px(self, shape: Shape) -> FloatArray:
+    def nodes_px(self, shape: CurveShape) -> FloatArray:
         """The curve's nodes in the picture (nodes, 2)."""
         plane = np.stack([shape.x, shape.y], axis=1)
         return self.optics.world_to_pixel(plane / self.optics.px_per_m)
@@ -77,7 +77,7 @@ def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
 
 
 def look(
-    shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray
+    shape: CurveShape, setting: FitContext, band: Band, noise: float, used: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
     """Measure the band along a curve: band.measure's table, and the share of pixels there."""
     pixels = pixels_beside(shape, setting, band.reach)
@@ -85,7 +85,7 @@ def look(
     return measured(pixels, band, noise, used), share
 
 
-def pixels_beside(shape: Shape, setting: Setting, reach: float) -> Pixels:
+def pixels_beside(shape: CurveShape, setting: FitContext, reach: float) -> Pixels:
     """The pixels within `reach` beside a curve: see band.collect."""
     from labrig.vision.fit.cross_section import collect
 

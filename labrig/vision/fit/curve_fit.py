@@ -16,8 +16,8 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.context import WINDOW_CELLS, Band, Setting, look
-from labrig.vision.fit.shape import Shape
+from labrig.vision.fit.context import WINDOW_CELLS, Band, FitContext, look
+from labrig.vision.fit.shape import CurveShape
 from labrig.vision.fit.smoothness import WANDERING, averaged, covariance
 
 FloatArray = npt.NDArray[np.float64]
@@ -39,10 +39,10 @@ def spectral_of(optics: Optics, strip: StripGeometry) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class CurveFit:
     """A fitted curve, with what each cell said about it."""
 
-    shape: Shape
+    shape: CurveShape
     band: Band
     cells: FloatArray  # (cells, 12), see band.measure
     present: FloatArray  # (cells,): share of the pixels beside the curve that are in the picture
@@ -88,7 +88,7 @@ class Fit:
         return self.cells[:, 4] / information, self.noise / np.sqrt(information)
 
 
-def seen_start(fit: Fit, setting: Setting) -> tuple[FloatArray, FloatArray]:
+def seen_start(fit: CurveFit, setting: FitContext) -> tuple[FloatArray, FloatArray]:
     """(2,) offset and angle of the start as the sheet alone has them, and their covariance (2, 2).
 
     That is without the clamp's calibration.
@@ -107,7 +107,7 @@ def spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
 
 
-def penalised(normal: FloatArray, shape: Shape, spectral: float) -> FloatArray:
+def penalised(normal: FloatArray, shape: CurveShape, spectral: float) -> FloatArray:
     """An information matrix with the smoothness prior added."""
     full = normal.copy()
     full[2:, 2:] += shape.basis.penalty / spectral
@@ -122,7 +122,7 @@ def solved(full: FloatArray, pull: FloatArray) -> FloatArray:
 
 
 def information(
-    shape: Shape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
+    shape: CurveShape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """The normal matrix and right-hand side for the parameters themselves.
 
@@ -136,8 +136,12 @@ def information(
 
 
 def fit_points(
-    shape: Shape, setting: Setting, *, half_width: float, reaches: tuple[int, ...] = (6, 5, 4)
-) -> Shape:
+    shape: CurveShape,
+    setting: FitContext,
+    *,
+    half_width: float,
+    reaches: tuple[int, ...] = (6, 5, 4),
+) -> CurveShape:
     """Pull the curve onto the ridge's sub-pixel points, robustly, from further to nearer."""
     beyond = shape.basis.s > shape.basis.free_px
     for reach in reaches:
@@ -161,7 +165,7 @@ def fit_points(
 
 
 def ridge_points(
-    shape: Shape, setting: Setting, reach: npt.NDArray[np.int64]
+    shape: CurveShape, setting: FitContext, reach: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Offset, height and width of the ridge beside each node; see ridge.ridge_offsets."""
     from labrig.vision.search.ridge_points import ridge_offsets
@@ -194,14 +198,14 @@ def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
 
 
 def fit_intensities(
-    shape: Shape,
-    setting: Setting,
+    shape: CurveShape,
+    setting: FitContext,
     band: Band,
     *,
     rounds: int = 8,
     contrast: float | None = None,
     settled_px: float = SETTLED_PX,
-) -> Fit:
+) -> CurveFit:
     """Fit the picture's own intensities beside the curve, and the band's look with it.
 
     `contrast`: of the sheet, where it is known from before. `settled_px`: the last step's size.
@@ -219,12 +223,12 @@ def fit_intensities(
     return fit
 
 
-def _contrast(shape: Shape, setting: Setting, band: Band) -> float:
+def _contrast(shape: CurveShape, setting: FitContext, band: Band) -> float:
     cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
     return float(np.median(np.abs(cells[:, 0])))
 
 
-def _retuned(fit: Fit) -> Band:
+def _retuned(fit: CurveFit) -> Band:
     band = fit.band
     sheet = _newton(fit, ~band.elongation)
     ends = _newton(fit, band.elongation) if band.elongation.any() else 0.0
@@ -233,12 +237,14 @@ def _retuned(fit: Fit) -> Band:
     return band.retuned(blur, half)
 
 
-def _newton(fit: Fit, where: BoolArray) -> float:
+def _newton(fit: CurveFit, where: BoolArray) -> float:
     table = fit.cells[fit.used & where]
     return float(table[:, 7].sum() / max(table[:, 8].sum(), 1e-9))
 
 
-def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: BoolArray) -> Fit:
+def _iteration(
+    shape: CurveShape, setting: FitContext, band: Band, noise: float, used: BoolArray
+) -> CurveFit:
     # far from all that is used, contrast and background come from the doubtful cells themselves
     asked = used | ~_grown(used, WINDOW_CELLS)
     cells, present = look(shape, setting, band, noise, asked)
@@ -251,7 +257,7 @@ def _iteration(shape: Shape, setting: Setting, band: Band, noise: float, used: B
     return _moved(shape, setting, band, cells, present, used, noise)
 
 
-def led_by(fit: Fit, setting: Setting, beside: FloatArray, sigma: float) -> Fit:
+def led_by(fit: CurveFit, setting: FitContext, beside: FloatArray, sigma: float) -> CurveFit:
     """The curve moved to where something else than intensities says that it is.
 
     `beside` (cells,): how far beside the curve; `sigma`: of each cell; both in pixels.
@@ -263,14 +269,14 @@ def led_by(fit: Fit, setting: Setting, beside: FloatArray, sigma: float) -> Fit:
 
 
 def _moved(
-    shape: Shape,
-    setting: Setting,
+    shape: CurveShape,
+    setting: FitContext,
     band: Band,
     cells: FloatArray,
     present: FloatArray,
     used: BoolArray,
     noise: float,
-) -> Fit:
+) -> CurveFit:
     """The curve moved by what its cells say of their distance from it."""
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
@@ -280,7 +286,7 @@ def _moved(
     basis = shape.basis
     wanted = averaged(normal, pull, basis.priors, basis.log_weight)
     moved = middle @ (wanted - shape.parameters)
-    return Fit(
+    return CurveFit(
         shape=shape.moved(wanted),
         band=band,
         cells=cells,
@@ -293,7 +299,7 @@ def _moved(
     )
 
 
-def _likeness(setting: Setting, band: Band) -> float:
+def _likeness(setting: FitContext, band: Band) -> float:
     """How well any band is like the template, as a share of its contrast.
 
     The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
@@ -303,7 +309,7 @@ def _likeness(setting: Setting, band: Band) -> float:
 
 
 def usable_cells(
-    cells: FloatArray, present: FloatArray, setting: Setting, band: Band, noise: float
+    cells: FloatArray, present: FloatArray, setting: FitContext, band: Band, noise: float
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
     there = present > LEAST_PRESENT

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit
 from labrig.vision.image.downscaling import scaled_places
 
 FloatArray = npt.NDArray[np.float64]
@@ -37,7 +37,7 @@ class Middle:
     sigma_px: float  # of each cell, were it alone: edges are frayed
 
 
-def middle_of_edges(fit: Fit, setting: Setting) -> Middle | None:
+def middle_of_edges(fit: CurveFit, setting: FitContext) -> Middle | None:
     """The edges' middle beside a fitted curve; None where hardly both edges are seen."""
     thick_px = 2 * np.append(fit.band.half_width, fit.band.half_width[-1])
     many = max(1, round(float(thick_px[0]) / fit.shape.basis.step_px))
@@ -61,7 +61,7 @@ def middle_of_edges(fit: Fit, setting: Setting) -> Middle | None:
     return Middle(np.interp(cells, at[good], few), sigma)
 
 
-def _straightened(fit: Fit, setting: Setting, thick_px: FloatArray) -> FloatArray:
+def _straightened(fit: CurveFit, setting: FitContext, thick_px: FloatArray) -> FloatArray:
     """(nodes, places across) the camera's grey along the curve, NaN outside."""
     import cv2
 

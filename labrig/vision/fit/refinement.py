@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.calibration.optics import Look, Optics
+from labrig.vision.calibration.optics import Optics, SheetAppearance
 from labrig.vision.checks.acceptance import Verdict, judge
 from labrig.vision.checks.occlusion import strangers
-from labrig.vision.checks.sheet_end import Tip, find_tip
-from labrig.vision.checks.side_face import FaceSearch
+from labrig.vision.checks.sheet_end import SheetEnd, find_tip
+from labrig.vision.checks.side_face import SideFaceSearch
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.context import Band, Setting, roll_mask
+from labrig.vision.fit.context import Band, FitContext, roll_mask
 from labrig.vision.fit.curve_fit import (
-    Fit,
+    CurveFit,
     fit_intensities,
     fit_points,
     led_by,
@@ -23,8 +23,8 @@ from labrig.vision.fit.curve_fit import (
     spectral_of,
 )
 from labrig.vision.fit.edges import middle_of_edges
-from labrig.vision.fit.shape import Shape, ShapeBasis, coefficients_for, make_basis
-from labrig.vision.image.image import Picture
+from labrig.vision.fit.shape import CurveShape, ShapeBasis, coefficients_for, make_basis
+from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import Trace, shape_through
 
 WELL_COVERED = 0.95
@@ -35,12 +35,12 @@ LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class CurveCandidate:
     """A fitted curve and what the self-check says of it."""
 
-    fit: Fit
-    setting: Setting
-    tip: Tip
+    fit: CurveFit
+    setting: FitContext
+    tip: SheetEnd
     verdict: Verdict
     wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
     between_edges: bool = False  # of a thick strip, whatever light falls on it
@@ -60,7 +60,7 @@ class Candidate:
 class Refiner:
     """Fits curves to one picture."""
 
-    def __init__(self, picture: Picture, optics: Optics, strip: StripGeometry) -> None:
+    def __init__(self, picture: GreyImage, optics: Optics, strip: StripGeometry) -> None:
         self.picture, self.optics, self.strip = picture, optics, strip
         self.thickness_px = strip.thickness_m * optics.px_per_m
         free_px = strip.free_length_m * optics.px_per_m
@@ -72,10 +72,10 @@ class Refiner:
         )
         self.mask = roll_mask(optics, picture.grey.shape)
 
-    def setting(self, sign: float) -> Setting:
+    def setting(self, sign: float) -> FitContext:
         """How the picture is looked at for a sheet of this brightness against the background."""
         optics = self.optics
-        return Setting(
+        return FitContext(
             picture=self.picture,
             optics=optics,
             sign=sign,
@@ -89,12 +89,12 @@ class Refiner:
         middle = 0.5 * (self.basis.s[1:] + self.basis.s[:-1])
         return np.asarray(middle > self.basis.free_px)
 
-    def refine(self, trace: Trace, sign: float) -> Candidate:
+    def refine(self, trace: Trace, sign: float) -> CurveCandidate:
         """From a traced path to a judged curve."""
         shape = shape_through(trace, self.optics, self.basis, self.setting(sign).spectral)
         return self.improved(shape, sign)
 
-    def improved(self, shape: Shape, sign: float) -> Candidate:
+    def improved(self, shape: CurveShape, sign: float) -> CurveCandidate:
         """The curve near a first one, looked for again where parts of it were lost."""
         setting = self.setting(sign)
         half = self._elongation_half_width(shape, setting)
@@ -112,7 +112,7 @@ class Refiner:
             best = self._without_strangers(best)
         return self.led_by_edges(self._anchored(self._faced(best)))
 
-    def led_by_edges(self, found: Candidate) -> Candidate:
+    def led_by_edges(self, found: CurveCandidate) -> CurveCandidate:
         """The curve between the edges of a thick strip, instead of in the middle of its light."""
         fit, setting = found.fit, found.setting
         if self.picture.whole is None or found.verdict.why:
@@ -127,7 +127,7 @@ class Refiner:
             return found
         return replace(found, fit=fit, verdict=verdict, between_edges=True)
 
-    def _without_strangers(self, found: Candidate) -> Candidate:
+    def _without_strangers(self, found: CurveCandidate) -> CurveCandidate:
         """The curve without what was taken for the sheet where that cannot be seen."""
         strange = strangers(found.fit)
         if not strange.any():
@@ -135,13 +135,13 @@ class Refiner:
         band = replace(found.fit.band, spoilt=strange)
         return self.judged(fit_intensities(found.fit.shape, found.setting, band), found.setting)
 
-    def _faced(self, plain: Candidate) -> Candidate:
+    def _faced(self, plain: CurveCandidate) -> CurveCandidate:
         """The curve with the far face taken off, where one is seen."""
         # a thicker sheet looks like one with a face as dark as its edge
-        told_apart = self.strip.thickness_known or self.optics.look != Look.AUTO
+        told_apart = self.strip.thickness_known or self.optics.look != SheetAppearance.AUTO
         if plain.verdict.covered < 0.5 or not told_apart:
             return plain
-        search = FaceSearch(plain.fit, plain.setting)
+        search = SideFaceSearch(plain.fit, plain.setting)
         found, face = plain, search.first()
         for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
             if face is None:
@@ -156,12 +156,12 @@ class Refiner:
                 face = search.again(found.fit, face)
         return replace(found, wider_px=2 * search.doubt_px)
 
-    def judged(self, fit: Fit, setting: Setting) -> Candidate:
+    def judged(self, fit: CurveFit, setting: FitContext) -> CurveCandidate:
         """A fit with its end and what the self-check says of it."""
         tip = find_tip(fit, setting)
-        return Candidate(fit, setting, tip, judge(fit, setting, tip))
+        return CurveCandidate(fit, setting, tip, judge(fit, setting, tip))
 
-    def _anchored(self, found: Candidate) -> Candidate:
+    def _anchored(self, found: CurveCandidate) -> CurveCandidate:
         """Move the start along the clamped sheet to where its end says that it is.
 
         The clamp's place is known to a pixel only, the length much better.
@@ -179,7 +179,7 @@ class Refiner:
         verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
         return replace(found, fit=fit, verdict=verdict)
 
-    def _elongation_half_width(self, shape: Shape, setting: Setting) -> float:
+    def _elongation_half_width(self, shape: CurveShape, setting: FitContext) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""
         if self.strip.elongation_m == 0:
             return self.thickness_px / 2

@@ -44,7 +44,7 @@ class ShapeBasis:
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class CurveShape:
     """A curve on a basis' grid."""
 
     basis: ShapeBasis
@@ -56,11 +56,11 @@ class Shape:
     phi: FloatArray
     k: FloatArray
 
-    def moved(self, parameters: FloatArray) -> Shape:
+    def moved(self, parameters: FloatArray) -> CurveShape:
         """The curve with other parameters."""
         return make_shape(self.basis, self.start, self.heading, parameters)
 
-    def slid(self, by: float) -> Shape:
+    def slid(self, by: float) -> CurveShape:
         """The same line in the plane with its start `by` further along it."""
         basis, heading = self.basis, self.heading
         turn = float(self.parameters[1])
@@ -100,7 +100,7 @@ def _normal_modes(angle: FloatArray, phi: FloatArray, heading: float, step: floa
 
 def make_shape(
     basis: ShapeBasis, start: FloatArray, heading: float, parameters: FloatArray
-) -> Shape:
+) -> CurveShape:
     """Integrate the curvature into a curve."""
     offset, turn, c = parameters[0], parameters[1], parameters[2:]
     phi = heading + turn + basis.angle @ c
@@ -108,7 +108,7 @@ def make_shape(
     sixth = basis.step_px / 6
     x = _integral(np.cos(phi), np.cos(middle), sixth)
     y = _integral(np.sin(phi), np.sin(middle), sixth)
-    return Shape(
+    return CurveShape(
         basis=basis,
         start=start,
         heading=heading,

@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.image.image import Picture, pixel_noise
-from labrig.vision.search.straight_lines import Wire
+from labrig.vision.image.image import GreyImage, pixel_noise
+from labrig.vision.search.straight_lines import BackgroundLine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def reduction(thickness_px: float) -> int:
     return round(thickness_px / WANTED_PX) if thickness_px > THICK_PX else 1
 
 
-def reduced_picture(picture: Picture, by: int) -> Picture:
+def reduced_picture(picture: GreyImage, by: int) -> GreyImage:
     """The means of squares of pixels."""
     import cv2
 
@@ -83,7 +83,8 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
         pull_px=curve.pull_px * by,
         face_px=curve.face_px * by,
         wires=tuple(
-            Wire(scaled_places(wire.path, by), wire.seen, wire.half_px * by) for wire in curve.wires
+            BackgroundLine(scaled_places(wire.path, by), wire.seen, wire.half_px * by)
+            for wire in curve.wires
         ),
     )
 

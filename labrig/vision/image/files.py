@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from labrig.config.base import Closed, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.sheet import Sheet
 from labrig.errors import BadInputError
 from labrig.vision.curve import NeutralCurve, StripGeometry
@@ -25,7 +25,7 @@ LETTER_PX, LINE_PX = 10, 20
 COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm")
 
 
-class _Strip(Closed):
+class _Strip(ClosedModel):
     """What the extraction needs of a sheet.toml."""
 
     free_length_mm: float = Field(gt=0, le=1000)

@@ -18,12 +18,12 @@ SMOOTHING_PX = 1.0
 MOST_OF_NOISE = 12.0  # standard deviations, from the darkest to the brightest of a million pixels
 
 
-class PictureError(ValueError):
+class ImageError(ValueError):
     """The picture cannot hold a curve; the text is the sentence for the user."""
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class GreyImage:
     """A grey picture. `noise` is one pixel's standard deviation in grey levels."""
 
     grey: MapArray
@@ -42,21 +42,21 @@ class Picture:
         return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
 
-def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
+def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     """Check an image and turn it into floats; colour is turned into grey with a warning."""
     grey, warnings = _grey(image)
     rows, columns = grey.shape
     if rows < 16 or columns < 16:
-        raise PictureError(f"the picture is only {columns} x {rows} pixels; a sheet needs more.")
+        raise ImageError(f"the picture is only {columns} x {rows} pixels; a sheet needs more.")
     if optics.image_size is not None and optics.image_size != (columns, rows):
-        raise PictureError(
+        raise ImageError(
             f"the picture is {columns} x {rows} pixels but the optics were calibrated for "
             f"{optics.image_size[0]} x {optics.image_size[1]}; calibrate this camera setting."
         )
     full_scale = _full_scale(image, optics)
     clipped = float(np.mean(grey >= full_scale))
     if clipped > 0.9:
-        raise PictureError(
+        raise ImageError(
             f"the picture is saturated ({clipped:.0%} of the pixels are at full scale); "
             "shorten the exposure."
         )
@@ -64,18 +64,18 @@ def read_picture(image: npt.NDArray[Any], optics: Optics) -> Picture:
     low, high = float(grey.min()), float(grey.max())
     # a camera of ten bits leaves most of sixteen empty: what little there is may show all
     if high - low < min(0.01 * full_scale, MOST_OF_NOISE * noise):
-        raise PictureError(
+        raise ImageError(
             f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
             "check lens cap, light and exposure."
         )
-    return Picture(grey, noise, full_scale, clipped, tuple(warnings))
+    return GreyImage(grey, noise, full_scale, clipped, tuple(warnings))
 
 
 def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
     if not isinstance(image, np.ndarray) or image.size == 0:
-        raise PictureError("this is not an image: an array of pixels is needed.")
+        raise ImageError("this is not an image: an array of pixels is needed.")
     if image.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
-        raise PictureError(f"the image holds {image.dtype} values; 8 or 16 bit grey is needed.")
+        raise ImageError(f"the image holds {image.dtype} values; 8 or 16 bit grey is needed.")
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
     if image.ndim == 3 and image.shape[2] in (3, 4):
@@ -85,10 +85,10 @@ def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
         grey = image[:, :, :3].astype(np.float32) @ np.array([0.114, 0.587, 0.299], np.float32)
         return np.ascontiguousarray(grey), ["the picture is in colour; its grey values were used"]
     if image.ndim != 2:
-        raise PictureError(f"the image has shape {image.shape}; rows and columns are needed.")
+        raise ImageError(f"the image has shape {image.shape}; rows and columns are needed.")
     grey = np.ascontiguousarray(image, dtype=np.float32)
     if image.dtype.kind == "f" and not np.isfinite(grey).all():
-        raise PictureError("the image holds values that are not finite.")
+        raise ImageError("the image holds values that are not finite.")
     return grey, []
 
 

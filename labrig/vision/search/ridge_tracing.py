@@ -12,8 +12,8 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.shape import Shape, ShapeBasis, fit_angles, make_shape
-from labrig.vision.image.image import Picture
+from labrig.vision.fit.shape import CurveShape, ShapeBasis, fit_angles, make_shape
+from labrig.vision.image.image import GreyImage
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
@@ -77,7 +77,7 @@ class RidgeMaps:
         self.maps[:, :, hidden[0], hidden[1]] = 0
 
 
-def ridge_maps(picture: Picture, thickness_px: float, *, wide: bool) -> RidgeMaps:
+def ridge_maps(picture: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMaps:
     """Second derivatives and slopes in units of their noise, at the sheet's width and wider."""
     import cv2
 
@@ -184,7 +184,7 @@ def _clamp_direction(optics: Optics) -> tuple[float, float]:
     return math.atan2(dv, du), math.hypot(du, dv) / 10
 
 
-def shape_through(trace: Trace, optics: Optics, basis: ShapeBasis, spectral: float) -> Shape:
+def shape_through(trace: Trace, optics: Optics, basis: ShapeBasis, spectral: float) -> CurveShape:
     """A smooth curve that follows a traced path."""
     nodes = optics.pixel_to_world(trace.path) * optics.px_per_m
     start = optics.clamp_m() * optics.px_per_m

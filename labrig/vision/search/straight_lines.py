@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.image.image import Picture
+from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import RidgeMaps
 from labrig.vision.search.straight_ridges import entries, followed
 
@@ -38,7 +38,7 @@ MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
 
 
 @dataclass(frozen=True, eq=False)
-class Wire:
+class BackgroundLine:
     """A line in raw pixels from where it comes in to where it is last seen."""
 
     path: FloatArray  # (n, 2)
@@ -99,10 +99,10 @@ class Wire:
         return np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
 
 
-def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
+def find_wires(picture: GreyImage, ridges: RidgeMaps, sign: float) -> list[BackgroundLine]:
     """The straight ridges of a sign that reach the picture's border."""
     maps = ridges.maps[:1]
-    found: list[Wire] = []
+    found: list[BackgroundLine] = []
     for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
         if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
             u, v, angle, inset = (float(value) for value in entry)
@@ -112,20 +112,20 @@ def find_wires(picture: Picture, ridges: RidgeMaps, sign: float) -> list[Wire]:
 
 
 def find_branches(
-    picture: Picture,
+    picture: GreyImage,
     ridges: RidgeMaps,
     sign: float,
     curve: FloatArray,
     seen: BoolArray,
     apart: float,
-) -> list[Wire]:
+) -> list[BackgroundLine]:
     """The straight ridges that leave a curve (n, 2): that are seen `apart` from it.
 
     A sheet does not branch: a line that runs with the curve and goes on where that bends away is
     no part of it, wherever its ends are. `seen` (n - 1,): where the curve looks like a sheet.
     """
     maps = ridges.maps[:1]
-    found: list[Wire] = []
+    found: list[BackgroundLine] = []
     from_gaps = _from_gaps(ridges, curve, seen)
     for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, apart):
         if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
@@ -140,17 +140,17 @@ def find_branches(
 
 
 def _wire(
-    picture: Picture, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
-) -> list[Wire]:
+    picture: GreyImage, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
+) -> list[BackgroundLine]:
     """The wire of a line in the ridge maps; none where it is an edge."""
     if line is None:
         return []
     path = ridges.raw(line[0])
     half = _half_width(picture, path, sign, ridges.scale)
-    return [Wire(path, line[1], half)] if half is not None else []
+    return [BackgroundLine(path, line[1], half)] if half is not None else []
 
 
-def hidden_by(wires: Sequence[Wire], shape: tuple[int, int]) -> MaskArray:
+def hidden_by(wires: Sequence[BackgroundLine], shape: tuple[int, int]) -> MaskArray:
     """(rows, columns): not 0 where a wire is seen."""
     import cv2
 
@@ -222,7 +222,7 @@ def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
     return found + np.outer(back, [0.0, 0.0, math.pi])
 
 
-def _half_width(picture: Picture, path: FloatArray, sign: float, scale: int) -> float | None:
+def _half_width(picture: GreyImage, path: FloatArray, sign: float, scale: int) -> float | None:
     """Half of what is seen of it across; None for an edge, which has no other side."""
     from labrig.vision.search.ridge_points import ridge_offsets
 

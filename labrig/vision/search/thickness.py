@@ -6,10 +6,10 @@ import numpy as np
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
-from labrig.vision.fit.context import Setting, roll_mask
+from labrig.vision.fit.context import FitContext, roll_mask
 from labrig.vision.fit.curve_fit import fit_points, ridge_points, spectral_of
 from labrig.vision.fit.shape import coefficients_for, make_basis
-from labrig.vision.image.image import Picture
+from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import ridge_maps, shape_through, trace_from_clamp
 
 BLURRED_PX = 2.7  # full width at half height of the thinnest sheet, by lens and smoothing
@@ -17,7 +17,7 @@ REACH_PX = 30
 LEAST_CHANGE_PX = 1.0  # a guess that is as near as this is as good
 
 
-def visible_thickness_m(picture: Picture, optics: Optics, strip: StripGeometry) -> float:
+def visible_thickness_m(picture: GreyImage, optics: Optics, strip: StripGeometry) -> float:
     """The thickness that the likeliest path from the clamp shows; the guess, where none is seen."""
     guess_px = strip.thickness_m * optics.px_per_m
     free_px, total_px = strip.free_length_m * optics.px_per_m, strip.length_m * optics.px_per_m
@@ -29,7 +29,7 @@ def visible_thickness_m(picture: Picture, optics: Optics, strip: StripGeometry) 
         return strip.thickness_m
     _, sign, trace = max(found, key=lambda each: each[0])
     basis = make_basis(free_px, total_px, coefficients_for(free_px))
-    setting = Setting(
+    setting = FitContext(
         picture=picture,
         optics=optics,
         sign=sign,

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.image.image import PictureError, read_picture
+from labrig.vision.image.image import ImageError, read_grey_image
 from labrig.vision.tracking.rolls import Roll, find_rolls
 from model.measurements import Contact
 
@@ -44,15 +44,15 @@ def contact_from_picture(
     """
     if not curve.ok:
         return None
-    seat = _Seat(curve, optics, arc_radius_m, arc_origin_rad)
+    seat = _RollSeat(curve, optics, arc_radius_m, arc_origin_rad)
     crossings = [seat.crossing(at) for at in seat.crossings()]
     if not crossings:
         return None
     if expected_m is not None:
         crossings.sort(key=lambda c: abs(c.position_m - expected_m))
     try:
-        picture = read_picture(image, optics)
-    except PictureError:
+        picture = read_grey_image(image, optics)
+    except ImageError:
         return None
     for crossing in crossings:
         rolls = _named(optics, crossing) or find_rolls(picture, curve, optics, crossing.s_m)
@@ -77,7 +77,7 @@ def _named(optics: Optics, crossing: Contact) -> tuple[Roll, Roll] | None:
     return first, second
 
 
-class _Seat:
+class _RollSeat:
     """A curve and the arc it crosses."""
 
     def __init__(

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.image.image import MapArray, Picture
+from labrig.vision.image.image import GreyImage, MapArray
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -71,7 +71,7 @@ class _Look:
 
 
 def find_rolls(
-    picture: Picture, curve: NeutralCurve, optics: Optics, near_s_m: float
+    picture: GreyImage, curve: NeutralCurve, optics: Optics, near_s_m: float
 ) -> tuple[Roll, Roll] | None:
     """The rolls beside the curve near `near_s_m`; None where no pair of discs is seen."""
     look = _Look(picture.smooth, optics, SMOOTHED_NOISE * picture.noise)

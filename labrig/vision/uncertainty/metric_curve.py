@@ -11,9 +11,9 @@ import numpy.typing as npt
 from labrig.vision.checks.acceptance import Verdict
 from labrig.vision.checks.residual import beside_px
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.fit.context import Setting
-from labrig.vision.fit.curve_fit import Fit, spread
-from labrig.vision.search.straight_lines import Wire, hidden_by
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit, spread
+from labrig.vision.search.straight_lines import BackgroundLine, hidden_by
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -26,8 +26,8 @@ LEAST_TOLD = 0.02  # of the sheet hidden by wires
 
 
 def report(
-    fit: Fit,
-    setting: Setting,
+    fit: CurveFit,
+    setting: FitContext,
     verdict: Verdict,
     excess_px: FloatArray | None = None,
     pulled: FloatArray | None = None,
@@ -120,7 +120,9 @@ def report(
     )
 
 
-def with_wires(curve: NeutralCurve, wires: Sequence[Wire], shape: tuple[int, int]) -> NeutralCurve:
+def with_wires(
+    curve: NeutralCurve, wires: Sequence[BackgroundLine], shape: tuple[int, int]
+) -> NeutralCurve:
     """The curve with the wires that were left out, and a warning where they hide some of it."""
     if not wires:
         return curve
@@ -141,7 +143,7 @@ def blamed(verdict: Verdict) -> Verdict:
     return replace(verdict, why=said)
 
 
-def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
+def systematic_m(fit: CurveFit, setting: FitContext) -> FloatArray:
     """(nodes,) the part of sigma that no averaging removes, along the normal.
 
     Scale, rotation and origin of the calibration, and how well the band's template can be right.
@@ -157,7 +159,7 @@ def systematic_m(fit: Fit, setting: Setting) -> FloatArray:
     return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 
-def _resolution_px(fit: Fit, covariance: FloatArray) -> float:
+def _resolution_px(fit: CurveFit, covariance: FloatArray) -> float:
     """Length per effective degree of freedom of the curvature."""
     free = float(np.trace(covariance @ fit.normal)) - 2.0  # place and angle at the clamp
     return fit.shape.basis.free_px / max(free, 1.0)

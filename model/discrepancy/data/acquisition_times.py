@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.data.pulses import SAMPLE_S
-from model.effects.interface import Clock
+from model.effects.interface import AcquisitionTimes
 from model.measurements import Condition, FloatArray, Reading, TimeSeries
 
 PULSE_S = 0.6
@@ -31,7 +31,7 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
 
 
 @dataclass(frozen=True)
-class Session:
+class SessionTimes:
     """When in the session readings were taken.
 
     Where nobody wrote it down, runs are taken to have been made in the order of the table.
@@ -44,14 +44,14 @@ class Session:
     driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
 
     @staticmethod
-    def of(conditions: Sequence[Condition]) -> Session:
+    def of(conditions: Sequence[Condition]) -> SessionTimes:
         """Of all readings of all configurations."""
         held = [c for c in conditions if c.position_m is not None]
         times = [r.session_s for c in conditions for r in c.readings]
         known = [t for t in times if t is not None]
         first, last = (min(known), max(known)) if known else (0.0, 0.0)
         runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
-        return Session(first, last, runs, *_worked(held))
+        return SessionTimes(first, last, runs, *_worked(held))
 
     def share(self, condition: Condition, reading: Reading) -> float:
         """0 to 1 over the session; 0.5 where only this reading's time is not known."""
@@ -64,7 +64,7 @@ class Session:
 
 
 @dataclass(frozen=True)
-class Timing:
+class ReadingTimes:
     """What the clocks of a condition's readings have in common."""
 
     voltage_V: float
@@ -74,7 +74,7 @@ class Timing:
     worked_s: float  # under voltage before the run
     driven_s: float = 0.0  # ... since the sheet was last wetted
 
-    def of(self, readings: list[Reading], session: list[float]) -> Clock:
+    def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
         index = np.array([r.index for r in readings], dtype=float)
         run_s = np.array(
@@ -85,7 +85,7 @@ class Timing:
         )
         return self._clock(index, run_s, np.array(session), wetted)
 
-    def of_no_reading(self, session: float) -> Clock:
+    def of_no_reading(self, session: float) -> AcquisitionTimes:
         """Of a free shape, at this time of the session, in a pulse amid others."""
         pulse = np.full(1, AMID)
         run_s = PULSE_S * pulse + SAMPLE_S
@@ -93,14 +93,14 @@ class Timing:
 
     def _clock(
         self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray
-    ) -> Clock:
+    ) -> AcquisitionTimes:
         shape = index.shape
         pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
         driven = PULSE_S * np.maximum(pulse, 0.0)
         dried = self.driven_s + driven
         before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
         opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
-        return Clock(
+        return AcquisitionTimes(
             np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
             wetted, dried, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
         )  # fmt: skip

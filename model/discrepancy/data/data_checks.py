@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from model.discrepancy.data.acquisition_times import run_key
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.fitted_model import base_parameters
 from model.measurements import Measurements
 
@@ -15,14 +15,14 @@ SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, st
 SLIPS_OUT = 1.02  # contact over the length of sheet and elongation
 
 
-def remarks(measurements: Measurements, base: Fitted) -> Iterator[str]:
+def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
     """One sentence for each oddity."""
     yield from _moduli(base)
     yield from _out_of_reach(base)
     yield from _of_no_run(measurements)
 
 
-def _moduli(base: Fitted) -> Iterator[str]:
+def _moduli(base: MixedModelFit) -> Iterator[str]:
     for name, found in base_parameters(base).items():
         study = base.problem.study
         sheet = study.scenes[study.names.index(name)].sheet
@@ -37,7 +37,7 @@ def _moduli(base: Fitted) -> Iterator[str]:
             )
 
 
-def _out_of_reach(base: Fitted) -> Iterator[str]:
+def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
     study = base.problem.study
     for c, state in enumerate(base.linear.states):
         scene = study.scenes[c]

@@ -17,15 +17,15 @@ import numpy.typing as npt
 from numpy.polynomial import legendre
 
 from model.discrepancy.data.acquisition_times import (
+    ReadingTimes,
     RunKey,
-    Session,
-    Timing,
+    SessionTimes,
     first_pulses,
     opposite_ratio,
     run_key,
 )
 from model.discrepancy.data.pulses import BINS_S, parts_of_pulses
-from model.effects.interface import Clock
+from model.effects.interface import AcquisitionTimes
 from model.identification.observations import check_sheet, checked_curve
 from model.measurements import (
     Condition,
@@ -46,7 +46,7 @@ Which = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Seen:
+class ConditionData:
     """One condition."""
 
     name: str
@@ -56,7 +56,7 @@ class Seen:
     voltage_V: float
     up: float
     force_N: FloatArray  # (n,) readings in time order; none where there is no load cell
-    clock: Clock  # of these readings, arrays (n,)
+    clock: AcquisitionTimes  # of these readings, arrays (n,)
     counts: Which  # (n,) whether a reading is in the mean: not those of the discarded first pulses
     curve: Curve | None  # of the mean image, or the mean of the readings' curves
     # of each reading, or of those that count; empty: not recorded one by one
@@ -76,13 +76,13 @@ class Seen:
         return self.force_N[self.counts]
 
     @property
-    def kept_clock(self) -> Clock:
+    def kept_clock(self) -> AcquisitionTimes:
         """When these were taken."""
         return self.clock.of(self.counts)
 
 
 @dataclass(frozen=True)
-class Pulses:
+class PulseSeries:
     """The force in parts of the pulses of one run at one voltage, less that at the sample."""
 
     configuration: str
@@ -96,12 +96,12 @@ class Pulses:
 
 
 @dataclass(frozen=True)
-class Look:
+class DataVector:
     """One configuration."""
 
     sheet: SheetGeometry
-    seen: tuple[Seen, ...]
-    pulses: tuple[Pulses, ...]
+    seen: tuple[ConditionData, ...]
+    pulses: tuple[PulseSeries, ...]
     session_s: float = 0.0  # from the first reading of all configurations to the last; 0: unknown
 
     @property
@@ -110,7 +110,7 @@ class Look:
         return sorted({s.voltage_V for s in self.seen if s.voltage_V != 0.0})
 
 
-def look(measurements: Measurements, configuration: str) -> Look:
+def look(measurements: Measurements, configuration: str) -> DataVector:
     """Everything usable of a configuration; a `ModelError` where there is nothing."""
     sheet = measurements.sheets.get(configuration)
     if sheet is None:
@@ -121,7 +121,7 @@ def look(measurements: Measurements, configuration: str) -> Look:
     own = [c for c in every if c.configuration == configuration]
     if not own:
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
-    session = Session.of(every)
+    session = SessionTimes.of(every)
     zeros = first_pulses(own)
     ratio = opposite_ratio(own)
     begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
@@ -135,7 +135,7 @@ def look(measurements: Measurements, configuration: str) -> Look:
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return Look(sheet, seen, tuple(pulses), session.last_s - session.first_s)
+    return DataVector(sheet, seen, tuple(pulses), session.last_s - session.first_s)
 
 
 def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
@@ -154,11 +154,11 @@ def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
 def _seen(
     condition: Condition,
     sheet: SheetGeometry,
-    session: Session,
+    session: SessionTimes,
     zeros: dict[RunKey, int],
     ratio: float,
     begun: float,
-) -> Seen | None:
+) -> ConditionData | None:
     """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite.
 
     Free shapes are taken before the positions, so as the first of these begins, at `begun`.
@@ -182,11 +182,11 @@ def _seen(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
-    timing = Timing(
+    timing = ReadingTimes(
         condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s,
         session.worked_s.get(key, 0.0), session.driven_s.get(key, 0.0),
     )  # fmt: skip
-    return Seen(
+    return ConditionData(
         name, condition.configuration, key, np.nan if at_m is None else float(at_m),
         condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
         timing.of_no_reading(begun)
@@ -196,7 +196,9 @@ def _seen(
     )  # fmt: skip
 
 
-def _load_cell_zero(condition: Condition, session: Session, begun: float) -> Seen | None:
+def _load_cell_zero(
+    condition: Condition, session: SessionTimes, begun: float
+) -> ConditionData | None:
     """What the load cell shows at 0 V without contact; None: nothing, or always the same.
 
     Taken at a position it belongs to the run there, else it is a set-up of its own.
@@ -210,10 +212,10 @@ def _load_cell_zero(condition: Condition, session: Session, begun: float) -> See
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
-    return Seen(
+    return ConditionData(
         name, condition.configuration, run_key(condition), np.nan, 0.0, 1.0, forces,
-        Timing(0.0, 0, 1.0, 0.0, 0.0).of(readings, times), np.ones(len(forces), dtype=bool), None,
-        (), tilt_rad=condition.tilt_rad, zero=True,
+        ReadingTimes(0.0, 0, 1.0, 0.0, 0.0).of(readings, times), np.ones(len(forces), dtype=bool),
+        None, (), tilt_rad=condition.tilt_rad, zero=True,
     )  # fmt: skip
 
 
@@ -259,7 +261,7 @@ def _mean_curve(curves: tuple[Curve, ...]) -> Curve:
     return Curve(s, x, y)
 
 
-def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
+def _pulses(series: TimeSeries, seen: tuple[ConditionData, ...]) -> Iterator[PulseSeries]:
     """Parts of the kept pulses of one run, for each driving voltage."""
     if series.position_m is None:
         return
@@ -271,20 +273,20 @@ def _pulses(series: TimeSeries, seen: tuple[Seen, ...]) -> Iterator[Pulses]:
         own = parts.get(float(np.sign(one.voltage_V)))
         if own is None or len(own) < FEWEST_PULSES:
             continue
-        yield Pulses(
+        yield PulseSeries(
             one.configuration, one.run, i, 0.5 * (BINS_S[1:] + BINS_S[:-1]), np.diff(BINS_S),
             own.mean(axis=0), np.var(own, axis=0, ddof=1) / len(own),
             EDGE_STEPS * float(np.median(np.diff(series.time_s))),
         )  # fmt: skip
 
 
-def shares(seen: Seen) -> FloatArray:
+def shares(seen: ConditionData) -> FloatArray:
     """Of each reading in the mean of its condition: (n,)."""
     count = int(np.count_nonzero(seen.counts))
     return np.asarray(seen.counts / max(1, count), dtype=float)
 
 
-def trends(clock: Clock) -> FloatArray:
+def trends(clock: AcquisitionTimes) -> FloatArray:
     """Rows that turn n readings into their mean and orthonormal trends in time: (m, n)."""
     n = len(clock.run_s)
     if n == 0:

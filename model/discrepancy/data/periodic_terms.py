@@ -14,8 +14,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import TRENDS, Look, Seen, trends
-from model.effects.interface import Clock
+from model.discrepancy.data.data_vector import TRENDS, ConditionData, DataVector, trends
+from model.effects.interface import AcquisitionTimes
 from model.measurements import Curve, FloatArray
 
 What = Literal["force", "EIBM"]
@@ -43,7 +43,7 @@ PHASES = (cosine, sine)
 
 
 @dataclass(frozen=True)
-class Wave:
+class PeriodicTerm:
     """What comes again in all readings, always in the same phase."""
 
     what: What  # adds to the force, or to the EIBM in proportion to it
@@ -52,11 +52,11 @@ class Wave:
     session_s: float  # length of the session
     amplitudes: tuple[float, float]  # of cosine and sine: N, or relative
 
-    def phase(self, clock: Clock) -> FloatArray:
+    def phase(self, clock: AcquisitionTimes) -> FloatArray:
         """In periods: (n,)."""
         return _seconds(clock, self.since, self.session_s) / self.period_s
 
-    def added_N(self, clock: Clock) -> FloatArray | float:
+    def added_N(self, clock: AcquisitionTimes) -> FloatArray | float:
         """What it adds to the force of readings: (n,)."""
         if self.what != "force":
             return 0.0
@@ -70,7 +70,7 @@ class _Series:
     """A number of each reading, of all conditions that have more of them than trends."""
 
     values: FloatArray  # (n,) N, or m times the root of a curve's points
-    clock: Clock
+    clock: AcquisitionTimes
     lever: FloatArray  # (n,) how much of the values the EIBM makes
     trends: tuple[FloatArray, ...]  # of each condition (rows, own readings), orthonormal
     session_s: float
@@ -78,7 +78,9 @@ class _Series:
 
     @staticmethod
     def of(
-        found: Sequence[tuple[Seen, FloatArray, float]], session_s: float, least: float = 0.0
+        found: Sequence[tuple[ConditionData, FloatArray, float]],
+        session_s: float,
+        least: float = 0.0,
     ) -> _Series | None:
         """Of conditions with their numbers and levers; None: too few, or not measured yet."""
         T = [_orthonormal(one.kept_clock) for one, _, _ in found]
@@ -88,8 +90,8 @@ class _Series:
         levers = [np.full(len(values), lever) for _, values, lever in found]
         return _Series(
             np.concatenate([values for _, values, _ in found]),
-            Clock.joined([one.kept_clock for one, _, _ in found]), np.concatenate(levers), tuple(T),
-            session_s, least,
+            AcquisitionTimes.joined([one.kept_clock for one, _, _ in found]),
+            np.concatenate(levers), tuple(T), session_s, least,
         )  # fmt: skip
 
     def left(self, values: FloatArray) -> FloatArray:
@@ -101,7 +103,7 @@ class _Series:
             start = own.stop
         return result
 
-    def best(self, what: What, since: Since) -> tuple[Wave, float] | None:
+    def best(self, what: What, since: Since) -> tuple[PeriodicTerm, float] | None:
         """The wave that explains most, and the share of what trends leave that it explains."""
         at_s = _seconds(self.clock, since, self.session_s)
         rates = _rates(float(np.ptp(at_s)))
@@ -116,7 +118,9 @@ class _Series:
         amplitudes = float(a[i]), float(b[i])
         if np.hypot(*amplitudes) * np.sqrt(np.mean(lever**2)) < self.least:
             return None
-        return Wave(what, float(1.0 / near[i]), since, self.session_s, amplitudes), float(share[i])
+        return PeriodicTerm(what, float(1.0 / near[i]), since, self.session_s, amplitudes), float(
+            share[i]
+        )
 
     def _fitted(
         self, lever: FloatArray, at_s: FloatArray, rates: FloatArray
@@ -133,7 +137,7 @@ class _Series:
         return a, b, (a * cy + b * sy) / max(float(y @ y), 1e-300)
 
 
-def wave_in(looks: Sequence[Look]) -> Wave | None:
+def wave_in(looks: Sequence[DataVector]) -> PeriodicTerm | None:
     """The wave that explains most of what trends leave of the readings; None: there is none."""
     session_s = max(look.session_s for look in looks)
     forces = _Series.of([x for look in looks for x in _forces(look)], session_s, LEAST_N)
@@ -148,7 +152,7 @@ def wave_in(looks: Sequence[Look]) -> Wave | None:
     return best
 
 
-def _forces(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
+def _forces(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
     """Of each condition that is repeated; the EIBM makes what the force is more than at 0 V."""
     for one, rest in _with_rest(look):
         known = one.voltage_V != 0.0 and rest is not None and len(rest.kept_N) > 0
@@ -156,7 +160,7 @@ def _forces(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
         yield one, one.kept_N, float(np.mean(one.kept_N) - at_rest_N)
 
 
-def _curves(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
+def _curves(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
     """How far each reading's curve is from the mean one, the way that this is from that at 0 V."""
     for one, rest in _with_rest(look):
         own = one.own_curves[-len(one.kept_N) :]
@@ -169,7 +173,7 @@ def _curves(look: Look) -> Iterator[tuple[Seen, FloatArray, float]]:
         yield one, np.array([(_points(c, n) - mean) @ way for c in own]), reach
 
 
-def _with_rest(look: Look) -> Iterator[tuple[Seen, Seen | None]]:
+def _with_rest(look: DataVector) -> Iterator[tuple[ConditionData, ConditionData | None]]:
     """Conditions that are repeated more often than there are trends, with their run's at 0 V."""
     rest = {one.run: one for one in look.seen if not one.voltage_V and not one.zero}
     for one in look.seen:
@@ -182,14 +186,14 @@ def _points(curve: Curve, n: int) -> FloatArray:
     return np.concatenate([curve.x_m[:n], curve.y_m[:n]])
 
 
-def _orthonormal(clock: Clock) -> FloatArray:
+def _orthonormal(clock: AcquisitionTimes) -> FloatArray:
     """Trends in time, the mean among them: (rows, n)."""
     T = trends(clock)
     T[0] *= np.sqrt(T.shape[1])
     return T
 
 
-def _seconds(clock: Clock, since: Since, session_s: float) -> FloatArray:
+def _seconds(clock: AcquisitionTimes, since: Since, session_s: float) -> FloatArray:
     """When readings were taken."""
     if since == "session":
         return clock.session * session_s

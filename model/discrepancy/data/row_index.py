@@ -7,10 +7,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.discrepancy.data.acquisition_times import RunKey
-from model.discrepancy.data.data_vector import Index, Look, Pulses, Seen, Which, shares, trends
+from model.discrepancy.data.data_vector import (
+    ConditionData,
+    DataVector,
+    Index,
+    PulseSeries,
+    Which,
+    shares,
+    trends,
+)
 from model.discrepancy.data.pulses import SAMPLE_S, WINDOW_S
-from model.discrepancy.likelihood.contact_solution import Scene
-from model.effects.interface import Clock
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel
+from model.effects.interface import AcquisitionTimes
 from model.measurements import FloatArray
 
 WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
@@ -18,11 +26,11 @@ MOST_SWAYS = 3  # trends over the readings of how far out a curve is
 
 
 @dataclass(frozen=True)
-class Part:
+class RowBlock:
     """Rows of one configuration, indices into the vector of all data."""
 
     reading_of: Index  # (n,) condition of each reading
-    clock: Clock  # (n,) of the readings
+    clock: AcquisitionTimes  # (n,) of the readings
     measured_N: FloatArray  # (n,)
     in_time: Index  # (n,) the readings in the order in which they were taken
     share: FloatArray  # (n,) of each reading in the mean of its condition
@@ -35,8 +43,8 @@ class Part:
     sway: FloatArray  # (rows, n) likewise, to trends and first pulses of how far out the curve is
     sway_rows: Index
     sway_of: Index
-    bin_clock: Clock  # (m,) each part in each of the pulses
-    bin_sample: Clock  # (m,) the sampling points of these pulses
+    bin_clock: AcquisitionTimes  # (m,) each part in each of the pulses
+    bin_sample: AcquisitionTimes  # (m,) the sampling points of these pulses
     bin_at: Index  # (m,) which part
     bin_of: Index  # (b,) condition
     bin_rows: Index
@@ -59,10 +67,10 @@ class Part:
         return mean
 
 
-class Layout:
+class RowIndex:
     """Rows of all configurations, run by run."""
 
-    def __init__(self, looks: list[Look], scenes: list[Scene]) -> None:
+    def __init__(self, looks: list[DataVector], scenes: list[ConfigurationModel]) -> None:
         self.runs: list[RunKey] = []
         self._run_of: list[int] = []
         self.size = 0
@@ -88,7 +96,7 @@ class Layout:
         self.size += count
         return np.arange(self.size - count, self.size)
 
-    def _part(self, look: Look, scene: Scene) -> Part:
+    def _part(self, look: DataVector, scene: ConfigurationModel) -> RowBlock:
         seen = look.seen
         n = sum(len(o.force_N) for o in seen)
         trend, sway = _Rows(n), _Rows(n)
@@ -114,7 +122,7 @@ class Layout:
         bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
         reading_of, clock = scene.reading_of, scene.clock
         bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
-        return Part(
+        return RowBlock(
             reading_of, clock, np.concatenate([o.force_N for o in seen]),
             _in_time(clock, reading_of, look), scene.share, trend.stacked(), _ints(trend.rows),
             _ints(trend.of), np.array(is_mean, dtype=bool), np.array(is_early, dtype=bool), modes,
@@ -159,24 +167,30 @@ def _spread(weights: FloatArray, counts: Which) -> FloatArray:
     return result
 
 
-def _firsts(seen: Seen) -> FloatArray:
+def _firsts(seen: ConditionData) -> FloatArray:
     """Weights that turn n readings into each of the first pulses', less the mean: (rows, n)."""
     every = np.eye(len(seen.counts)) - shares(seen)
     result: FloatArray = every[~seen.counts]
     return result
 
 
-def _moments(seen: tuple[Seen, ...], pulses: tuple[Pulses, ...]) -> tuple[Clock, Clock, Index]:
+def _moments(
+    seen: tuple[ConditionData, ...], pulses: tuple[PulseSeries, ...]
+) -> tuple[AcquisitionTimes, AcquisitionTimes, Index]:
     """Moments of all parts in all pulses, those of the pulses' sampling points, and which part."""
     parts = [(seen[p.condition].kept_clock, at, width)
              for p in pulses for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
     inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
     sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]
     at = [np.full(len(WITHIN) * len(c.run_s), i) for i, (c, _, _) in enumerate(parts)]
-    return Clock.joined(inside), Clock.joined(sample), np.concatenate([_ints([]), *at])
+    return (
+        AcquisitionTimes.joined(inside),
+        AcquisitionTimes.joined(sample),
+        np.concatenate([_ints([]), *at]),
+    )
 
 
-def _in_pulse(sample: Clock, at_s: float) -> Clock:
+def _in_pulse(sample: AcquisitionTimes, at_s: float) -> AcquisitionTimes:
     """Another moment of the same pulses."""
     later = at_s - sample.pulse_s
     return replace(
@@ -186,7 +200,7 @@ def _in_pulse(sample: Clock, at_s: float) -> Clock:
     )  # fmt: skip
 
 
-def _in_time(clock: Clock, of: Index, look: Look) -> Index:
+def _in_time(clock: AcquisitionTimes, of: Index, look: DataVector) -> Index:
     keys = list(dict.fromkeys(o.run for o in look.seen))
     run = np.array([keys.index(look.seen[int(k)].run) for k in of])
     return np.lexsort((clock.run_s, run, np.round(clock.session, 12)))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from model.discrepancy.likelihood.drive_rise import RISE
-from model.discrepancy.likelihood.forward_model import Study
-from model.discrepancy.likelihood.linearisation import Base, Bases
+from model.discrepancy.likelihood.forward_model import ForwardModel
+from model.discrepancy.likelihood.linearisation import BaseParameters, Bases
 from model.identification.observations import observe
 from model.identification.options import FitOptions
 from model.identification.residual_vector import System, legendre_field
@@ -22,7 +22,7 @@ def rest_of(measurements: Measurements, configuration: str) -> tuple[Field, bool
     return rest_field(measurements.sheets[configuration], observe(measurements, configuration))
 
 
-def bases_of(study: Study, known: list[bool], symmetric: bool) -> Bases:
+def bases_of(study: ForwardModel, known: list[bool], symmetric: bool) -> Bases:
     """B, one EIBM a voltage, and what is not known of k0, by configuration; how pulses rise."""
     parts, place = [], 0
     for scene, look, stated in zip(study.scenes, study.looks, known, strict=True):
@@ -44,7 +44,7 @@ def bases_of(study: Study, known: list[bool], symmetric: bool) -> Bases:
         elif (bow := between_nodes(look.sheet, scene.s_m)) is not None:
             rest[place], prior[place] = bow, (0.5, 0.5)
             place += 1
-        parts.append(Base(stiffness, eibm, rest, prior))
+        parts.append(BaseParameters(stiffness, eibm, rest, prior))
     if any(look.pulses for look in study.looks):
         return Bases(tuple(parts), place + len(RISE), rise=place)
     return Bases(tuple(parts), place)
@@ -67,7 +67,11 @@ def between_nodes(sheet: SheetGeometry, s_m: FloatArray) -> FloatArray | None:
 
 
 def start(
-    measurements: Measurements, study: Study, bases: Bases, known: list[bool], symmetric: bool
+    measurements: Measurements,
+    study: ForwardModel,
+    bases: Bases,
+    known: list[bool],
+    symmetric: bool,
 ) -> FloatArray:
     """Rough base parameters."""
     theta = np.zeros(bases.size)

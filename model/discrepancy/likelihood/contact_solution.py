@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.data_vector import Index, Look, shares
-from model.effects.interface import Beam, Clock, Held
+from model.discrepancy.data.data_vector import DataVector, Index, shares
+from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
 from model.identification.residual_vector import STEEPEST_PER_M, legendre_field
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
-from model.mechanics.equilibrium import Directions, Equilibria, Problems, Status, finer, solve
+from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
 
@@ -27,18 +27,18 @@ MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the 
 
 
 @dataclass(frozen=True)
-class Answers:
-    """Derivatives of force (K, Q) and modes (K, M, Q); the columns are those of `Scene.columns`."""
+class Sensitivities:
+    """Derivatives of force (K, Q) and modes (K, M, Q), by the `ConfigurationModel.columns`."""
 
     force: FloatArray
     modes: FloatArray
 
 
 @dataclass(frozen=True)
-class Solved:
-    """What a `Beam` gives."""
+class SolvedConditions:
+    """What a `BeamProblem` gives."""
 
-    held: Held
+    held: ContactSolution
     force_N: FloatArray  # (K,) NaN: free
     modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
     x_m: FloatArray  # (K, S) predicted points at the measured s, in the frame of the picture
@@ -47,10 +47,10 @@ class Solved:
     ny: FloatArray
 
 
-class Scene:
+class ConfigurationModel:
     """One configuration's geometry, and the conditions it was measured in."""
 
-    def __init__(self, look: Look, rest: Field) -> None:
+    def __init__(self, look: DataVector, rest: Field) -> None:
         self.look, self.sheet, self.rest = look, look.sheet, rest
         R, self.length = look.sheet.arc_radius_m, look.sheet.free_length_m
         long = self.length > 0.4 * R
@@ -62,7 +62,7 @@ class Scene:
         self.piece_m = self.length * self.weights
         self._make_panels(look, G)
         seen = look.seen
-        self.clock = Clock.joined([o.clock for o in seen if len(o.force_N)])
+        self.clock = AcquisitionTimes.joined([o.clock for o in seen if len(o.force_N)])
         self.reading_of = np.array(
             [k for k, o in enumerate(seen) for _ in o.force_N], dtype=np.int64
         )
@@ -75,14 +75,14 @@ class Scene:
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
-        self.free_clock = Clock.joined([seen[k].clock for k in self.free])
+        self.free_clock = AcquisitionTimes.joined([seen[k].clock for k in self.free])
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
         self._found: list[tuple[Index, Equilibria]] = []
 
-    def _make_panels(self, look: Look, G: int) -> None:
+    def _make_panels(self, look: DataVector, G: int) -> None:
         R, sheet = look.sheet.arc_radius_m, look.sheet
         breaks = finer(merged_breaks([self.rest.breaks_m]), STEEPEST_PER_M, R)
         degree = max(G, self.rest.coefficients.shape[1])
@@ -138,13 +138,13 @@ class Scene:
 
     def beam(
         self, stiffness: float, eibm: dict[float, float], rest: FloatArray | None = None
-    ) -> Beam:
+    ) -> BeamProblem:
         """The base model: B, and Me/B for each driving voltage; `rest` (G,) changes k0."""
         K, G = self.K, self.count
         level = np.array([eibm.get(v, 0.0) for v in self.voltage_V])
         none = np.zeros(K)
         change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
-        return Beam(
+        return BeamProblem(
             self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
             change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
             none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
@@ -153,18 +153,18 @@ class Scene:
 
     # -- solving
 
-    def _kappa(self, beam: Beam, k: Index) -> FloatArray:
+    def _kappa(self, beam: BeamProblem, k: Index) -> FloatArray:
         """k* = k0 + rest + soft (eibm + bend), without the contact: (len(k), panels, degree)."""
         values = beam.rest[k] + (beam.eibm[k] + beam.bend[k]) * beam.soft[k]
         rows: FloatArray = self._rest + np.tensordot(values, self.rows, axes=(1, 0))
         return rows
 
-    def _soft(self, beam: Beam, k: Index) -> FloatArray:
+    def _soft(self, beam: BeamProblem, k: Index) -> FloatArray:
         """B/B(s), the elongation's too: (len(k), panels, degree)."""
         rows: FloatArray = self.ones + np.tensordot(beam.soft[k] - 1.0, self.rows, axes=(1, 0))
         return rows + beam.elongation_soft[k][:, None, None] * self.stiff_end
 
-    def solve(self, beam: Beam) -> Solved:
+    def solve(self, beam: BeamProblem) -> SolvedConditions:
         """All conditions; a `ModelError` names one that has no equilibrium."""
         K, G, S = self.K, self.count, self.curve_s.shape[1]
         held = _nothing_held(K, G)
@@ -189,9 +189,9 @@ class Scene:
         off = (self.curve_x - px) * nx + (self.curve_y - py) * ny
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
-        return Solved(held, held.force_N.copy(), modes, px, py, nx, ny)
+        return SolvedConditions(held, held.force_N.copy(), modes, px, py, nx, ny)
 
-    def forces(self, beam: Beam) -> FloatArray:
+    def forces(self, beam: BeamProblem) -> FloatArray:
         """Forces alone (K,); the solution kept for derivatives stays as it is."""
         last, kept = self._last, self._found
         result = np.full(self.K, np.nan)
@@ -201,19 +201,19 @@ class Scene:
         self._last, self._found = last, kept
         return result
 
-    def modes_of(self, beam: Beam) -> FloatArray:
+    def modes_of(self, beam: BeamProblem) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise."""
         last, kept = self._last, self._found
         result = self.solve(beam).modes_m
         self._last, self._found = last, kept
         return result
 
-    def _beta(self, beam: Beam, rows: Index) -> FloatArray:
+    def _beta(self, beam: BeamProblem, rows: Index) -> FloatArray:
         """Polar angle of the point on the arc, seen along the clamp."""
         at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
         return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
 
-    def _equilibria(self, beam: Beam) -> list[tuple[Index, Equilibria]]:
+    def _equilibria(self, beam: BeamProblem) -> list[tuple[Index, Equilibria]]:
         """Groups of conditions whose contacts lie at the same radius."""
         rows, R = self.touching, self.sheet.arc_radius_m
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
@@ -224,7 +224,7 @@ class Scene:
         each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
         return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
 
-    def _beside_arc(self, beam: Beam, row: int, beta: float, d: float) -> Equilibria:
+    def _beside_arc(self, beam: BeamProblem, row: int, beta: float, d: float) -> Equilibria:
         """One condition whose curve passes beside the point on the arc, by `d`."""
 
         def solved(gamma: float, start: Equilibria | None) -> Equilibria:
@@ -247,7 +247,7 @@ class Scene:
 
     def _solve(
         self,
-        beam: Beam,
+        beam: BeamProblem,
         rows: Index,
         angle: FloatArray,
         radius_m: float,
@@ -256,12 +256,14 @@ class Scene:
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
         found = solve(Problems(self.breaks, kappa, soft, radius_m, reach, angle), start)
-        if np.any(found.status != Status.SOLVED):
-            bad = self.look.seen[int(rows[int(np.argmax(found.status != Status.SOLVED))])]
+        if np.any(found.status != SolverStatus.SOLVED):
+            bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
         return found
 
-    def _hold(self, beam: Beam, rows: Index, found: Equilibria, held: Held) -> None:
+    def _hold(
+        self, beam: BeamProblem, rows: Index, found: Equilibria, held: ContactSolution
+    ) -> None:
         R, beta, B = self.sheet.arc_radius_m, self._beta(beam, rows), beam.stiffness[rows]
         phi, offset = found.phi_hat_rad, beam.offset_m[rows]
         held.normal_N[rows], held.gamma_rad[rows] = B * found.nu, phi - beta
@@ -274,7 +276,9 @@ class Scene:
         held.lever[rows] = np.where(before, dx * cos + dy * sin, 0.0)
         held.offset[rows] = np.where(before, dy * cos - dx * sin, 0.0)
 
-    def _hang(self, beam: Beam, k: int, held: Held) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _hang(
+        self, beam: BeamProblem, k: int, held: ContactSolution
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """A free shape: no force, no solving."""
         G = self.count
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
@@ -296,8 +300,8 @@ class Scene:
         """
         return 2 * self.count + 6
 
-    def answers(self, beam: Beam, solved: Solved) -> Answers:
-        """How force and modes answer to a change of a `Beam`, at a solution of it."""
+    def answers(self, beam: BeamProblem, solved: SolvedConditions) -> Sensitivities:
+        """How force and modes answer to a change of a `BeamProblem`, at a solution of it."""
         K, G, M, Q = self.K, self.count, self.modes, self.columns
         force, modes = np.zeros((K, Q)), np.zeros((K, M, Q))
         kappa = np.concatenate([self.rows, np.zeros((G + 3, *self.rows.shape[1:]))])
@@ -331,9 +335,9 @@ class Scene:
             modes[k, :, :G] = self._free_answers(beam, k, solved)
         turned = solved.x_m * solved.ny - solved.y_m * solved.nx
         modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
-        return Answers(force, modes)
+        return Sensitivities(force, modes)
 
-    def _free_answers(self, beam: Beam, k: int, solved: Solved) -> FloatArray:
+    def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
         _, _, _, found = free_shape(
             kappa, self.curve_s[k], [Field(self.breaks, r) for r in self.rows]
@@ -345,8 +349,8 @@ class Scene:
         result: FloatArray = self.project[k] @ sideways.T
         return result
 
-    def change(self, base: Beam, other: Beam, held: Held) -> FloatArray:
-        """The step (K, Q) in `columns` from one `Beam` to another, to first order."""
+    def change(self, base: BeamProblem, other: BeamProblem, held: ContactSolution) -> FloatArray:
+        """The step (K, Q) in `columns` from one `BeamProblem` to another, to first order."""
         G, K, R = self.count, self.K, self.sheet.arc_radius_m
         step = np.zeros((K, self.columns))
         step[:, :G] = (other.rest - base.rest) + (
@@ -365,9 +369,9 @@ class Scene:
         return step
 
 
-def _nothing_held(K: int, G: int) -> Held:
+def _nothing_held(K: int, G: int) -> ContactSolution:
     nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
-    return Held(
+    return ContactSolution(
         nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
         along.copy(), along.copy(), zero,
     )  # fmt: skip

@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import State, Study
-from model.effects.interface import Clock
+from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
+from model.effects.interface import AcquisitionTimes
 from model.effects.rise import rise_left, through_zero
 from model.measurements import FloatArray
 
@@ -22,7 +22,7 @@ LATE, LONGER, STRAIGHT = 2.0, 0.03, (0.5, 0.5)
 RISE = ((0.0, LATE), (0.0, LONGER), STRAIGHT)
 
 
-def rise_columns(study: Study, c: int, state: State) -> FloatArray:
+def rise_columns(study: ForwardModel, c: int, state: ModelState) -> FloatArray:
     """Rows of one configuration by each of `RISE`, (N, 3)."""
     part, none = study.part(c), study.no_step(c)
     rise = max(study.scenes[c].sheet.rise_time_s, 1e-3)
@@ -35,7 +35,7 @@ def rise_columns(study: Study, c: int, state: State) -> FloatArray:
     return np.stack(rows, axis=1)
 
 
-def _changes(clock: Clock, rise_s: float, late_s: float) -> list[FloatArray]:
+def _changes(clock: AcquisitionTimes, rise_s: float, late_s: float) -> list[FloatArray]:
     """Of what is missing of the settled EIBM."""
     left = rise_left(clock, rise_s, 0.0)
     return [

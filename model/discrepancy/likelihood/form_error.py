@@ -12,9 +12,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import Active, State, Step, Study
-from model.discrepancy.likelihood.linearisation import Linear
-from model.effects.interface import Beam, Effect, Held, Knob
+from model.discrepancy.likelihood.forward_model import (
+    AppliedEffect,
+    ForwardModel,
+    ModelState,
+    Perturbation,
+)
+from model.discrepancy.likelihood.linearisation import Linearisation
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
 from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
@@ -37,11 +42,11 @@ class Found:
     sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
-    def active(self) -> Active:
+    def active(self) -> AppliedEffect:
         """As states have it."""
-        return Active(self.effect, self.values)
+        return AppliedEffect(self.effect, self.values)
 
-    def knobs(self) -> list[tuple[Knob, tuple[str, ...]]]:
+    def knobs(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
         """Knobs that are refined, each with the configurations that share its value."""
         names = tuple(self.values)
         free = [k for i, k in enumerate(self.effect.knobs) if i == 0 or k.log]
@@ -51,8 +56,13 @@ class Found:
 
 
 def whole_step(
-    study: Study, c: int, state: State, base: Beam, others: tuple[Active, ...], one: Active
-) -> Step:
+    study: ForwardModel,
+    c: int,
+    state: ModelState,
+    base: BeamProblem,
+    others: tuple[AppliedEffect, ...],
+    one: AppliedEffect,
+) -> Perturbation:
     """What an effect as it stands changes, to first order, given the others."""
     without = shaped(base, state, others, study.names[c])
     values = one.values[study.names[c]]
@@ -61,7 +71,9 @@ def whole_step(
     return study.outer_step(c, state, one.effect, values, step)
 
 
-def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> Beam:
+def shaped(
+    base: BeamProblem, state: ModelState, active: tuple[AppliedEffect, ...], name: str
+) -> BeamProblem:
     """The base with effects applied, at a known solution."""
     for one in active:
         if name in one.values:
@@ -69,10 +81,12 @@ def shaped(base: Beam, state: State, active: tuple[Active, ...], name: str) -> B
     return base
 
 
-Ways = Iterator[tuple[Step, float]]  # steps, each with its standard deviation
+Ways = Iterator[tuple[Perturbation, float]]  # steps, each with its standard deviation
 
 
-def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> Ways:
+def deviations(
+    effect: Effect, study: ForwardModel, c: int, step: Perturbation, held: ContactSolution
+) -> Ways:
     """The ways in which the form may differ."""
     scene = study.scenes[c]
     for along in effect.tolerance:
@@ -101,7 +115,7 @@ def deviations(effect: Effect, study: Study, c: int, step: Step, held: Held) -> 
                 yield replace(study.no_step(c), points_m=points), FORM * share
 
 
-def _from_run_to_run(study: Study, c: int, step: Step) -> Ways:
+def _from_run_to_run(study: ForwardModel, c: int, step: Perturbation) -> Ways:
     """What differs in each run, such as how far apart frames and edges are."""
     own = [one.run for one in study.looks[c].seen]
     for run in study.layout.runs:
@@ -117,7 +131,11 @@ def waves_along(count: int) -> tuple[tuple[int, float], ...]:
 
 
 def _along_sheet(
-    study: Study, c: int, step: Step, u: FloatArray, waves: tuple[tuple[int, float], ...]
+    study: ForwardModel,
+    c: int,
+    step: Perturbation,
+    u: FloatArray,
+    waves: tuple[tuple[int, float], ...],
 ) -> Ways:
     """What changes curvature and softness times waves of a coordinate 0 .. 1, (G,) or (K, G)."""
     G = study.scenes[c].count
@@ -128,7 +146,9 @@ def _along_sheet(
         yield replace(study.no_step(c), beam=beam), FORM * share
 
 
-def _in_time(study: Study, c: int, step: Step) -> Iterator[tuple[Step, float]]:
+def _in_time(
+    study: ForwardModel, c: int, step: Perturbation
+) -> Iterator[tuple[Perturbation, float]]:
     """Within a pulse as a factor; over run and session something added, since drifts cross zero."""
     part = study.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
@@ -161,11 +181,11 @@ def cosine(j: int, t: FloatArray) -> FloatArray:
     return result
 
 
-def _weighed(study: Study, c: int, step: Step, wave: FloatArray) -> Step:
+def _weighed(study: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
     """A step times a factor (K,) for each condition."""
     part = study.part(c)
     of, bin_of = part.reading_of, part.bin_of
-    return Step(
+    return Perturbation(
         step.beam * wave[:, None], step.eibm * wave[of], step.stiffness * wave[of],
         step.force_N * wave[of], step.bin_eibm * wave[bin_of], step.bin_stiffness * wave[bin_of],
         step.points_m * wave[:, None], step.frame_eibm * wave[of],
@@ -183,7 +203,8 @@ def unit(values: FloatArray) -> FloatArray:
 
 
 def atoms(
-    study: Study, states: tuple[State, ...], effect: Effect, steps: list[Step], *,
+    study: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
+    steps: list[Perturbation], *,
     tolerant: bool = True,
 ) -> FloatArray:  # fmt: skip
     """The form itself, and its deviations times their standard deviations: (N, 1 + J)."""
@@ -207,10 +228,10 @@ def atoms(
 
 
 def effect_columns(
-    study: Study,
-    linear: Linear,
+    study: ForwardModel,
+    linear: Linearisation,
     one: Found,
-    active: tuple[Active, ...],
+    active: tuple[AppliedEffect, ...],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Columns of an effect in the model, its knobs, then the tolerance of its form: (N, q).
 
@@ -244,7 +265,7 @@ def effect_columns(
     )  # fmt: skip
 
 
-def _prior(knob: Knob, value: float, one: Found) -> tuple[float, float]:
+def _prior(knob: EffectParameter, value: float, one: Found) -> tuple[float, float]:
     """Width of what is believed of a knob beforehand, and how far its value is from the middle."""
     if not knob.log:
         return one.width * knob.plausible, value - knob.neutral
@@ -257,8 +278,9 @@ def _prior(knob: Knob, value: float, one: Found) -> tuple[float, float]:
 
 
 def _by_knob(
-    study: Study, c: int, linear: Linear, base: Beam, one: Found, active: tuple[Active, ...],
-    knob: Knob,
+    study: ForwardModel, c: int, linear: Linearisation, base: BeamProblem, one: Found,
+    active: tuple[AppliedEffect, ...],
+    knob: EffectParameter,
 ) -> FloatArray:  # fmt: skip
     """Derivative of the rows by a knob, or by its logarithm."""
     name, state = study.names[c], linear.states[c]
@@ -269,7 +291,8 @@ def _by_knob(
     for sign in (-1.0, 1.0):
         values[knob.name] = value * np.exp(sign * h) if knob.log else value + sign * h
         turned = tuple(
-            Active(a.effect, {name: dict(values)}) if a.effect is one.effect else a for a in active
+            AppliedEffect(a.effect, {name: dict(values)}) if a.effect is one.effect else a
+            for a in active
         )
         beam = shaped(base, state, turned, name)
         outer = study.outer_step(c, state, one.effect, values, study.no_step(c))

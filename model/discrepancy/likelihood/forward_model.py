@@ -7,13 +7,17 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Look
+from model.discrepancy.data.data_vector import DataVector
 from model.discrepancy.data.periodic_terms import wave_in
-from model.discrepancy.data.row_index import Layout, Part
-from model.discrepancy.likelihood.contact_solution import Answers, Scene, Solved
+from model.discrepancy.data.row_index import RowBlock, RowIndex
+from model.discrepancy.likelihood.contact_solution import (
+    ConfigurationModel,
+    Sensitivities,
+    SolvedConditions,
+)
 from model.discrepancy.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
 from model.discrepancy.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
-from model.effects.interface import Beam, Effect, Points, Values, Weighed
+from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
 from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
 from model.measurements import Curve, FloatArray
@@ -26,7 +30,7 @@ SETTLED_N = 3e-8  # change of any force that ends them sooner
 
 
 @dataclass(frozen=True)
-class Active:
+class AppliedEffect:
     """An effect with its values; by configuration where each has its own."""
 
     effect: Effect
@@ -34,10 +38,10 @@ class Active:
 
 
 @dataclass
-class Step:
+class Perturbation:
     """A change of one configuration's prediction, to first order."""
 
-    beam: FloatArray  # (K, Q) columns of `Scene.answers`
+    beam: FloatArray  # (K, Q) columns of `ConfigurationModel.answers`
     eibm: FloatArray  # (n,) relative, of each reading
     stiffness: FloatArray  # (n,)
     force_N: FloatArray  # (n,) of each reading
@@ -48,19 +52,18 @@ class Step:
 
 
 @dataclass(frozen=True)
-class State:
+class ModelState:
     """One configuration, solved."""
 
-    base: (
-        Beam  # as the effects found it: EIBM and stiffness in the mean of each condition's readings
-    )
-    beam: Beam  # as they left it
-    solved: Solved
-    answers: Answers
+    # before the effects: EIBM and stiffness in the mean of each condition's readings
+    base: BeamProblem
+    beam: BeamProblem  # as they left it
+    solved: SolvedConditions
+    answers: Sensitivities
     by_eibm: FloatArray  # (K,) dF / d ln Me
     modes_by_eibm: FloatArray  # (K, M)
     response: FloatArray | None  # (K, L) force at the EIBM times `LEVELS`; None: its slope will do
-    weighed: Weighed  # of the readings, before what the load cell adds
+    weighed: LoadCellInput  # of the readings, before what the load cell adds
     residual: FloatArray  # (N,) of this configuration's rows, at their places among all
 
     @property
@@ -69,21 +72,23 @@ class State:
         return np.asarray(np.linalg.norm(self.modes_by_eibm, axis=1))
 
 
-class Study:
+class ForwardModel:
     """All configurations of a data set: predicts rows, and their changes."""
 
-    def __init__(self, looks: list[Look], rests: list[Field]) -> None:
+    def __init__(self, looks: list[DataVector], rests: list[Field]) -> None:
         self.looks = looks
-        self.scenes = [Scene(one, rest) for one, rest in zip(looks, rests, strict=True)]
-        self.layout = Layout(looks, self.scenes)
+        self.scenes = [
+            ConfigurationModel(one, rest) for one, rest in zip(looks, rests, strict=True)
+        ]
+        self.layout = RowIndex(looks, self.scenes)
         self.names = [one.sheet.configuration for one in looks]
         self.wave = wave_in(looks)
 
-    def part(self, c: int) -> Part:
+    def part(self, c: int) -> RowBlock:
         """Rows of a configuration."""
         return self.layout.parts[c]
 
-    def state(self, c: int, base: Beam, active: tuple[Active, ...]) -> State:
+    def state(self, c: int, base: BeamProblem, active: tuple[AppliedEffect, ...]) -> ModelState:
         """Solve a configuration with its effects; residuals of its rows."""
         scene, name = self.scenes[c], self.names[c]
         inner = [(a.effect, a.values[name]) for a in active if name in a.values]
@@ -104,12 +109,12 @@ class Study:
         modes_by = np.einsum("kmg,kg->km", answers.modes[:, :, :G], beam.eibm * beam.soft)
         weighed = self._weighed(c, beam, solved)
         response = self._response(c, beam, inner)
-        state = State(
+        state = ModelState(
             base, beam, solved, answers, by_eibm, modes_by, response, weighed, np.zeros(0)
         )
         return replace(state, residual=self._residual(c, state, inner))
 
-    def _timed(self, c: int, base: Beam, inner: list[tuple[Effect, Values]]) -> Beam:
+    def _timed(self, c: int, base: BeamProblem, inner: list[tuple[Effect, Values]]) -> BeamProblem:
         """EIBM and stiffness as they are in the mean of each condition's readings."""
         eibm, stiffness = self.mean_course(c, inner)
         if not (np.any(eibm) or np.any(stiffness)):
@@ -135,7 +140,7 @@ class Study:
         return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
 
     def _response(
-        self, c: int, beam: Beam, inner: list[tuple[Effect, Values]]
+        self, c: int, beam: BeamProblem, inner: list[tuple[Effect, Values]]
     ) -> FloatArray | None:
         """Forces at other sizes of the EIBM, where it, or B, changes much in time."""
         part = self.part(c)
@@ -149,17 +154,19 @@ class Study:
         result = [scene.forces(replace(beam, eibm=beam.eibm * level)) for level in LEVELS]
         return np.stack(result, axis=1)
 
-    def _weighed(self, c: int, beam: Beam, solved: Solved) -> Weighed:
+    def _weighed(self, c: int, beam: BeamProblem, solved: SolvedConditions) -> LoadCellInput:
         part, of = self.part(c), self.part(c).reading_of
         held, scene = solved.held, self.scenes[c]
         touching = np.isfinite(held.force_N[of]).astype(float)
-        return Weighed(
+        return LoadCellInput(
             np.nan_to_num(held.force_N[of]), np.nan_to_num(held.normal_N[of]),
             np.nan_to_num(held.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
             part.clock.wetted_s, slid(beam, held)[of],
         )  # fmt: skip
 
-    def _residual(self, c: int, state: State, inner: list[tuple[Effect, Values]]) -> FloatArray:
+    def _residual(
+        self, c: int, state: ModelState, inner: list[tuple[Effect, Values]]
+    ) -> FloatArray:
         part, scene = self.part(c), self.scenes[c]
         y, nothing = np.zeros(self.layout.size), self.no_step(c)
         of = part.reading_of
@@ -188,7 +195,7 @@ class Study:
         y -= beyond_first_order(self, c, state, inner)
         return y - self.rows_of(c, state, self._rise_step(c))
 
-    def _sway(self, c: int, state: State) -> FloatArray:
+    def _sway(self, c: int, state: ModelState) -> FloatArray:
         """Trends of how far out each reading's curve is, the way in which the EIBM moves it; m."""
         part, scene = self.part(c), self.scenes[c]
         sizes = np.zeros(len(part.reading_of))
@@ -205,23 +212,25 @@ class Study:
 
     # -- first-order changes
 
-    def no_step(self, c: int) -> Step:
+    def no_step(self, c: int) -> Perturbation:
         """No change."""
         scene, part = self.scenes[c], self.part(c)
         n, b = len(part.reading_of), len(part.bin_of)
-        return Step(
+        return Perturbation(
             np.zeros((scene.K, scene.columns)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(b),
             np.zeros(b), np.zeros(scene.curve_s.shape), np.zeros(n),
         )  # fmt: skip
 
-    def step(self, c: int, state: State, effect: Effect, values: Values) -> Step:
+    def step(self, c: int, state: ModelState, effect: Effect, values: Values) -> Perturbation:
         """What an effect changes at a state."""
         other = effect.beam(state.beam, state.solved.held, values)
         change = self.scenes[c].change(state.beam, other, state.solved.held)
         step = replace(self.no_step(c), beam=change)
         return self.outer_step(c, state, effect, values, step)
 
-    def outer_step(self, c: int, state: State, effect: Effect, values: Values, step: Step) -> Step:
+    def outer_step(
+        self, c: int, state: ModelState, effect: Effect, values: Values, step: Perturbation
+    ) -> Perturbation:
         """`step` with the part of an effect that is not in the beam problem."""
         part, scene = self.part(c), self.scenes[c]
         course = effect.course(part.clock, values)
@@ -243,7 +252,7 @@ class Study:
         if type(effect).force is not Effect.force:
             force = step.force_N + self._added_force(c, state, effect, values)
             step = replace(step, force_N=force)
-        points = Points(state.solved.x_m, state.solved.y_m, scene.length)
+        points = ImagePoints(state.solved.x_m, state.solved.y_m, scene.length)
         moved = effect.curve(points, values)
         if moved is not None:
             normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
@@ -254,7 +263,7 @@ class Study:
         return max(self.scenes[c].sheet.rise_time_s, 1e-6)
 
     def _lagging(
-        self, c: int, state: State, shape: FloatArray, much: FloatArray
+        self, c: int, state: ModelState, shape: FloatArray, much: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Force of each reading, and size of its curve in shares of the EIBM's, by `lagging`."""
         of, G = self.part(c).reading_of, self.scenes[c].count
@@ -275,17 +284,17 @@ class Study:
             result.append((part.bin_mean(course[0]), part.bin_mean(course[1])))
         return result[0], result[1]
 
-    def _added_force(self, c: int, state: State, effect: Effect, values: Values) -> FloatArray:
+    def _added_force(self, c: int, state: ModelState, effect: Effect, values: Values) -> FloatArray:
         """What the load cell adds to each reading; it is given them in the order of time."""
         order, w = self.part(c).in_time, state.weighed
-        sorted_ = Weighed(*(getattr(w, f.name)[order] for f in fields(Weighed)))
+        sorted_ = LoadCellInput(*(getattr(w, f.name)[order] for f in fields(LoadCellInput)))
         result = np.zeros(len(order))
         added = effect.force(sorted_, values)
         if added is not None:
             result[order] = added
         return result
 
-    def _rise_step(self, c: int) -> Step:
+    def _rise_step(self, c: int) -> Perturbation:
         """The known rise of the voltage: parts of a pulse against its sampling point."""
         part, step = self.part(c), self.no_step(c)
         rise = self._rise_s(c)
@@ -294,7 +303,7 @@ class Study:
         # the EIBM is stated as it is at the sampling point, not as it would settle
         return replace(step, bin_eibm=-later / (1.0 - at_sample))
 
-    def rows_of(self, c: int, state: State, step: Step) -> FloatArray:
+    def rows_of(self, c: int, state: ModelState, step: Perturbation) -> FloatArray:
         """A step in all rows (N,)."""
         part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
         of, answers = part.reading_of, state.answers
@@ -316,7 +325,7 @@ class Study:
         return y
 
 
-def _modes(scene: Scene, k: int, curve: Curve, solved: Solved) -> FloatArray:
+def _modes(scene: ConfigurationModel, k: int, curve: Curve, solved: SolvedConditions) -> FloatArray:
     """Modes of a reading's own curve, along the normals of its condition."""
     n = min(len(curve.s_m), scene.curve_s.shape[1])
     off = (curve.x_m[:n] - solved.x_m[k, :n]) * solved.nx[k, :n]

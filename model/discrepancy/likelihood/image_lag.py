@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from model.effects.interface import Beam, Effect, Values
+from model.effects.interface import BeamProblem, Effect, Values
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
-    from model.discrepancy.likelihood.forward_model import State, Study
+    from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
 
 
 def pictured(
-    study: Study, c: int, inner: list[tuple[Effect, Values]]
+    study: ForwardModel, c: int, inner: list[tuple[Effect, Values]]
 ) -> tuple[FloatArray, FloatArray] | None:
     """Relative change of the EIBM in pictures: of readings (n,), of free shapes (K,)."""
     clock, free = study.part(c).clock, study.scenes[c].free_clock
@@ -27,7 +27,7 @@ def pictured(
     return readings, _of_free(study, c, shapes)
 
 
-def free_course(study: Study, c: int, effect: Effect, values: Values) -> FloatArray:
+def free_course(study: ForwardModel, c: int, effect: Effect, values: Values) -> FloatArray:
     """Relative change of Me/B that a course in time makes to the free shapes: (K,)."""
     course = effect.course(study.scenes[c].free_clock, values)
     if course is None:
@@ -35,14 +35,14 @@ def free_course(study: Study, c: int, effect: Effect, values: Values) -> FloatAr
     return _of_free(study, c, course[0] - course[1])
 
 
-def _of_free(study: Study, c: int, values: FloatArray) -> FloatArray:
+def _of_free(study: ForwardModel, c: int, values: FloatArray) -> FloatArray:
     """Values of the free shapes among all conditions; 0 elsewhere and at 0 V: (K,)."""
     scene, result = study.scenes[c], np.zeros(study.scenes[c].K)
     result[scene.free] = np.where(scene.voltage_V[scene.free] != 0.0, values, 0.0)
     return result
 
 
-def bent(study: Study, c: int, state: State, change: FloatArray) -> FloatArray:
+def bent(study: ForwardModel, c: int, state: ModelState, change: FloatArray) -> FloatArray:
     """Step of the beam by a relative change of the EIBM of each condition (K,): (K, Q)."""
     step = study.no_step(c).beam
     pushed = state.beam.eibm * state.beam.soft
@@ -51,7 +51,7 @@ def bent(study: Study, c: int, state: State, change: FloatArray) -> FloatArray:
 
 
 def modes_in_pictures(
-    study: Study, c: int, beam: Beam, seen: tuple[FloatArray, FloatArray]
+    study: ForwardModel, c: int, beam: BeamProblem, seen: tuple[FloatArray, FloatArray]
 ) -> FloatArray:
     """Modes of the distances of the curves in late pictures, exactly: (K, M).
 

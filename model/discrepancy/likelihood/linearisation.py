@@ -7,10 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.likelihood.drive_rise import RISE, rise_columns
-from model.discrepancy.likelihood.forward_model import Active, State, Step, Study
+from model.discrepancy.likelihood.forward_model import (
+    AppliedEffect,
+    ForwardModel,
+    ModelState,
+    Perturbation,
+)
 from model.discrepancy.likelihood.random_effects import Columns, groups_of, scatter_columns
-from model.discrepancy.likelihood.row_noise import Noise, width_of
-from model.effects.interface import Beam
+from model.discrepancy.likelihood.row_noise import RowNoise, width_of
+from model.effects.interface import BeamProblem
 from model.identification.mixed_model import Data
 from model.measurements import FloatArray
 
@@ -18,7 +23,7 @@ WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
 
 
 @dataclass(frozen=True)
-class Base:
+class BaseParameters:
     """Base parameters of one configuration in the vector of all."""
 
     stiffness: int
@@ -31,11 +36,11 @@ class Base:
 class Bases:
     """Places of all base parameters."""
 
-    parts: tuple[Base, ...]
+    parts: tuple[BaseParameters, ...]
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
 
-    def beam(self, study: Study, c: int, theta: FloatArray) -> Beam:
+    def beam(self, study: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
         """The base model of a configuration."""
         one, scene = self.parts[c], study.scenes[c]
         rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
@@ -43,7 +48,9 @@ class Bases:
         return scene.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
 
 
-def base_steps(study: Study, bases: Bases, c: int, state: State, base: Beam) -> dict[int, Step]:
+def base_steps(
+    study: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
+) -> dict[int, Perturbation]:
     """Derivatives by the base parameters of a configuration."""
     one, scene, G = bases.parts[c], study.scenes[c], study.scenes[c].count
     result = {}
@@ -72,18 +79,22 @@ def _form(shaped: FloatArray, base: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Linear:
+class Linearisation:
     """The data about a point: base parameters and active effects as columns of `data.X`."""
 
-    states: tuple[State, ...]
+    states: tuple[ModelState, ...]
     residual: FloatArray  # (N,)
     columns: FloatArray  # (N, p)
     data: Data
 
 
 def linearise(
-    study: Study, bases: Bases, noise: Noise, theta: FloatArray, active: tuple[Active, ...] = ()
-) -> Linear:
+    study: ForwardModel,
+    bases: Bases,
+    noise: RowNoise,
+    theta: FloatArray,
+    active: tuple[AppliedEffect, ...] = (),
+) -> Linearisation:
     """Everything about a point."""
     N, states = study.layout.size, []
     residual, columns = np.zeros(N), np.zeros((N, bases.size))
@@ -110,13 +121,14 @@ def linearise(
         np.array([width**-2.0 for _, width in priors]),
         theta - np.array([mean for mean, _ in priors]), width_of(noise),
     )  # fmt: skip
-    return Linear(tuple(states), residual, columns, data)
+    return Linearisation(tuple(states), residual, columns, data)
 
 
 def with_columns(
-    study: Study, linear: Linear, extra: FloatArray, precision: FloatArray | float = 1.0,
+    study: ForwardModel, linear: Linearisation, extra: FloatArray,
+    precision: FloatArray | float = 1.0,
     away: FloatArray | float = 0.0,
-) -> Linear:  # fmt: skip
+) -> Linearisation:  # fmt: skip
     """More columns (N, q) with Gaussian priors."""
     q = extra.shape[1]
     X = np.concatenate([linear.data.X, study.layout.pad(extra)], axis=2)

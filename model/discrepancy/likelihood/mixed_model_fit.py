@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import Found, effect_columns, moved
-from model.discrepancy.likelihood.forward_model import Active, Study
-from model.discrepancy.likelihood.linearisation import Bases, Linear, linearise, with_columns
-from model.discrepancy.likelihood.row_noise import Noise, guess_of
+from model.discrepancy.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.discrepancy.likelihood.linearisation import Bases, Linearisation, linearise, with_columns
+from model.discrepancy.likelihood.row_noise import RowNoise, guess_of
 from model.identification.mixed_model import Solution, deviance, estimate, inverse_symmetric, weigh
 from model.measurements import FloatArray, ModelError
 
@@ -21,53 +21,55 @@ ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
 
 @dataclass(frozen=True)
-class Problem:
+class FitProblem:
     """A data set with everything about it that does not change."""
 
-    study: Study
+    study: ForwardModel
     bases: Bases
-    noise: Noise
+    noise: RowNoise
     guess: FloatArray
 
     @staticmethod
-    def of(study: Study, bases: Bases, noise: Noise) -> Problem:
+    def of(study: ForwardModel, bases: Bases, noise: RowNoise) -> FitProblem:
         """With the assumed scatter."""
-        return Problem(study, bases, noise, guess_of(noise))
+        return FitProblem(study, bases, noise, guess_of(noise))
 
 
 @dataclass(frozen=True)
-class Fitted:
+class MixedModelFit:
     """A model that has settled."""
 
-    problem: Problem
+    problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
-    linear: Linear  # with the columns of the effects' knobs and of the tolerance of their form
+    linear: (
+        Linearisation  # with the columns of the effects' knobs and of the tolerance of their form
+    )
     solution: Solution
     deviance: float
     spans: tuple[slice, ...]  # columns of each effect: its knobs first
 
     @property
-    def active(self) -> tuple[Active, ...]:
+    def active(self) -> tuple[AppliedEffect, ...]:
         """The effects as the states have them."""
         return tuple(f.active for f in self.found)
 
 
 def settle(
-    problem: Problem,
+    problem: FitProblem,
     theta: FloatArray,
     found: tuple[Found, ...] = (),
     log_sigma: FloatArray | None = None,
     form: float = 1.0,
-) -> Fitted:
+) -> MixedModelFit:
     """Gauss-Newton with REML; a `ModelError` where it does not settle.
 
     `form` is how much of the tolerance of the effects' forms there is.
     """
-    last: _Way | None = None
+    last: _Iteration | None = None
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
-        here = _Way.of(problem, theta, found, last.log_sigma if last else log_sigma, form)
+        here = _Iteration.of(problem, theta, found, last.log_sigma if last else log_sigma, form)
         if last is not None and here.worse_than(last):
             # where the model bends much a whole step leads too far
             last = replace(last, share=0.5 * last.share if last.share > SHORTEST else 0.0)
@@ -85,30 +87,30 @@ def settle(
     solution = estimate(linear.data, problem.guess, last.log_sigma, FINE)
     value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
     value += prior_terms(linear, problem.bases.size)
-    return Fitted(problem, theta, found, linear, solution, value, tuple(spans))
+    return MixedModelFit(problem, theta, found, linear, solution, value, tuple(spans))
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Iteration:
     """A model with the step that leads on from it."""
 
-    problem: Problem
+    problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
-    linear: Linear
+    linear: Linearisation
     spans: list[slice]
     solution: Solution
     share: float = 1.0  # of the step that is gone
 
     @staticmethod
     def of(
-        problem: Problem, theta: FloatArray, found: tuple[Found, ...], start: FloatArray | None,
+        problem: FitProblem, theta: FloatArray, found: tuple[Found, ...], start: FloatArray | None,
         form: float,
-    ) -> _Way:  # fmt: skip
+    ) -> _Iteration:  # fmt: skip
         """Linearised where it is, with the noise estimated from `start` on."""
         linear, spans = _linear(problem, theta, found, form)
         solution = estimate(linear.data, problem.guess, start, ROUGH)
-        return _Way(problem, theta, found, linear, spans, solution)
+        return _Iteration(problem, theta, found, linear, spans, solution)
 
     @property
     def log_sigma(self) -> FloatArray:
@@ -126,7 +128,7 @@ class _Way:
         size = self.problem.bases.size
         return bool(np.max(np.abs(self.solution.beta[:size]) / self.sigma[:size]) < 0.05)
 
-    def worse_than(self, other: _Way) -> bool:
+    def worse_than(self, other: _Iteration) -> bool:
         """Whether it is further from the data, both before their steps, at the other's noise."""
         return self._distance(other.log_sigma) > other._distance(other.log_sigma) + WORSE
 
@@ -152,7 +154,7 @@ class _Way:
         return self.theta + self.share * step, found, quiet
 
 
-def _bounded(problem: Problem, step: FloatArray) -> FloatArray:
+def _bounded(problem: FitProblem, step: FloatArray) -> FloatArray:
     """No step leaps where the linearisation means nothing: neither of ln B nor of the others."""
     stiffness = [one.stiffness for one in problem.bases.parts]
     too_far = max(
@@ -163,14 +165,14 @@ def _bounded(problem: Problem, step: FloatArray) -> FloatArray:
     return step / too_far
 
 
-def prior_terms(linear: Linear, size: int) -> float:
+def prior_terms(linear: Linearisation, size: int) -> float:
     """-ln of the determinant of the effects' priors, which `deviance` leaves out."""
     return -float(np.sum(np.log(linear.data.precision[size:])))
 
 
 def _linear(
-    problem: Problem, theta: FloatArray, found: tuple[Found, ...], form: float
-) -> tuple[Linear, list[slice]]:
+    problem: FitProblem, theta: FloatArray, found: tuple[Found, ...], form: float
+) -> tuple[Linearisation, list[slice]]:
     active = tuple(f.active for f in found)
     linear, spans = linearise(problem.study, problem.bases, problem.noise, theta, active), []
     for one in found:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import State, Step, Study
+from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState, Perturbation
 from model.effects.rise import rise_left
 from model.measurements import FloatArray
 
@@ -35,7 +35,7 @@ EACH = ("eibm_condition", "eibm_free")  # of which each condition has its own
 Columns = dict[str, list[FloatArray]]  # by scatter: columns (N,)
 
 
-def scatter_columns(study: Study, c: int, state: State) -> Columns:
+def scatter_columns(study: ForwardModel, c: int, state: ModelState) -> Columns:
     """Rows of one configuration by what differs from set-up to set-up, each shared by a run."""
     none = study.no_step(c)
     result = {
@@ -59,7 +59,7 @@ def scatter_columns(study: Study, c: int, state: State) -> Columns:
     return result
 
 
-def _setup_steps(study: Study, c: int, state: State) -> dict[str, Step]:
+def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Perturbation]:
     """One unit of B, EIBM (relative), position (m), tilt (rad) and the cell's zero (N)."""
     scene, none = study.scenes[c], study.no_step(c)
     G = scene.count
@@ -80,7 +80,7 @@ def _setup_steps(study: Study, c: int, state: State) -> dict[str, Step]:
     }
 
 
-def constant_groups(study: Study) -> dict[str, FloatArray]:
+def constant_groups(study: ForwardModel) -> dict[str, FloatArray]:
     """The scatters that are the same for all states: the load cell's wander, the pulses' levels."""
     groups = {name: by_run(study, _wander(study, name)) for name in WANDER_S}
     groups["pulse_level"] = by_run(study, _pulse_levels(study))
@@ -88,7 +88,7 @@ def constant_groups(study: Study) -> dict[str, FloatArray]:
 
 
 def groups_of(
-    study: Study, scatter: Columns, constant: Mapping[str, FloatArray]
+    study: ForwardModel, scatter: Columns, constant: Mapping[str, FloatArray]
 ) -> list[FloatArray]:
     """All scatters in the order of `ASSUMED`; `scatter` has the columns of all configurations."""
     groups = []
@@ -105,7 +105,7 @@ def groups_of(
     return groups
 
 
-def _wander(study: Study, name: str) -> list[FloatArray]:
+def _wander(study: ForwardModel, name: str) -> list[FloatArray]:
     """The load cell's slow wander during a run, as columns (N,) of a factor of its covariance."""
     columns = []
     for part in study.layout.parts:
@@ -126,7 +126,7 @@ def _wander(study: Study, name: str) -> list[FloatArray]:
     return columns
 
 
-def _pulse_levels(study: Study) -> list[FloatArray]:
+def _pulse_levels(study: ForwardModel) -> list[FloatArray]:
     """All parts of a pulse share the error of the sampling point's force."""
     columns = []
     for part in study.layout.parts:
@@ -137,7 +137,7 @@ def _pulse_levels(study: Study) -> list[FloatArray]:
     return columns
 
 
-def by_run(study: Study, columns: list[FloatArray]) -> FloatArray:
+def by_run(study: ForwardModel, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) that touch one run each, or all: packed as (R, n, q)."""
     layout, R = study.layout, len(study.layout.runs)
     packed: list[list[FloatArray]] = [[] for _ in range(R)]

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index, Look
-from model.discrepancy.data.row_index import Part
-from model.discrepancy.likelihood.contact_solution import Scene
-from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.data.data_vector import DataVector, Index
+from model.discrepancy.data.row_index import RowBlock
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel
+from model.discrepancy.likelihood.forward_model import ForwardModel
 from model.discrepancy.likelihood.random_effects import ASSUMED, constant_groups
 from model.measurements import FloatArray
 
@@ -22,7 +22,7 @@ SWAY_M = 5e-6  # of how far out a reading's curve is
 
 
 @dataclass(frozen=True)
-class Noise:
+class RowNoise:
     """Fixed variances, further noises and their priors; the same for all states."""
 
     fixed: FloatArray  # (N,)
@@ -45,7 +45,7 @@ class _Kind:
     least: float = 0.0  # standard deviation that is there in any case
 
 
-def noise_of(study: Study) -> Noise:
+def noise_of(study: ForwardModel) -> RowNoise:
     """Readings, modes, sways and pulses of each configuration have a noise of their own."""
     N = study.layout.size
     fixed, kinds = np.zeros(N), list[_Kind]()
@@ -60,24 +60,24 @@ def noise_of(study: Study) -> Noise:
         mask[kind.rows] = kind.weight
         masks.append(mask)
         fixed[kind.rows] = kind.least**2
-    return Noise(
+    return RowNoise(
         fixed, masks, [k.name for k in kinds], np.log([k.size for k in kinds]),
         np.array([k.unsure for k in kinds]), constant_groups(study),
     )  # fmt: skip
 
 
-def guess_of(noise: Noise) -> FloatArray:
+def guess_of(noise: RowNoise) -> FloatArray:
     """Ln of all standard deviations, as assumed: scatters, then noises."""
     return np.concatenate([[np.log(v) for v, _ in ASSUMED.values()], noise.guess])
 
 
-def width_of(noise: Noise) -> FloatArray:
+def width_of(noise: RowNoise) -> FloatArray:
     """How sure these are."""
     return np.concatenate([[w for _, w in ASSUMED.values()], noise.width])
 
 
 def _kinds(
-    name: str, part: Part, scene: Scene, look: Look, reading_N: FloatArray
+    name: str, part: RowBlock, scene: ConfigurationModel, look: DataVector, reading_N: FloatArray
 ) -> Iterator[_Kind]:
     if len(part.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
@@ -100,7 +100,7 @@ def _kinds(
         yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
 
 
-def _reading_noise(part: Part, reading_N: FloatArray) -> tuple[float, float]:
+def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]:
     """Standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
     for k in np.unique(part.reading_of):

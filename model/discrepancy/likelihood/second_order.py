@@ -12,14 +12,14 @@ from model.effects.rise import rise_left
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
-    from model.discrepancy.likelihood.forward_model import State, Study
+    from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
 
 LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
 MOST_LOST = 0.95  # of EIBM and stiffness
 
 
 def beyond_first_order(
-    study: Study, c: int, state: State, inner: list[tuple[Effect, Values]]
+    study: ForwardModel, c: int, state: ModelState, inner: list[tuple[Effect, Values]]
 ) -> FloatArray:
     """What the rows have to be told beyond the slopes by EIBM and stiffness (N,).
 
@@ -50,7 +50,11 @@ def beyond_first_order(
 
 
 def _in_pulses(
-    study: Study, c: int, state: State, inner: list[tuple[Effect, Values]], powers: FloatArray
+    study: ForwardModel,
+    c: int,
+    state: ModelState,
+    inner: list[tuple[Effect, Values]],
+    powers: FloatArray,
 ) -> FloatArray:
     """The same of the parts of the pulses, less that at their samples: (b,)."""
     part, of = study.part(c), study.part(c).bin_of

@@ -8,15 +8,15 @@ import numpy as np
 
 from model.discrepancy.data.data_vector import Index
 from model.discrepancy.likelihood.form_error import FORM, cosine, waves_along
-from model.discrepancy.likelihood.forward_model import Step
+from model.discrepancy.likelihood.forward_model import Perturbation
 from model.discrepancy.likelihood.linearisation import with_columns
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
-from model.discrepancy.locations.slots import TIMES, Shape, force_range_N, shapes, unit_of
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
+from model.discrepancy.locations.slots import TIMES, BasisShape, force_range_N, shapes, unit_of
 from model.discrepancy.search.form_share import form_share, steps_of
-from model.discrepancy.search.ranking import Contender
+from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
-from model.effects.interface import Slot
+from model.effects.interface import Location
 from model.identification.mixed_model import weigh
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
@@ -30,9 +30,9 @@ UNDER: dict[str, Under] = {"voltage": "voltage", "polarity": "polarity"}  # by p
 Key = tuple[str, str, str]  # configuration, part, along
 
 
-def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
+def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     """A free form with its band, along the coordinate in which it says most."""
-    slot: Slot = contender.score.candidate.slot  # type: ignore[assignment]
+    slot: Location = contender.score.candidate.slot  # type: ignore[assignment]
     found = shapes(fitted, slot, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
@@ -58,7 +58,9 @@ def unknown_of(fitted: Fitted, contender: Contender) -> Unknown:
     )  # fmt: skip
 
 
-def _strongest(fitted: Fitted, found: list[Shape], columns: FloatArray, beta: FloatArray) -> Key:
+def _strongest(
+    fitted: MixedModelFit, found: list[BasisShape], columns: FloatArray, beta: FloatArray
+) -> Key:
     """The part of which the waves explain most, of the configuration where they do."""
     noise = variance(fitted)
 
@@ -69,11 +71,13 @@ def _strongest(fitted: Fitted, found: list[Shape], columns: FloatArray, beta: Fl
     return max({_key(s): None for s in found if s.wave}, key=weight)
 
 
-def _key(shape: Shape) -> Key:
+def _key(shape: BasisShape) -> Key:
     return shape.configuration, shape.part, shape.along
 
 
-def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatArray) -> Unknown:
+def _seen_wrong(
+    fitted: MixedModelFit, found: list[BasisShape], beta: FloatArray, C: FloatArray
+) -> Unknown:
     """How far the camera puts a curve beside itself, on the condition where it does so most."""
     name = found[0].configuration
     scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
@@ -90,7 +94,7 @@ def _seen_wrong(fitted: Fitted, found: list[Shape], beta: FloatArray, C: FloatAr
     )  # fmt: skip
 
 
-def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
+def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
     """The model with a free form in it, as far as a straight line goes."""
     columns = contender.score.candidate.columns
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
@@ -102,7 +106,7 @@ def with_free_form(fitted: Fitted, contender: Contender) -> Fitted:
     )  # fmt: skip
 
 
-def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, float, str]:
+def _span(fitted: MixedModelFit, name: str, part: str, along: str) -> tuple[float, float, str]:
     """The coordinate's beginning and end, and its unit."""
     scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
     if along == "position":
@@ -119,7 +123,7 @@ def _span(fitted: Fitted, name: str, part: str, along: str) -> tuple[float, floa
     return 0.0, *TIMES.get(during, TIMES["session"])
 
 
-def _depends(slot: Slot, part: str, along: str) -> str:
+def _depends(slot: Location, part: str, along: str) -> str:
     said = {
         "rest_curvature": "the same at all voltages and positions",
         "eibm": "in proportion to the EIBM, so it changes sign with the voltage",
@@ -152,7 +156,7 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
     return ActiveEffect("unknown", profile=profile, slot=one.slot, configurations=names)
 
 
-def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
+def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:
     """How much of an effect is deviation from its form, and the form along the sheet."""
     one, span = fitted.found[index], fitted.spans[index]
     steps, share = steps_of(fitted, index), form_share(fitted, index)
@@ -167,7 +171,7 @@ def form_of(fitted: Fitted, index: int) -> tuple[float, FormCurve | None]:
     return share, _form_curve(fitted, *steps[0], places)
 
 
-def _form_curve(fitted: Fitted, c: int, step: Step, places: Index) -> FormCurve:
+def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index) -> FormCurve:
     """An effect along the sheet where it is largest, without and with its deviation."""
     scene, solution = fitted.problem.study.scenes[c], fitted.solution
     G = scene.count

@@ -15,10 +15,10 @@ from numpy.polynomial import legendre
 
 from model.discrepancy.data.periodic_terms import PHASES
 from model.discrepancy.likelihood.form_error import unit
-from model.discrepancy.likelihood.forward_model import State, Step, Study
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate
-from model.effects.interface import SLOTS, Slot
+from model.effects.interface import LOCATIONS, Location
 from model.measurements import FloatArray
 
 WAVES = 9
@@ -28,7 +28,7 @@ TURN_RAD = 0.3  # counted in tenths, as the relative changes are
 REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 5e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
 # units in which a slot's profile is told, and what its waves count in them
-UNITS: dict[Slot, tuple[str, float]] = {
+UNITS: dict[Location, tuple[str, float]] = {
     "rest_curvature": ("1/m", REST_PER_M), "eibm": ("relative", 1.0),
     "even_moment": ("relative to the EIBM", EVEN), "compliance": ("relative", 1.0),
     "position": ("mm", 1e3), "load_cell": ("mN", 1e3), "camera": ("mm", 1e3),
@@ -51,7 +51,7 @@ Function = Callable[[FloatArray], FloatArray]  # mostly of a coordinate 0 .. 1
 
 
 @dataclass(frozen=True)
-class Shape:
+class BasisShape:
     """One smooth shape of a slot: its rows, and where along its coordinate it is."""
 
     rows: FloatArray  # (N,)
@@ -69,16 +69,16 @@ class Made:
     part: str
     along: str
     wave: Function | None
-    step: Step
+    step: Perturbation
     shared: bool = False  # whether the rig does it to all configurations alike
 
 
 Making = Iterator[Made]
 
 
-def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
+def shapes(fitted: MixedModelFit, slot: Location, part: str = "") -> list[BasisShape]:
     """All smooth shapes of a slot, each once, or those of a part; each at its typical size."""
-    study, result = fitted.problem.study, dict[tuple[str, int, str], Shape]()
+    study, result = fitted.problem.study, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
         name, counts = study.names[c], dict[str, int]()
         for made in _MAKERS[slot](study, c, state):
@@ -91,14 +91,14 @@ def shapes(fitted: Fitted, slot: Slot, part: str = "") -> list[Shape]:
                 result[key] = replace(result[key], rows=result[key].rows + rows)
             else:
                 points = made.step.points_m if np.any(made.step.points_m) else None
-                result[key] = Shape(rows, name, made.part, made.along, made.wave, points)
+                result[key] = BasisShape(rows, name, made.part, made.along, made.wave, points)
     return [shape for shape in result.values() if np.any(shape.rows)]
 
 
-def unknowns(fitted: Fitted) -> list[Candidate]:
+def unknowns(fitted: MixedModelFit) -> list[Candidate]:
     """For each slot all of its shapes together, and each part of them that has a profile alone."""
     result = []
-    for slot in SLOTS:
+    for slot in LOCATIONS:
         whole = shapes(fitted, slot)
         parts = list(dict.fromkeys(s.part for s in whole if s.wave))
         several = len({s.part for s in whole}) > 1
@@ -153,16 +153,16 @@ def scaled(size: float, of: Function) -> Function:
     return value
 
 
-def unit_of(slot: Slot, part: str) -> tuple[str, float]:
+def unit_of(slot: Location, part: str) -> tuple[str, float]:
     """Unit of a profile, and what its waves count in it."""
     return OWN_UNITS.get(part, UNITS[slot])
 
 
-def _count(study: Study, c: int) -> int:
+def _count(study: ForwardModel, c: int) -> int:
     return WAVES if study.scenes[c].count > 8 else 3
 
 
-def _rest_curvature(study: Study, c: int, state: State) -> Making:
+def _rest_curvature(study: ForwardModel, c: int, state: ModelState) -> Making:
     yield from _along(
         study, c, lambda shape: np.repeat(REST_PER_M * shape[None], state.beam.eibm.shape[0], 0)
     )
@@ -173,7 +173,7 @@ def _rest_curvature(study: Study, c: int, state: State) -> Making:
         yield Made(part, "s", _kink(scene.length), replace(none, beam=beam))
 
 
-def _clamp(study: Study, c: int, angle_rad: FloatArray) -> FloatArray:
+def _clamp(study: ForwardModel, c: int, angle_rad: FloatArray) -> FloatArray:
     """Step of the beam by the direction of each condition's clamp (K,): (K, Q)."""
     scene, beam = study.scenes[c], study.no_step(c).beam
     beam[:, -1] = angle_rad
@@ -181,7 +181,7 @@ def _clamp(study: Study, c: int, angle_rad: FloatArray) -> FloatArray:
     return beam
 
 
-def _taken(study: Study, c: int) -> FloatArray:
+def _taken(study: ForwardModel, c: int) -> FloatArray:
     """When each condition was measured, 0 .. 1 over the session: (K,)."""
     scene, part = study.scenes[c], study.part(c)
     when = part.mean(part.clock.session)
@@ -200,7 +200,7 @@ def _kink(length_m: float) -> Function:
     return value
 
 
-def _eibm(study: Study, c: int, state: State) -> Making:
+def _eibm(study: ForwardModel, c: int, state: ModelState) -> Making:
     yield from _along(study, c, lambda shape: state.beam.eibm * shape, first=1)
     scene, none, u = study.scenes[c], study.no_step(c), _on_arc(study, c)
     for j in range(1, 5):
@@ -210,14 +210,14 @@ def _eibm(study: Study, c: int, state: State) -> Making:
         yield Made("position", "position", one, replace(none, beam=beam))
 
 
-def _even_moment(study: Study, c: int, state: State) -> Making:
+def _even_moment(study: ForwardModel, c: int, state: ModelState) -> Making:
     typical = float(np.mean(np.abs(state.beam.eibm[study.scenes[c].voltage_V != 0.0])))
     driven = (study.scenes[c].voltage_V != 0.0)[:, None]
     yield from _along(study, c, lambda shape: EVEN * typical * driven * shape)
 
 
 def _along(
-    study: Study, c: int, moment: Callable[[FloatArray], FloatArray], first: int = 0
+    study: ForwardModel, c: int, moment: Callable[[FloatArray], FloatArray], first: int = 0
 ) -> Making:
     scene, none = study.scenes[c], study.no_step(c)
     for j in range(first, _count(study, c)):
@@ -227,7 +227,7 @@ def _along(
         yield Made("s", "s", one, replace(none, beam=beam))
 
 
-def _compliance(study: Study, c: int, state: State) -> Making:
+def _compliance(study: ForwardModel, c: int, state: ModelState) -> Making:
     scene, none, G = study.scenes[c], study.no_step(c), study.scenes[c].count
     total = (state.beam.eibm + state.beam.bend) * state.beam.soft
     for j in range(_count(study, c)):
@@ -247,7 +247,7 @@ def _compliance(study: Study, c: int, state: State) -> Making:
         yield Made("curvature", "curvature", None, replace(none, beam=beam))
 
 
-def _position(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
+def _position(study: ForwardModel, c: int, state: ModelState) -> Making:  # noqa: ARG001
     scene, none, G = study.scenes[c], study.no_step(c), study.scenes[c].count
     R = scene.sheet.arc_radius_m
     u = _on_arc(study, c)
@@ -261,14 +261,14 @@ def _position(study: Study, c: int, state: State) -> Making:  # noqa: ARG001
             yield Made(part, "position", one, replace(none, beam=beam), shared=True)
 
 
-def _on_arc(study: Study, c: int) -> FloatArray:
+def _on_arc(study: ForwardModel, c: int) -> FloatArray:
     """Where on the arc, 0 .. 1 over all configurations: (K,)."""
     every = unit(np.concatenate([scene.stated_m for scene in study.scenes]))
     first = sum(scene.K for scene in study.scenes[:c])
     return every[first : first + study.scenes[c].K]
 
 
-def _load_cell(study: Study, c: int, state: State) -> Making:
+def _load_cell(study: ForwardModel, c: int, state: ModelState) -> Making:
     part, none, w = study.part(c), study.no_step(c), state.weighed
     on_arc = _on_arc(study, c)[part.reading_of]
     same, driven = w.touching, w.touching * np.sign(part.clock.voltage_V)
@@ -299,14 +299,14 @@ def _load_cell(study: Study, c: int, state: State) -> Making:
             yield Made("force, period", "time", one, step, shared=True)
 
 
-def force_range_N(study: Study) -> tuple[float, float]:
+def force_range_N(study: ForwardModel) -> tuple[float, float]:
     """The smallest and the largest force that was measured."""
     measured = np.concatenate([part.measured_N for part in study.layout.parts])
     low, high = float(measured.min()), float(measured.max())
     return low, max(high, low + LEAST_RANGE_N)
 
 
-def _camera(study: Study, c: int, state: State) -> Making:
+def _camera(study: ForwardModel, c: int, state: ModelState) -> Making:
     scene, none = study.scenes[c], study.no_step(c)
     x, y = state.solved.x_m / 0.05, (state.solved.y_m + 0.03) / 0.08
     for i in range(4):
@@ -324,7 +324,7 @@ def _camera(study: Study, c: int, state: State) -> Making:
         yield Made("age", "position", one, step)
 
 
-def _time(study: Study, c: int, state: State) -> Making:
+def _time(study: ForwardModel, c: int, state: ModelState) -> Making:
     part, none = study.part(c), study.no_step(c)
     at_zero = (np.nan_to_num(state.solved.force_N) - state.by_eibm)[part.reading_of]
     driven = (part.clock.voltage_V != 0.0).astype(float)
@@ -364,7 +364,7 @@ def _time(study: Study, c: int, state: State) -> Making:
         yield Made("EIBM, pulse", "time", one, step, shared=True)
 
 
-_MAKERS: dict[Slot, Callable[[Study, int, State], Making]] = {
+_MAKERS: dict[Location, Callable[[ForwardModel, int, ModelState], Making]] = {
     "rest_curvature": _rest_curvature, "eibm": _eibm, "even_moment": _even_moment,
     "compliance": _compliance, "position": _position, "load_cell": _load_cell, "camera": _camera,
     "time": _time,

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from model.discrepancy.data.acquisition_times import Timing
-from model.discrepancy.data.data_vector import Look, Seen
-from model.discrepancy.likelihood.forward_model import Study
+from model.discrepancy.data.acquisition_times import ReadingTimes
+from model.discrepancy.data.data_vector import ConditionData, DataVector
+from model.discrepancy.likelihood.forward_model import ForwardModel
 from model.discrepancy.likelihood.linearisation import Bases, linearise
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit
 from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.verdict.result import Next
@@ -29,19 +29,19 @@ TURN_MINUTES = 3.0  # the rig over, and everything in its place again
 
 
 @dataclass(frozen=True)
-class Entry:
+class CandidateMeasurement:
     """Something that can be measured besides."""
 
     name: str
     what: str
-    minutes: Callable[[Look], float]
-    add: Callable[[Look], tuple[Seen, ...]]
+    minutes: Callable[[DataVector], float]
+    add: Callable[[DataVector], tuple[ConditionData, ...]]
     protocol: dict[str, object]
 
 
-def _touching(one: Look) -> list[Seen]:
+def _touching(one: DataVector) -> list[ConditionData]:
     """Every position and voltage once, however often it was measured: as a session would again."""
-    found: dict[tuple[float, float], Seen] = {}
+    found: dict[tuple[float, float], ConditionData] = {}
     for seen in one.seen:
         if not seen.free:
             found.setdefault((seen.position_m, seen.voltage_V), seen)
@@ -49,48 +49,48 @@ def _touching(one: Look) -> list[Seen]:
 
 
 def _again(
-    seen: Seen,
+    seen: ConditionData,
     mounting: int,
     *,
     at_m: float | None = None,
     up: float = 1.0,
     tilt_rad: float = 0.0,
-) -> Seen:
+) -> ConditionData:
     """The same in another set-up, with a number that no session has."""
     at_m = seen.position_m if at_m is None else at_m
     key = (seen.configuration, at_m, mounting, 0, tilt_rad)
     return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad)
 
 
-def _places(one: Look) -> list[float]:
+def _places(one: DataVector) -> list[float]:
     return sorted({s.position_m for s in _touching(one)})
 
 
-def _set_anew(one: Look, mounting: int) -> tuple[Seen, ...]:
+def _set_anew(one: DataVector, mounting: int) -> tuple[ConditionData, ...]:
     """The first, the middle and the last position."""
     places = _places(one)
     chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
     return tuple(_again(s, mounting) for s in _touching(one) if s.position_m in chosen)
 
 
-def _remount(one: Look) -> tuple[Seen, ...]:
+def _remount(one: DataVector) -> tuple[ConditionData, ...]:
     return _set_anew(one, 90)
 
 
-def _reversed(one: Look) -> tuple[Seen, ...]:
+def _reversed(one: DataVector) -> tuple[ConditionData, ...]:
     return tuple(_again(s, 91, up=-1.0) for s in _touching(one))
 
 
-def _repeat(one: Look) -> tuple[Seen, ...]:
+def _repeat(one: DataVector) -> tuple[ConditionData, ...]:
     return tuple(_again(s, 92) for s in _touching(one))
 
 
-def _long(one: Look) -> tuple[Seen, ...]:
+def _long(one: DataVector) -> tuple[ConditionData, ...]:
     """Three positions with `LONGER` times as many readings under voltage."""
     return tuple(_longer(s) if s.voltage_V else s for s in _set_anew(one, 99))
 
 
-def _longer(seen: Seen) -> Seen:
+def _longer(seen: ConditionData) -> ConditionData:
     """The same pulses going on and on; before them nothing changes."""
     clock, count = seen.kept_clock, LONGER * len(seen.kept_N)
 
@@ -116,11 +116,11 @@ def _longer(seen: Seen) -> Seen:
     return replace(seen, force_N=np.zeros(count), clock=longer, counts=counts, own_curves=curves)
 
 
-def _turned(one: Look) -> tuple[Seen, ...]:
+def _turned(one: DataVector) -> tuple[ConditionData, ...]:
     return tuple(_again(s, 98, tilt_rad=np.pi) for s in _touching(one))
 
 
-def _half(one: Look) -> tuple[Seen, ...]:
+def _half(one: DataVector) -> tuple[ConditionData, ...]:
     """Half the voltage at every position; 0 V there, too."""
     return tuple(
         replace(
@@ -131,7 +131,7 @@ def _half(one: Look) -> tuple[Seen, ...]:
     )  # fmt: skip
 
 
-def _free(one: Look) -> tuple[Seen, ...]:
+def _free(one: DataVector) -> tuple[ConditionData, ...]:
     """Six shapes without the load cell: twice at each voltage."""
     result = []
     for mounting in (94, 95):
@@ -139,7 +139,7 @@ def _free(one: Look) -> tuple[Seen, ...]:
             like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
             if like is None:
                 continue
-            clock = Timing(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
+            clock = ReadingTimes(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
             result.append(
                 replace(
                     like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
@@ -151,7 +151,7 @@ def _free(one: Look) -> tuple[Seen, ...]:
     return tuple(result)
 
 
-def _between(one: Look) -> tuple[Seen, ...]:
+def _between(one: DataVector) -> tuple[ConditionData, ...]:
     """Positions half-way between those measured."""
     places = _places(one)
     middle = {a: 0.5 * (a + b) for a, b in pairwise(places)}
@@ -160,7 +160,7 @@ def _between(one: Look) -> tuple[Seen, ...]:
     )
 
 
-def _shuffled(one: Look) -> tuple[Seen, ...]:
+def _shuffled(one: DataVector) -> tuple[ConditionData, ...]:
     """All positions again, in an order that has nothing to do with their place on the arc."""
     random = np.random.default_rng(7)
     places = _places(one)
@@ -174,7 +174,7 @@ def _shuffled(one: Look) -> tuple[Seen, ...]:
     )
 
 
-def _zeros(one: Look) -> tuple[Seen, ...]:
+def _zeros(one: DataVector) -> tuple[ConditionData, ...]:
     """All positions again, and what the load cell shows without contact before each."""
     return _repeat(one) + tuple(
         _load_cell_alone(s, 70 + i)
@@ -182,7 +182,7 @@ def _zeros(one: Look) -> tuple[Seen, ...]:
     )
 
 
-def _load_cell_alone(like: Seen, mounting: int) -> Seen:
+def _load_cell_alone(like: ConditionData, mounting: int) -> ConditionData:
     count = len(like.kept_N)
     return replace(
         like, name=f"{like.configuration}, without contact, +0 V",
@@ -192,49 +192,59 @@ def _load_cell_alone(like: Seen, mounting: int) -> Seen:
     )  # fmt: skip
 
 
-def _minutes(runs: float) -> Callable[[Look], float]:
-    def always(one: Look) -> float:  # noqa: ARG001
+def _minutes(runs: float) -> Callable[[DataVector], float]:
+    def always(one: DataVector) -> float:  # noqa: ARG001
         return runs * RUN_MINUTES
 
     return always
 
 
-def _runs(one: Look) -> float:
+def _runs(one: DataVector) -> float:
     return RUN_MINUTES * len(_places(one))
 
 
-def _zero_runs(one: Look) -> float:
+def _zero_runs(one: DataVector) -> float:
     return _runs(one) + ZERO_MINUTES * len(_places(one))
 
 
-def _turned_runs(one: Look) -> float:
+def _turned_runs(one: DataVector) -> float:
     return TURN_MINUTES + _runs(one)
 
 
-MENU: tuple[Entry, ...] = (
-    Entry("free_shapes", "six free shapes of each configuration, the load cell moved away",
+MENU: tuple[CandidateMeasurement, ...] = (
+    CandidateMeasurement(
+        "free_shapes", "six free shapes of each configuration, the load cell moved away",
           _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
-    Entry("remount", "three positions set anew", _minutes(3.0), _remount,
+    CandidateMeasurement(
+        "remount", "three positions set anew", _minutes(3.0), _remount,
           {"extras": {"remount": 3}}),
-    Entry("long_runs", "three positions with three times as many pulses",
+    CandidateMeasurement(
+        "long_runs", "three positions with three times as many pulses",
           _minutes(3.0 * LONG_MINUTES), _long, {"pulse_train": {"readings_per_voltage": 30}}),
-    Entry("no_touch_zero", "all positions again, each after the load cell's zero without contact",
+    CandidateMeasurement(
+        "no_touch_zero", "all positions again, each after the load cell's zero without contact",
           _zero_runs, _zeros, {"extras": {"no_touch_zero": True}}),
-    Entry("reversed_approach", "all positions again, approached from the other side", _runs,
+    CandidateMeasurement(
+        "reversed_approach", "all positions again, approached from the other side", _runs,
           _reversed, {"extras": {"reversed_approach": True}}),
-    Entry("between", "positions half-way between those measured", _runs, _between,
+    CandidateMeasurement(
+        "between", "positions half-way between those measured", _runs, _between,
           {"extras": {"between": True}}),
-    Entry("half_voltage", "all positions at half the voltage", _runs, _half,
+    CandidateMeasurement(
+        "half_voltage", "all positions at half the voltage", _runs, _half,
           {"extras": {"half_voltage": True}}),
-    Entry("random_order", "all positions again in random order", _runs, _shuffled,
+    CandidateMeasurement(
+        "random_order", "all positions again in random order", _runs, _shuffled,
           {"extras": {"random_order": True}}),
-    Entry("turned_over", "all positions again with the rig turned over", _turned_runs, _turned,
+    CandidateMeasurement(
+        "turned_over", "all positions again with the rig turned over", _turned_runs, _turned,
           {"extras": {"tilt_deg": 180.0}}),
-    Entry("more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
+    CandidateMeasurement(
+        "more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
 )  # fmt: skip
 
 
-def separation(fitted: Fitted, which: Sequence[Candidate], size: float) -> float:
+def separation(fitted: MixedModelFit, which: Sequence[Candidate], size: float) -> float:
     """Sigmas from the first candidate, `size` times its own size, to all the others can imitate."""
     study = fitted.problem.study
     weighed = Projected.of(study, fitted.linear, fitted.solution)
@@ -245,7 +255,7 @@ def separation(fitted: Fitted, which: Sequence[Candidate], size: float) -> float
 
 
 def next_measurement(
-    fitted: Fitted,
+    fitted: MixedModelFit,
     between: Sequence[Effect],
     values: Sequence[dict[str, float]],
     sizes: Sequence[float],
@@ -258,7 +268,7 @@ def next_measurement(
         return None
     pair = _as_long(fitted, [Suspect(*s) for s in zip(between, values, sizes, strict=True)][:2])
     now = _apart(fitted, pair)
-    best: tuple[float, Entry, float, float] | None = None
+    best: tuple[float, CandidateMeasurement, float, float] | None = None
     for entry in MENU:
         try:
             then = _apart(extended(fitted, entry), pair)
@@ -287,13 +297,13 @@ class Suspect:
     values: dict[str, float]  # its form
     size: float  # multiples of it
 
-    def forms(self, fitted: Fitted) -> list[Candidate]:
+    def forms(self, fitted: MixedModelFit) -> list[Candidate]:
         """All its forms in a design, its own one first."""
         pool = candidates(fitted, [self.effect], tolerant=False)
         return sorted(pool, key=lambda c: dict(c.values) != self.values)
 
 
-def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:
+def _as_long(fitted: MixedModelFit, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:
     """Both as large as they must be to explain what the one that explains more does.
 
     The second one's own size may be what the first one has left of it, next to nothing.
@@ -307,7 +317,7 @@ def _as_long(fitted: Fitted, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]
     return replace(first, size=sizes[0]), replace(second, size=sizes[1])
 
 
-def _apart(fitted: Fitted, pair: tuple[Suspect, Suspect]) -> float:
+def _apart(fitted: MixedModelFit, pair: tuple[Suspect, Suspect]) -> float:
     """Sigmas from either of two to the nearest form of the other; the smaller of the two."""
     forms = [one.forms(fitted) for one in pair]
     return min(
@@ -317,14 +327,14 @@ def _apart(fitted: Fitted, pair: tuple[Suspect, Suspect]) -> float:
     )
 
 
-def extended(fitted: Fitted, entry: Entry) -> Fitted:
+def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFit:
     """The design with an entry added: only its geometry counts, no data are made up."""
     problem = fitted.problem
     looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.study.looks]
     rests = [scene.rest for scene in problem.study.scenes]
-    study = Study(looks, rests)
+    study = ForwardModel(looks, rests)
     noise = noise_of(study)
-    larger = Problem.of(study, problem.bases, noise)
+    larger = FitProblem.of(study, problem.bases, noise)
     bases = problem.bases
     if any(
         len(a.voltages_V) != len(b.voltages_V)
@@ -339,10 +349,10 @@ def extended(fitted: Fitted, entry: Entry) -> Fitted:
     log_sigma = larger.guess.copy()
     n = min(len(log_sigma), len(fitted.solution.log_sigma))
     log_sigma[:n] = fitted.solution.log_sigma[:n]
-    return Fitted(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
+    return MixedModelFit(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
 
 
-def _with_half(problem: Problem, study: Study) -> Bases:
+def _with_half(problem: FitProblem, study: ForwardModel) -> Bases:
     """Parameters of the further voltages, after all others."""
     parts, place = [], problem.bases.size
     for one, own in zip(problem.bases.parts, study.looks, strict=True):
@@ -354,7 +364,7 @@ def _with_half(problem: Problem, study: Study) -> Bases:
     return replace(problem.bases, parts=tuple(parts), size=place)
 
 
-def _half_start(problem: Problem, bases: Bases, theta: FloatArray) -> FloatArray:
+def _half_start(problem: FitProblem, bases: Bases, theta: FloatArray) -> FloatArray:
     more = np.zeros(bases.size - problem.bases.size)
     for one in bases.parts:
         for volts, (i, _) in one.eibm.items():

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected, Score, score
 from model.discrepancy.verdict.prediction_error import refitted
 from model.identification.mixed_model import inverse_symmetric, weigh
@@ -16,7 +16,7 @@ from model.measurements import FloatArray
 
 
 def left_out(
-    base: Fitted, final: Fitted, pool: Sequence[Candidate], groups: list[Index]
+    base: MixedModelFit, final: MixedModelFit, pool: Sequence[Candidate], groups: list[Index]
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Residuals of rows when they are left out, and what was chosen each time.
 
@@ -48,7 +48,7 @@ def left_out(
 
 
 def _information(
-    fitted: Fitted, columns: FloatArray, runs: Index, extra: FloatArray | None
+    fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
     """Normal equations of all runs but these."""
     data, layout = fitted.linear.data, fitted.problem.study.layout
@@ -66,7 +66,7 @@ def _information(
 
 
 def _predicted(
-    fitted: Fitted, columns: FloatArray, runs: Index, extra: FloatArray | None = None
+    fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None = None
 ) -> FloatArray:
     """Residuals of everything when the parameters come from all runs but these."""
     A, b = _information(fitted, columns, runs, extra)
@@ -74,7 +74,7 @@ def _predicted(
     return result
 
 
-def predictive_gains(before: Fitted, after: Fitted) -> FloatArray:
+def predictive_gains(before: MixedModelFit, after: MixedModelFit) -> FloatArray:
     """Ln of how much more likely each position's data are in the second model than in the first.
 
     The position is left out of both fits.
@@ -83,7 +83,7 @@ def predictive_gains(before: Fitted, after: Fitted) -> FloatArray:
     return np.array([_likely(after, runs) - _likely(before, runs) for runs in groups])
 
 
-def _likely(fitted: Fitted, runs: Index) -> float:
+def _likely(fitted: MixedModelFit, runs: Index) -> float:
     """Ln of the density of some runs' data as the others predict them, but for a constant.
 
     What the others do not know, such as how a form differs in just these runs, is as unsure as it
@@ -101,7 +101,7 @@ def _likely(fitted: Fitted, runs: Index) -> float:
     return -0.5 * float(np.linalg.slogdet(V)[1] + error @ np.linalg.solve(V, error))
 
 
-def _best_without(base: Fitted, pool: Sequence[Candidate], runs: Index) -> Score:
+def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
     """The candidate that the other runs choose, with the noise as it was found."""
     study, layout = base.problem.study, base.problem.study.layout
     weights = base.solution.weights.copy()
@@ -115,7 +115,7 @@ def _best_without(base: Fitted, pool: Sequence[Candidate], runs: Index) -> Score
     return max((score(study, projected, c) for c in pool), key=lambda s: s.log_bayes)
 
 
-def position_groups(fitted: Fitted) -> list[Index]:
+def position_groups(fitted: MixedModelFit) -> list[Index]:
     """Runs by position, over all configurations; free shapes are never left out."""
     groups: dict[float, list[int]] = {}
     for r, run in enumerate(fitted.problem.study.layout.runs):

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import atoms
-from model.discrepancy.likelihood.forward_model import Study
-from model.discrepancy.likelihood.linearisation import Linear
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.forward_model import ForwardModel
+from model.discrepancy.likelihood.linearisation import Linearisation
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.effects.interface import Effect, Values
 from model.identification.mixed_model import Solution, deviance, estimate
 from model.measurements import FloatArray
@@ -62,7 +62,7 @@ def members(effect: Effect) -> list[dict[str, float]]:
 
 
 def candidates(
-    fitted: Fitted, effects: Sequence[Effect], *, tolerant: bool = True
+    fitted: MixedModelFit, effects: Sequence[Effect], *, tolerant: bool = True
 ) -> list[Candidate]:
     """Every effect in each of its shapes, as columns at the present model.
 
@@ -94,7 +94,7 @@ class Projected:
     pulled: FloatArray  # (N,) P y
 
     @staticmethod
-    def of(study: Study, linear: Linear, solution: Solution) -> Projected:
+    def of(study: ForwardModel, linear: Linearisation, solution: Solution) -> Projected:
         """At a solution."""
         layout, data = study.layout, linear.data
         WX = (solution.weights @ data.X)[layout.run_of, layout.row_of]
@@ -104,7 +104,7 @@ class Projected:
             solution.weights, WX, solution.covariance, We[layout.run_of, layout.row_of]
         )
 
-    def normal(self, study: Study, S: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def normal(self, study: ForwardModel, S: FloatArray) -> tuple[FloatArray, FloatArray]:
         """S'PS and S'Py."""
         layout = study.layout
         WS = (self.weights @ layout.pad(S))[layout.run_of, layout.row_of]
@@ -112,7 +112,7 @@ class Projected:
         return S.T @ WS - XS.T @ self.covariance @ XS, S.T @ self.pulled
 
 
-def score(study: Study, projected: Projected, candidate: Candidate) -> Score:
+def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Score:
     """Evidence of a candidate at given noise."""
     A, b = projected.normal(study, candidate.columns)
     D, U = np.linalg.eigh(0.5 * (A + A.T))
@@ -158,7 +158,7 @@ def surprise(one: Score) -> float:
     return SURPRISE if (value - size.neutral) * size.usual < 0.0 else 0.0
 
 
-def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:
+def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     """Evidence with the noise estimated beside the candidate, which it would else hide in."""
     from model.discrepancy.likelihood.linearisation import with_columns
 
@@ -179,7 +179,7 @@ def rescored(fitted: Fitted, one: Score) -> tuple[float, Solution]:
     return best - float(np.log(len(one.candidate.sizes))), kept
 
 
-def prior_terms(fitted: Fitted) -> float:
+def prior_terms(fitted: MixedModelFit) -> float:
     """Ln of the determinant of the priors of the effects that are in the model already."""
     return float(np.sum(np.log(fitted.linear.data.precision[fitted.problem.bases.size :])))
 

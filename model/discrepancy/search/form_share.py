@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import whole_step
-from model.discrepancy.likelihood.forward_model import Step
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.forward_model import Perturbation
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.prediction_error import variance
 from model.measurements import FloatArray
 
 MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
 
 
-def form_share(fitted: Fitted, index: int) -> float:
+def form_share(fitted: MixedModelFit, index: int) -> float:
     """Share of what the effect does to the data, squared, that its form alone would not do.
 
     `index` is its place among those found.
@@ -28,7 +28,7 @@ def form_share(fitted: Fitted, index: int) -> float:
     return _share(fitted, np.stack(rows, axis=1), deviation)
 
 
-def steps_of(fitted: Fitted, index: int) -> list[tuple[int, Step]]:
+def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]]:
     """What the effect changes in each configuration that has it."""
     one, study = fitted.found[index], fitted.problem.study
     others = tuple(f.active for f in fitted.found if f is not one)
@@ -40,7 +40,7 @@ def steps_of(fitted: Fitted, index: int) -> list[tuple[int, Step]]:
     return result
 
 
-def _share(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
+def _share(fitted: MixedModelFit, whole: FloatArray, deviation: FloatArray) -> float:
     """Of what an effect does, how much no choice of its size in each configuration would do."""
     by = 1.0 / np.sqrt(variance(fitted))
     own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
@@ -50,7 +50,7 @@ def _share(fitted: Fitted, whole: FloatArray, deviation: FloatArray) -> float:
     return float(np.sum((total - own @ size) ** 2) / square) if square > 0.0 else 0.0
 
 
-def _on_base(fitted: Fitted, column: FloatArray) -> FloatArray:
+def _on_base(fitted: MixedModelFit, column: FloatArray) -> FloatArray:
     """The part of a column that the base parameters can take up."""
     size, study = fitted.problem.bases.size, fitted.problem.study
     layout, W = study.layout, fitted.solution.weights

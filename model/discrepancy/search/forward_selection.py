@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import Found, whole_step
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem, settle
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import MOST_FORM, form_share
 from model.discrepancy.search.outliers import numbers_of, without
-from model.discrepancy.search.ranking import ALIKE, Contender, rank
+from model.discrepancy.search.ranking import ALIKE, RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
 from model.identification.mixed_model import weigh
@@ -26,25 +26,25 @@ PASSENGER = 0.08  # size against the effects found before, below which it may be
 
 
 @dataclass
-class Turn:
+class SelectionStep:
     """One turn of the search."""
 
-    before: Fitted
-    ranking: list[Contender]
-    chosen: Contender | None = None
+    before: MixedModelFit
+    ranking: list[RankedCandidate]
+    chosen: RankedCandidate | None = None
 
 
 @dataclass
-class Outcome:
+class SearchResult:
     """How the search went."""
 
-    base: Fitted
-    turns: list[Turn]
-    final: Fitted
+    base: MixedModelFit
+    turns: list[SelectionStep]
+    final: MixedModelFit
     outliers: list[int] = field(default_factory=list)  # numbers of conditions left out
 
     @property
-    def chosen(self) -> list[Contender]:
+    def chosen(self) -> list[RankedCandidate]:
         """The effects that were added, in their order."""
         return [turn.chosen for turn in self.turns if turn.chosen is not None]
 
@@ -54,7 +54,7 @@ class Outcome:
         return 0.5 * (self.base.deviance - self.final.deviance)
 
 
-def supported(before: Fitted, after: Fitted) -> bool:
+def supported(before: MixedModelFit, after: MixedModelFit) -> bool:
     """Whether positions that are left out speak for the effect, not just a single one of them."""
     gains = predictive_gains(before, after)
     if len(gains) < 3:
@@ -64,13 +64,13 @@ def supported(before: Fitted, after: Fitted) -> bool:
 
 
 def search(
-    problem: Problem,
+    problem: FitProblem,
     theta: FloatArray,
     effects: Sequence[Effect],
     threshold: float,
     most: int = 3,
     found: tuple[Found, ...] = (),
-) -> Outcome:
+) -> SearchResult:
     """Add effects while the data ask for them.
 
     One that is mostly deviation from its form may stand for several others: they are tried without
@@ -86,24 +86,24 @@ def search(
     return other if several and other.gain > outcome.gain + ALIKE else outcome
 
 
-def _share(contender: Contender) -> float:
+def _share(contender: RankedCandidate) -> float:
     """How much of an effect is deviation from its form."""
     return 0.0 if contender.fitted is None else form_share(contender.fitted, -1)
 
 
 def _forward(
-    problem: Problem,
+    problem: FitProblem,
     theta: FloatArray,
     effects: Sequence[Effect],
     threshold: float,
     most: int,
     found: tuple[Found, ...],
-) -> Outcome:
+) -> SearchResult:
     """Add the best effect, and the best one then, while the data ask for them."""
     fitted = settle(problem, theta, found)
-    outcome, rounds_of_outliers = Outcome(fitted, [], fitted), 0
+    outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
-        turn = Turn(fitted, rank(fitted, effects))
+        turn = SelectionStep(fitted, rank(fitted, effects))
         if not turn.ranking or turn.ranking[0].gain < threshold:
             outcome.turns.append(turn)
             break
@@ -123,7 +123,7 @@ def _forward(
     return outcome
 
 
-def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
+def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) -> MixedModelFit:
     """The model without these conditions; the base is fitted without them, too."""
     outcome.outliers += numbers
     problem, base = without(fitted.problem, numbers), outcome.base
@@ -133,7 +133,7 @@ def _left_out(outcome: Outcome, fitted: Fitted, numbers: list[int]) -> Fitted:
     return again
 
 
-def apart(fitted: Fitted, contender: Contender) -> float:
+def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     """Evidence of a further effect where each number may be off by some of what the others do.
 
     What is small against them everywhere may be what is left of their own form.
@@ -153,7 +153,7 @@ def apart(fitted: Fitted, contender: Contender) -> float:
     return kept * contender.gain
 
 
-def _rows(fitted: Fitted) -> FloatArray:
+def _rows(fitted: MixedModelFit) -> FloatArray:
     """What all effects of a model do to the rows, (N,)."""
     study, active = fitted.problem.study, fitted.active
     rows = np.zeros(study.layout.size)
@@ -166,7 +166,7 @@ def _rows(fitted: Fitted) -> FloatArray:
     return rows
 
 
-def _worth(turn: Turn, threshold: float) -> Contender | None:
+def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
     """The best effect of the catalogue whose form is in the data, if they ask for it."""
     threshold += FURTHER if turn.before.found else 0.0
     rest = _rest_of_forms(turn)
@@ -183,7 +183,7 @@ def _worth(turn: Turn, threshold: float) -> Contender | None:
     return None
 
 
-def _rest_of_forms(turn: Turn) -> float:
+def _rest_of_forms(turn: SelectionStep) -> float:
     """What a free form explains in the slot of an effect before: more of that one's form."""
     slots = {f"unknown:{f.effect.slot}" for f in turn.before.found}
     return max((c.gain for c in turn.ranking if c.name in slots), default=-np.inf)

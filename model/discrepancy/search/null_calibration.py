@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected, averaged, score
 from model.identification.mixed_model import estimate
 from model.measurements import FloatArray
@@ -17,7 +17,7 @@ FALSE_NAMES = 0.01
 
 
 def null_gains(
-    fitted: Fitted,
+    fitted: MixedModelFit,
     pool: Sequence[Candidate],
     count: int,
     seed: int,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, Problem
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit
 from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.search.evidence import Candidate
 from model.measurements import FloatArray
@@ -19,7 +19,7 @@ SET_UP_SIZES = (4.0, 8.0, 16.0)
 OUT = 1e6  # how much noisier a condition left out is taken to be
 
 
-def outlier_candidates(fitted: Fitted) -> list[Candidate]:
+def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
     """One for each condition, whose force and curve may be anything, and one for each set-up."""
     study, result, number = fitted.problem.study, _setups(fitted), 0
     for c, part in enumerate(study.layout.parts):
@@ -46,7 +46,7 @@ def outlier_candidates(fitted: Fitted) -> list[Candidate]:
     return result
 
 
-def _setups(fitted: Fitted) -> list[Candidate]:
+def _setups(fitted: MixedModelFit) -> list[Candidate]:
     """Set-ups with another B, EIBM, position, tilt, registration and zero than all others."""
     layout, result = fitted.problem.study.layout, []
     sigma = np.exp(fitted.solution.log_sigma)
@@ -69,7 +69,7 @@ def _setups(fitted: Fitted) -> list[Candidate]:
     return result
 
 
-def condition_runs(problem: Problem) -> list[int]:
+def condition_runs(problem: FitProblem) -> list[int]:
     """The run of each condition, by its number over all configurations."""
     layout = problem.study.layout
     return [layout.runs.index(one.run) for look in problem.study.looks for one in look.seen]
@@ -86,13 +86,13 @@ def numbers_of(name: str) -> list[int]:
     return [int(n) for n in name.removeprefix("outlier:").split(",")]
 
 
-def condition_name(problem: Problem, number: int) -> str:
+def condition_name(problem: FitProblem, number: int) -> str:
     """As people call it."""
     names = [one.name for look in problem.study.looks for one in look.seen]
     return names[number]
 
 
-def without(problem: Problem, numbers: list[int]) -> Problem:
+def without(problem: FitProblem, numbers: list[int]) -> FitProblem:
     """The same data with some conditions so noisy that they do not count."""
     fixed, study = problem.noise.fixed.copy(), problem.study
     first = 0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search.evidence import (
     Candidate,
@@ -32,14 +32,14 @@ BENT = 0.1  # share of the evidence by which a straight line may misjudge the sh
 
 
 @dataclass(frozen=True)
-class Contender:
+class RankedCandidate:
     """A candidate with its evidence."""
 
     score: Score
     gain: float  # ln of the Bayes factor against the present model, averaged over its shapes
     solution: Solution | None = None
-    fitted: Fitted | None = None  # where it was refined
-    tried: tuple[Fitted, ...] = ()  # fits of all of its shapes that were refined
+    fitted: MixedModelFit | None = None  # where it was refined
+    tried: tuple[MixedModelFit, ...] = ()  # fits of all of its shapes that were refined
     shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
     # ln of how much less its shapes explain on the average than the best, and of a surprise
     among: float = 0.0
@@ -55,7 +55,9 @@ class Contender:
         return self.score.candidate.effect is not None
 
 
-def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[Contender]:
+def rank(
+    fitted: MixedModelFit, effects: Sequence[Effect], slots: bool = True
+) -> list[RankedCandidate]:
     """Everything that could be added, best first; the promising ones with the noise beside them."""
     inside = {f.effect.name for f in fitted.found}
     every = candidates(fitted, [e for e in effects if e.name not in inside])
@@ -71,7 +73,7 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
         outlier = one.candidate.slot == "outlier"
         promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
         if not promising and name not in hidden:
-            result.append(Contender(one, one.log_bayes))
+            result.append(RankedCandidate(one, one.log_bayes))
             continue
         tried += promising and not outlier
         looks = [one]
@@ -82,12 +84,12 @@ def rank(fitted: Fitted, effects: Sequence[Effect], slots: bool = True) -> list[
         shapes = _other_shapes(chosen, scores.get(name, []))
         among = _among(fitted, [c for c in every if c.name == name], solution)
         among += surprise(chosen)
-        result.append(Contender(chosen, gain + among, solution, shapes=shapes, among=among))
+        result.append(RankedCandidate(chosen, gain + among, solution, shapes=shapes, among=among))
     result.sort(key=lambda c: -c.gain)
     return result
 
 
-def _among(fitted: Fitted, shapes: Sequence[Candidate], solution: Solution) -> float:
+def _among(fitted: MixedModelFit, shapes: Sequence[Candidate], solution: Solution) -> float:
     """Ln of the mean of what an effect's shapes explain over what the best of them does."""
     if len(shapes) == 1:
         return 0.0
@@ -98,13 +100,15 @@ def _among(fitted: Fitted, shapes: Sequence[Candidate], solution: Solution) -> f
     return averaged(found) - max(found)
 
 
-def best_scores(fitted: Fitted, every: Sequence[Candidate], solution: Solution) -> dict[str, Score]:
+def best_scores(
+    fitted: MixedModelFit, every: Sequence[Candidate], solution: Solution
+) -> dict[str, Score]:
     """The best score of each name, at given scatter; best first."""
     return {name: found[0] for name, found in _by_name(fitted, every, solution).items()}
 
 
 def _by_name(
-    fitted: Fitted, every: Sequence[Candidate], solution: Solution
+    fitted: MixedModelFit, every: Sequence[Candidate], solution: Solution
 ) -> dict[str, list[Score]]:
     """The scores of all shapes of each name, at given scatter; best first."""
     study = fitted.problem.study
@@ -153,7 +157,7 @@ def _alike(one: Score, other: Score) -> bool:
     return one.candidate is other.candidate and one.scale == other.scale
 
 
-def usual_scatter(fitted: Fitted) -> Solution:
+def usual_scatter(fitted: MixedModelFit) -> Solution:
     """The same fit with no more scatter than is usual: what acts in every set-up hides in it."""
     least = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
     return weigh(fitted.linear.data, least)

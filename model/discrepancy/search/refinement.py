@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.search.evidence import Candidate, Score, unit_values
 from model.discrepancy.search.form_share import MOST_FORM, form_share
-from model.discrepancy.search.ranking import BENT, Contender, best_scores, usual_scatter
+from model.discrepancy.search.ranking import BENT, RankedCandidate, best_scores, usual_scatter
 from model.effects.interface import Effect
 from model.measurements import FloatArray, ModelError
 
@@ -28,7 +28,7 @@ VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
 
-def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
+def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[RankedCandidate]:
     """The effects of the catalogue that are close to the best one, refined; best first."""
     known = [c for c in ranking if c.known]
     if not known:
@@ -49,7 +49,9 @@ def refine_best(fitted: Fitted, ranking: list[Contender]) -> list[Contender]:
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
 
-def refined(fitted: Fitted, contender: Contender, shapes: Sequence[Score]) -> Contender:
+def refined(
+    fitted: MixedModelFit, contender: RankedCandidate, shapes: Sequence[Score]
+) -> RankedCandidate:
     """With the effect in the model, its values fitted and everything linearised there.
 
     Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
@@ -62,7 +64,7 @@ def refined(fitted: Fitted, contender: Contender, shapes: Sequence[Score]) -> Co
     return result
 
 
-def by_forces(fitted: Fitted) -> FloatArray:
+def by_forces(fitted: MixedModelFit) -> FloatArray:
     """Base parameters that forces and the curves at 0 V ask for.
 
     What curves under voltage say may be the very thing that is to be explained.
@@ -78,7 +80,9 @@ def by_forces(fitted: Fitted) -> FloatArray:
         return fitted.theta
 
 
-def _refined_again(fitted: Fitted, contender: Contender, begins: Sequence[FloatArray]) -> Contender:
+def _refined_again(
+    fitted: MixedModelFit, contender: RankedCandidate, begins: Sequence[FloatArray]
+) -> RankedCandidate:
     """From other beginnings: a straight line from where the effect is absent may lead nowhere.
 
     It begins at a usual size or where it leads with the usual scatter, lets nothing hide in
@@ -102,7 +106,9 @@ def _refined_again(fitted: Fitted, contender: Contender, begins: Sequence[FloatA
     return contender
 
 
-def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | None) -> Contender:
+def _better(
+    fitted: MixedModelFit, contender: RankedCandidate, one: Score, other: MixedModelFit | None
+) -> RankedCandidate:
     """The contender, or with this shape and fit where they are better than what it has."""
     best = contender.fitted
     if other is None:
@@ -116,12 +122,12 @@ def _better(fitted: Fitted, contender: Contender, one: Score, other: Fitted | No
     return replace(contender, score=one, gain=gain, fitted=other)
 
 
-def _rank(fitted: Fitted) -> tuple[bool, float]:
+def _rank(fitted: MixedModelFit) -> tuple[bool, float]:
     """Smaller: better; what is an effect in name only comes last."""
     return form_share(fitted, -1) > MOST_FORM, fitted.deviance
 
 
-def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:
+def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
     """A scored effect at a multiple of its own size."""
     effect = one.candidate.effect
     if effect is None:
@@ -131,7 +137,7 @@ def _found(fitted: Fitted, one: Score, amplitude: float) -> Found:
 
 
 def _begun(
-    fitted: Fitted, effect: Effect, candidate: Candidate, amplitude: float
+    fitted: MixedModelFit, effect: Effect, candidate: Candidate, amplitude: float
 ) -> dict[str, dict[str, float]]:
     """Its values at a multiple of its own size, within bounds; alike in all configurations."""
     size, values = effect.size, unit_values(effect, candidate.values, amplitude)
@@ -141,19 +147,19 @@ def _begun(
     return {name: dict(values) for name in fitted.problem.study.names}
 
 
-def _strained(fitted: Fitted) -> bool:
+def _strained(fitted: MixedModelFit) -> bool:
     """Whether set-ups seem to differ by much more than is usual."""
     times = fitted.solution.log_sigma - fitted.problem.guess
     return bool(np.max(times[: len(ASSUMED)]) > np.log(STRAINED))
 
 
 def _settled(
-    fitted: Fitted,
+    fitted: MixedModelFit,
     theta: FloatArray,
     found: tuple[Found, ...],
     log_sigma: FloatArray | None,
     form: float = 1.0,
-) -> Fitted | None:
+) -> MixedModelFit | None:
     """A model with these effects, from there on; None where it does not settle.
 
     `form` is how much of the tolerance of the effects' forms there is.
@@ -164,19 +170,19 @@ def _settled(
         return None
 
 
-def _promising(fitted: Fitted, done: list[Contender]) -> set[str]:
+def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:
     """The one that explains most, and those that would with the usual scatter."""
     return {max(done, key=lambda c: c.gain).name, *_plain(fitted, done)}
 
 
-def _plain(fitted: Fitted, contenders: list[Contender]) -> list[str]:
+def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str]:
     """The one that explains most with the usual scatter, and another one that comes close."""
     scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
     best = max((s.log_bayes for s in scores.values()), default=0.0)
     return [name for name, s in scores.items() if s.log_bayes >= (1.0 - BENT) * best][:PLAIN]
 
 
-def _doubtful(contender: Contender) -> bool:
+def _doubtful(contender: RankedCandidate) -> bool:
     """Whether its size may have been found at the wrong place."""
     best = contender.fitted
     return best is None or form_share(best, -1) > STUCK or _strained(best)

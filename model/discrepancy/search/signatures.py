@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected
 from model.discrepancy.verdict.result import Signatures
 from model.effects.interface import Effect
@@ -32,7 +32,7 @@ def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) 
 
 
 def signatures(
-    fitted: Fitted, pool: Sequence[Candidate], amplitude: Mapping[str, float]
+    fitted: MixedModelFit, pool: Sequence[Candidate], amplitude: Mapping[str, float]
 ) -> Signatures:
     """Lengths and distances in sigmas, the base refitted; forms given the tolerance they have.
 
@@ -56,7 +56,9 @@ def signatures(
     return Signatures(tuple(c.name for c in pool), length, distance, cosine)
 
 
-def invisible(fitted: Fitted, found: Signatures, effects: Mapping[str, Effect]) -> dict[str, str]:
+def invisible(
+    fitted: MixedModelFit, found: Signatures, effects: Mapping[str, Effect]
+) -> dict[str, str]:
     """Effects that these data cannot show at any likely size, with what would show them."""
     result = {}
     streams = _streams(fitted)
@@ -74,7 +76,7 @@ def invisible(fitted: Fitted, found: Signatures, effects: Mapping[str, Effect]) 
     return result
 
 
-def _streams(fitted: Fitted) -> bool:
+def _streams(fitted: MixedModelFit) -> bool:
     """Whether there are repeats in order or series."""
     parts = fitted.problem.study.layout.parts
     return any(len(p.bin_rows) or np.any(~p.is_mean) for p in parts)

@@ -9,16 +9,16 @@ from functools import cached_property
 import numpy as np
 
 from model.discrepancy.data.data_checks import remarks
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.locations.nonparametric import form_of, unknown_of, with_free_form
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
-from model.discrepancy.search.forward_selection import Outcome
+from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.outliers import condition_name
-from model.discrepancy.search.ranking import Contender
+from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
@@ -37,10 +37,10 @@ from model.discrepancy.verdict.posterior import (
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
+    ErrorRow,
     Named,
     Next,
     Ranked,
-    Row,
     Signatures,
     Unknown,
     Verdict,
@@ -59,12 +59,12 @@ class _Decision:
     """What the search comes to."""
 
     named: list[Choice]
-    known: Fitted  # with the effects that are named
+    known: MixedModelFit  # with the effects that are named
     unknown: Unknown | None
-    final: Fitted  # with the free form of what is unknown, too
+    final: MixedModelFit  # with the free form of what is unknown, too
 
 
-def _scatter(final: Fitted) -> dict[str, float]:
+def _scatter(final: MixedModelFit) -> dict[str, float]:
     """From one set-up to the next, by name."""
     return dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False))
 
@@ -76,7 +76,7 @@ class _LeftOut:
     gap: BeforeAfter
     closed: float
     chosen: list[str]  # with each position left out
-    rows: tuple[Row, ...]
+    rows: tuple[ErrorRow, ...]
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Finding:
     measurements: Measurements
     options: Options
     ready: Prepared
-    outcome: Outcome
+    outcome: SearchResult
     effects: Sequence[Effect]  # that were considered
     threshold: float
     threshold_from: str
@@ -145,7 +145,7 @@ class Finding:
         final = with_free_form(known, free)
         return _Decision(named, with_shapes(known, named), unknown_of(at, free), final)
 
-    def _unexplained(self, known: Fitted) -> Leftover | None:
+    def _unexplained(self, known: MixedModelFit) -> Leftover | None:
         """What free forms find beside the names, where it is too much for the rest of a form."""
         rest = leftover(self.outcome, known, self.effects) if self._enough else None
         if rest is None or rest.share < LEFT:
@@ -213,7 +213,9 @@ class Finding:
 
     def _ranking(self, seen: Signatures) -> tuple[Ranked, ...]:
         lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
-        first: Sequence[Contender] = self.outcome.turns[0].ranking if self.outcome.turns else []
+        first: Sequence[RankedCandidate] = (
+            self.outcome.turns[0].ranking if self.outcome.turns else []
+        )
         return tuple(
             Ranked(
                 c.name, c.score.candidate.slot, c.gain, c.score.amplitude,
@@ -223,13 +225,13 @@ class Finding:
         )  # fmt: skip
 
 
-def _alone(rest: Leftover, base: Fitted, known: Fitted) -> bool:
+def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
     """Whether one free form explains more than all the names together."""
     explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
     return rest.first.gain * (1.0 - LEFT) > explained + SLOT_MARGIN
 
 
-def _named(one: Choice, final: Fitted, seen: Signatures) -> Named:
+def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     effect = one.effect
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
     found, (share, form) = final.found[place], form_of(final, place)

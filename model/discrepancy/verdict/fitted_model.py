@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.nonparametric import unknown_effect
 from model.discrepancy.prepare import Options
 from model.discrepancy.verdict.result import Gap, Unknown
-from model.effects.interface import Knob
+from model.effects.interface import EffectParameter
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import ActiveEffect
@@ -21,7 +21,7 @@ FEW = 12.0  # degrees of freedom of the intervals: there are about so many set-u
 
 
 def sheet_model(
-    final: Fitted,
+    final: MixedModelFit,
     unknown: Unknown | None,
     measurements: Measurements,
     options: Options,
@@ -42,14 +42,14 @@ def sheet_model(
     )  # fmt: skip
 
 
-def _active(one: Found, final: Fitted) -> ActiveEffect:
+def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
     own = {name: parameters_of(one, name, final) for name in one.values}
     if one.effect.by_configuration:
         return ActiveEffect(one.effect.name, {}, own)
     return ActiveEffect(one.effect.name, next(iter(own.values())), {})
 
 
-def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Parameter]:
+def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:
     """An effect's values with their uncertainty, derived ones included."""
     values = dict(one.values[configuration])
     sigma = one.sigma.get(configuration, {})
@@ -70,14 +70,14 @@ def parameters_of(one: Found, configuration: str, final: Fitted) -> dict[str, Pa
     return result
 
 
-def _step(knob: Knob) -> float:
+def _step(knob: EffectParameter) -> float:
     """Uncertainty of a place that was only tried here and there: it may be anywhere between."""
     if knob.unit != "mm" or len(knob.tried) < 2:
         return 0.0
     return float(np.max(np.diff(knob.tried)) / np.sqrt(3.0))
 
 
-def _sheet(final: Fitted, c: int) -> ConfiguredSheet:
+def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     """B, k0 and EIBM of one configuration."""
     study, part = final.problem.study, final.problem.bases.parts[c]
     scene, theta = study.scenes[c], final.theta
@@ -102,7 +102,7 @@ def _sheet(final: Fitted, c: int) -> ConfiguredSheet:
     return ConfiguredSheet(geometry, stiffness, along, eibm)
 
 
-def base_parameters(final: Fitted) -> dict[str, dict[str, Parameter]]:
+def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
     """B and EIBM of each configuration, by the names that people see."""
     result = {}
     for c, name in enumerate(final.problem.study.names):

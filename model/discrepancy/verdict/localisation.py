@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from model.discrepancy.likelihood.contact_solution import Scene
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.prediction_error import refitted, variance
 from model.discrepancy.verdict.result import Where
 from model.identification.mixed_model import inverse_symmetric
@@ -18,7 +18,7 @@ Z_LEAST = 3.3  # of a cell that is mentioned; about one in a thousand by chance
 Observable = Literal["force", "curve", "signal"]
 
 
-def staged(base: Fitted) -> FloatArray:
+def staged(base: MixedModelFit) -> FloatArray:
     """Residuals (N,) with B from 0 V alone, then the EIBM given B: they say where it is wrong.
 
     All at once would smear what acts under voltage over everything.
@@ -46,7 +46,7 @@ def staged(base: Fitted) -> FloatArray:
     return y
 
 
-def places(base: Fitted, noise: FloatArray) -> tuple[Where, ...]:
+def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
     """The cells that stand out of noise and scatter (variances (N,)), the strongest first."""
     residual, study = staged(base), base.problem.study
     z = residual / np.sqrt(noise)
@@ -75,7 +75,12 @@ def _excess(z: FloatArray) -> float:
 
 
 def _where(
-    observable: Observable, scene: Scene, k: int, z: float, s_mm: float | None, detail: str = ""
+    observable: Observable,
+    scene: ConfigurationModel,
+    k: int,
+    z: float,
+    s_mm: float | None,
+    detail: str = "",
 ) -> Where:
     at, name = float(scene.stated_m[k]), scene.sheet.configuration
     position = None if np.isnan(at) else round(at * 1e3, 6)

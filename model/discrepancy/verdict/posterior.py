@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
-from model.discrepancy.search.forward_selection import FURTHER, Outcome, Turn, apart
-from model.discrepancy.search.ranking import Contender, rank
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
+from model.discrepancy.search.forward_selection import FURTHER, SearchResult, SelectionStep, apart
+from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
 
@@ -30,10 +30,10 @@ class Choice:
     alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
     gain: float
     of_slot: float  # posterior of all effects of its slot
-    tried: tuple[Fitted, ...] = ()  # fits of its shapes
+    tried: tuple[MixedModelFit, ...] = ()  # fits of its shapes
 
 
-def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
+def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
     """Of the catalogue's effects in a ranking, given that one of them is it."""
     known = [c for c in ranking if c.known]
     if not known:
@@ -43,7 +43,7 @@ def posterior(ranking: Sequence[Contender]) -> dict[str, float]:
     return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
 
 
-def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
+def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choice:
     """What was chosen from a ranking, and how surely."""
     effect = chosen.score.candidate.effect
     if effect is None:
@@ -60,8 +60,8 @@ def choice(chosen: Contender, ranking: Sequence[Contender]) -> Choice:
 
 
 def choices(
-    outcome: Outcome, effects: Sequence[Effect], threshold: float, rests: bool = False
-) -> tuple[list[Choice], Fitted]:
+    outcome: SearchResult, effects: Sequence[Effect], threshold: float, rests: bool = False
+) -> tuple[list[Choice], MixedModelFit]:
     """Every effect that was found, each against its alternatives with the others in place.
 
     An effect that the others make superfluous is taken out again, and so is, unless `rests`, what
@@ -82,7 +82,7 @@ def choices(
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
         if min(gain, apart(without, own)) < threshold + FURTHER:
-            shorter = Outcome(outcome.base, turns[:i] + turns[i + 1 :], without)
+            shorter = SearchResult(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold, rests)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
     left = None if rests else rest_of_another(result)
@@ -90,11 +90,11 @@ def choices(
         return result, final
     rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
     without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
-    shorter = Outcome(outcome.base, turns[:left] + turns[left + 1 :], without)
+    shorter = SearchResult(outcome.base, turns[:left] + turns[left + 1 :], without)
     return choices(shorter, effects, threshold)
 
 
-def with_shapes(fitted: Fitted, named: Sequence[Choice]) -> Fitted:
+def with_shapes(fitted: MixedModelFit, named: Sequence[Choice]) -> MixedModelFit:
     """The model with uncertainties that hold the other shapes of each effect, too.
 
     A shape that explains as much may have other values.
@@ -106,7 +106,7 @@ def with_shapes(fitted: Fitted, named: Sequence[Choice]) -> Fitted:
     return replace(fitted, found=tuple(found))
 
 
-def _mixed(one: Found, tried: Sequence[Fitted]) -> Found:
+def _mixed(one: Found, tried: Sequence[MixedModelFit]) -> Found:
     """With the scatter of the values of all fits about the best, as likely as they explain."""
     deviance = np.array([f.deviance for f in tried])
     best = tried[int(np.argmin(deviance))].found[-1].values
@@ -153,8 +153,8 @@ class Leftover:
     gain: float  # of the best free form on the final model
     total: float  # of the best free form on the base model, or of the catalogue's effects
     slot: str  # of the best free form
-    first: Contender  # the free form on the base model
-    last: Contender | None  # the same on the final model
+    first: RankedCandidate  # the free form on the base model
+    last: RankedCandidate | None  # the same on the final model
     apart: float  # its gain beside what the names explain
 
     @property
@@ -163,7 +163,9 @@ class Leftover:
         return max(self.gain, 0.0) / max(self.total, 1e-9)
 
 
-def leftover(outcome: Outcome, final: Fitted, effects: Sequence[Effect]) -> Leftover | None:
+def leftover(
+    outcome: SearchResult, final: MixedModelFit, effects: Sequence[Effect]
+) -> Leftover | None:
     """How much free forms could still explain."""
     first = [c for c in outcome.turns[0].ranking if c.name.startswith("unknown:")]
     if not first:
@@ -173,7 +175,7 @@ def leftover(outcome: Outcome, final: Fitted, effects: Sequence[Effect]) -> Left
     same = (
         outcome.turns[-1]
         if outcome.turns[-1].before is final
-        else Turn(final, rank(final, effects))
+        else SelectionStep(final, rank(final, effects))
     )
     last = [c for c in same.ranking if c.name.startswith("unknown:")]
     rest = max(last, key=lambda c: c.gain, default=None)

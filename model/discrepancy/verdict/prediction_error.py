@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
-from model.discrepancy.verdict.result import BeforeAfter, Gap, Row
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
+from model.discrepancy.verdict.result import BeforeAfter, ErrorRow, Gap
 from model.measurements import FloatArray
 
 CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be
@@ -27,7 +27,7 @@ class Cells:
     weight: FloatArray  # (N,) of squares: trends are told for a reading
 
 
-def cells(fitted: Fitted, without: Collection[int] = ()) -> Cells:
+def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
     """Where all that stands; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
     found = Cells((), (), (), (), (), np.ones(study.layout.size))
@@ -60,7 +60,7 @@ def _each(rows: Index) -> tuple[Index, ...]:
     return tuple(np.asarray(rows, dtype=np.int64).reshape(-1, 1))
 
 
-def variance(fitted: Fitted) -> FloatArray:
+def variance(fitted: MixedModelFit) -> FloatArray:
     """Of every row: noise and the scatter of set-ups (N,)."""
     layout = fitted.problem.study.layout
     V = np.linalg.inv(fitted.solution.weights)
@@ -118,14 +118,16 @@ def closed_share(left_out: BeforeAfter, least: Gap) -> float:
     return float(share)
 
 
-def refitted(fitted: Fitted) -> FloatArray:
+def refitted(fitted: MixedModelFit) -> FloatArray:
     """Residuals (N,) with the linear parameters where they are best."""
     beta = fitted.solution.beta
     result: FloatArray = fitted.linear.residual - fitted.linear.columns @ beta
     return result
 
 
-def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) -> tuple[Row, ...]:
+def table(
+    base: MixedModelFit, final: MixedModelFit, before: FloatArray, after: FloatArray
+) -> tuple[ErrorRow, ...]:
     """Every condition, measured and simulated; `before`, `after` (N,) are left-out residuals."""
     noise = np.sqrt(variance(final))
     forces = [refitted(base), refitted(final), before, after]
@@ -143,7 +145,7 @@ def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) ->
             measured = base.problem.study.scenes[c].measured(k)
             first, last = (_simulated(fitted, c, k) for fitted in (base, final))
             rows.append(
-                Row(
+                ErrorRow(
                     one.configuration, None if one.free else one.position_m, one.voltage_V, force,
                     sigma, told[0], told[1], *measured, first[0], last[0], first[1], last[1],
                     told[2], told[3],
@@ -152,7 +154,9 @@ def table(base: Fitted, final: Fitted, before: FloatArray, after: FloatArray) ->
     return tuple(rows)
 
 
-def _simulated(fitted: Fitted, c: int, k: int) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
+def _simulated(
+    fitted: MixedModelFit, c: int, k: int
+) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Places (x, y) of a curve's points as a model has them, and how far off they are."""
     study = fitted.problem.study
     scene, solved = study.scenes[c], fitted.linear.states[c].solved

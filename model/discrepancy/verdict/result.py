@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from model.effects.interface import Slot
+from model.effects.interface import Location
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
@@ -24,7 +24,7 @@ class Named:
     """An effect that the model now includes."""
 
     name: str
-    slot: Slot
+    slot: Location
     parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
     by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
     confidence: float
@@ -50,7 +50,7 @@ class FormCurve:
 class Unknown:
     """Something that no effect of the catalogue explains."""
 
-    slot: Slot
+    slot: Location
     configuration: str
     s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
     profile: FloatArray
@@ -121,7 +121,7 @@ class Ranked:
 
 
 @dataclass(frozen=True)
-class Row:
+class ErrorRow:
     """One condition, measured and simulated; curves in metres, at the measured points."""
 
     configuration: str
@@ -183,7 +183,7 @@ class Diagnosis:
     threshold_from: str  # where it comes from
     signatures: Signatures
     classes: tuple[tuple[str, ...], ...]  # effects that these data cannot tell apart
-    rows: tuple[Row, ...]
+    rows: tuple[ErrorRow, ...]
     scatter: Mapping[str, float]
     outliers: tuple[str, ...]
     notes: tuple[str, ...]

@@ -10,7 +10,13 @@ import numpy as np
 from model.mechanics.kernel.compiled import Array, compiled
 from model.mechanics.kernel.newton import closure, sweep
 from model.mechanics.kernel.panel import Work, new_work, panel_of, polynomial
-from model.mechanics.kernel.shape import Strip, lever_integral, new_strip, points, unroll
+from model.mechanics.kernel.shape import (
+    CurveBuffer,
+    lever_integral,
+    new_curve_buffer,
+    points,
+    unroll,
+)
 
 
 class Moves(NamedTuple):
@@ -48,7 +54,7 @@ def answers(
 @compiled
 def turning(
     breaks: Array, kappa: Array, rule: Any, x: Array, to: Moves, columns: Array, dx: Array,
-    strip: Strip, count: int, dphi: Array,
+    strip: CurveBuffer, count: int, dphi: Array,
 ) -> None:  # fmt: skip
     """How phi at the strip's nodes answers to the parameters, at fixed s: dphi (P + 1, Q, n)."""
     n, length = len(rule.c), breaks[-1]
@@ -95,7 +101,7 @@ def describe_many(
     n, P, Q = len(rule.c), len(breaks) - 1, dx.shape[1]
     w = new_work(n, 2 + Q)
     columns = np.zeros((P, n, 2 + Q))
-    strip, weights, dphi = new_strip(P, n), np.zeros((3, n)), np.zeros((P + 1, Q, n))
+    strip, weights, dphi = new_curve_buffer(P, n), np.zeros((3, n)), np.zeros((P + 1, Q, n))
     for k in range(len(x)):
         if not good[k]:
             continue

@@ -29,7 +29,7 @@ def legendre_weights(rule: Any, theta: float, out: Array, low: Array) -> None:
         out[j] = 0.5 * total
 
 
-class Strip(NamedTuple):
+class CurveBuffer(NamedTuple):
     """The sheet from the clamp on in ascending panels: one more where the contact cuts one."""
 
     edges: Array  # (P + 2,)
@@ -45,9 +45,9 @@ class Strip(NamedTuple):
 
 
 @compiled
-def new_strip(P: int, n: int) -> Strip:
+def new_curve_buffer(P: int, n: int) -> CurveBuffer:
     """Room for a sheet of P panels."""
-    return Strip(
+    return CurveBuffer(
         np.zeros(P + 2), np.zeros(P + 1, dtype=np.int64), np.zeros((P + 1, n)),
         np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)),
         np.zeros(P + 2), np.zeros(P + 2), np.zeros(P + 2),
@@ -55,7 +55,7 @@ def new_strip(P: int, n: int) -> Strip:
 
 
 @compiled
-def cut(breaks: Array, top: float, strip: Strip) -> int:
+def cut(breaks: Array, top: float, strip: CurveBuffer) -> int:
     """Panels between the breaks and the contact; returns how many."""
     count = 0
     for p in range(len(breaks) - 1):
@@ -71,7 +71,7 @@ def cut(breaks: Array, top: float, strip: Strip) -> int:
 @compiled
 def unroll(
     breaks: Array, kappa: Array, soft: Array, rule: Any, psi: Array, nu: float, top: float,
-    phi_hat: float, a_clamp: float, strip: Strip,
+    phi_hat: float, a_clamp: float, strip: CurveBuffer,
 ) -> int:  # fmt: skip
     """Fill the strip from the clamp on; returns its number of panels."""
     n, count = len(rule.c), cut(breaks, top, strip)
@@ -111,7 +111,7 @@ def unroll(
 
 
 @compiled
-def lever_integral(rule: Any, strip: Strip, count: int) -> float:
+def lever_integral(rule: Any, strip: CurveBuffer, count: int) -> float:
     """Integral of a over the loaded part."""
     total = 0.0
     for m in range(count):
@@ -123,8 +123,8 @@ def lever_integral(rule: Any, strip: Strip, count: int) -> float:
 @compiled
 def points(
     breaks: Array, kappa: Array, soft: Array, rule: Any, nu: float, top: float, phi_hat: float,
-    x_hat: float, y_hat: float, strip: Strip, count: int, s: Array, dphi: Array, dphi_hat: Array,
-    out: Array, dout: Array, weights: Array,
+    x_hat: float, y_hat: float, strip: CurveBuffer, count: int, s: Array, dphi: Array,
+    dphi_hat: Array, out: Array, dout: Array, weights: Array,
 ) -> None:  # fmt: skip
     """x, y, phi, k at each s into out (S, 4), answers of x, y into dout (Q, S, 2).
 

@@ -11,7 +11,7 @@ from sim_hardware.ni.attributes.common import Attribute, Table, attribute_handle
 from sim_hardware.ni.calls.tasks import sample_mode, task_of
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import join_list
-from sim_hardware.ni.signals.timing import InputPlan, SampleMode, Timing, TimingType
+from sim_hardware.ni.signals.timing import InputPlan, SampleMode, TaskTiming, TimingType
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.tasks import Task
@@ -48,7 +48,7 @@ def _planned(kind: str, get: Callable[[InputPlan], Any], field: str) -> Attribut
         kind,
         ask,
         lambda _, task, value: _change(task, field, value),
-        lambda _, task: _change(task, field, getattr(Timing(), field)),
+        lambda _, task: _change(task, field, getattr(TaskTiming(), field)),
     )
 
 
@@ -64,7 +64,7 @@ def _noted(
         kind,
         ask,
         lambda _, task, value: _change(task, field, parse(value)),
-        lambda _, task: _change(task, field, getattr(Timing(), field)),
+        lambda _, task: _change(task, field, getattr(TaskTiming(), field)),
     )
 
 

@@ -61,7 +61,7 @@ class Port:
 
 
 @dataclass(frozen=True)
-class Board:
+class BoardModel:
     """A model of board."""
 
     product_type: str
@@ -80,7 +80,7 @@ _PCI, _PCIE, _USB = 12582, 13612, 12586
 BOARDS = {
     board.product_type: board
     for board in (
-        Board(
+        BoardModel(
             "PCI-6703",
             0x2C90,
             _AO_SERIES,
@@ -89,7 +89,7 @@ BOARDS = {
             AnalogOut(channels=16, range_V=10.0, clocked=False),
             (Port(8),),
         ),
-        Board(
+        BoardModel(
             "PCI-6034E",
             0x2CA0,
             _E_SERIES,
@@ -107,7 +107,7 @@ BOARDS = {
             None,
             (Port(8),),
         ),
-        Board(
+        BoardModel(
             "PCIe-6363",
             0x7435,
             _X_SERIES,
@@ -125,7 +125,7 @@ BOARDS = {
             AnalogOut(channels=4, range_V=10.0, clocked=True),
             (Port(32), Port(8), Port(8)),
         ),
-        Board(
+        BoardModel(
             "USB-6211",
             None,
             _M_SERIES,

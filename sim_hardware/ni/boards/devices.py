@@ -6,7 +6,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from sim_hardware.ni.boards.boards import BOARDS, Board
+from sim_hardware.ni.boards.boards import BOARDS, BoardModel
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import split_device
 
@@ -16,7 +16,7 @@ class Device:
     """A board in the computer, by the name that its owner gave it."""
 
     name: str
-    board: Board
+    board: BoardModel
 
     @property
     def serial_number(self) -> int:
@@ -56,7 +56,7 @@ class Device:
         return name in self.inputs() + self.outputs() + digital
 
 
-class Devices:
+class DeviceRegistry:
     """All boards, found by name without regard to case, as the driver does."""
 
     def __init__(self, models: Mapping[str, str]) -> None:

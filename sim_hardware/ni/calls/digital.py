@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
-from sim_hardware.ni.boards.devices import Device, Devices
+from sim_hardware.ni.boards.devices import Device, DeviceRegistry
 from sim_hardware.ni.calls.analog_input import names_for
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
@@ -59,7 +59,7 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
         task.add(DigitalChannel(name, device, (line,), output))
 
 
-def _find(devices: Devices, name: str, output: bool) -> tuple[Device, list[str]]:
+def _find(devices: DeviceRegistry, name: str, output: bool) -> tuple[Device, list[str]]:
     """Device and lines of `Dev1/port0/line3`, or of the whole port `Dev1/port0`."""
     device_name, channel = split_device(name)
     device = devices.find(device_name)

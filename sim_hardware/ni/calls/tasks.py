@@ -11,7 +11,7 @@ from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.timing import SampleMode, TimingType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import State, Task
+from sim_hardware.ni.tasks.tasks import Task, TaskState
 
 _START, _STOP, _VERIFY, _COMMIT, _RESERVE, _UNRESERVE, _ABORT = range(7)  # constants.TaskMode
 
@@ -51,7 +51,7 @@ def task_control(engine: Engine, request: Message, call: Call) -> Message:
     task = task_of(engine, request, call)
     action = raw_enum(request, "action")
     if action in (_COMMIT, _RESERVE):
-        engine.reserve(task, State.COMMITTED if action == _COMMIT else State.RESERVED)
+        engine.reserve(task, TaskState.COMMITTED if action == _COMMIT else TaskState.RESERVED)
         task.held = True
     elif action == _UNRESERVE:
         task.refuse_while_running(Code.TASK_RUNNING)

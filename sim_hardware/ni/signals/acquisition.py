@@ -17,7 +17,7 @@ from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.signals.adc import Converter, FloatArray
 from sim_hardware.ni.signals.timing import InputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
-from sim_hardware.simulated_rig import Bench
+from sim_hardware.simulated_rig import AnalogSide
 
 _TINY = 1e-6  # of a sample period: a sample due exactly now has been taken
 
@@ -34,7 +34,10 @@ class Sampler:
     """Takes samples of a task's channels at given times."""
 
     def __init__(
-        self, bench: Bench, channels: Sequence[AnalogInputChannel], converters: Sequence[Converter]
+        self,
+        bench: AnalogSide,
+        channels: Sequence[AnalogInputChannel],
+        converters: Sequence[Converter],
     ) -> None:
         self._bench = bench
         self._channels = tuple(channels)

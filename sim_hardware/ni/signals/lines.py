@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Edge:
+class LineEdge:
     """A change of a line's level."""
 
     time_s: float
@@ -23,7 +23,7 @@ class Lines:
 
     def __init__(self) -> None:
         self._high: dict[str, bool] = {}
-        self.edges: deque[Edge] = deque(maxlen=self.KEPT_EDGES)
+        self.edges: deque[LineEdge] = deque(maxlen=self.KEPT_EDGES)
         self.wired: Callable[[str, float], None] | None = None  # told of each edge: line, time
 
     def level(self, line: str) -> bool:
@@ -33,7 +33,7 @@ class Lines:
     def write(self, line: str, high: bool, when: float) -> None:
         """Set a line."""
         if high != self.level(line):
-            self.edges.append(Edge(when, line, high))
+            self.edges.append(LineEdge(when, line, high))
             if self.wired is not None:
                 self.wired(line, when)
         self._high[line] = high

@@ -31,7 +31,7 @@ RISING, FALLING = 10280, 10171
 
 
 @dataclass
-class Timing:
+class TaskTiming:
     """As configured; nothing is checked before `plan`."""
 
     kind: TimingType = TimingType.ON_DEMAND
@@ -64,7 +64,7 @@ class InputPlan:
     buffer: int
 
 
-def plan_input(timing: Timing, side: AnalogIn, channels: int) -> InputPlan:
+def plan_input(timing: TaskTiming, side: AnalogIn, channels: int) -> InputPlan:
     """Check a sample clock against the board, as the driver does at verify (-200077, -200081)."""
     if timing.mode is SampleMode.HARDWARE_TIMED_SINGLE_POINT:
         raise StatusError(

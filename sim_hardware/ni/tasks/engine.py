@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from drivers.interfaces import Clock
 from sim_hardware.clock import VirtualClock
-from sim_hardware.ni.boards.devices import Devices
+from sim_hardware.ni.boards.devices import DeviceRegistry
 from sim_hardware.ni.errors import Code
 from sim_hardware.ni.faults import Faults
 from sim_hardware.ni.rpc import Call
@@ -20,8 +20,8 @@ from sim_hardware.ni.signals.lines import Lines
 from sim_hardware.ni.tasks.announcements import announce
 from sim_hardware.ni.tasks.reservations import Reservations
 from sim_hardware.ni.tasks.sessions import Sessions
-from sim_hardware.ni.tasks.tasks import State, Task
-from sim_hardware.simulated_rig import Bench
+from sim_hardware.ni.tasks.tasks import Task, TaskState
+from sim_hardware.simulated_rig import AnalogSide
 
 # A wait is cut into pieces of this length: a stopped task or a client that has gone ends it.
 _WAIT_PIECE_S = 0.05
@@ -32,7 +32,7 @@ class Engine:
 
     def __init__(
         self,
-        bench: Bench,
+        bench: AnalogSide,
         clock: Clock,
         devices: Mapping[str, str],
         driver_version: tuple[int, int, int],
@@ -45,7 +45,7 @@ class Engine:
         self.bench = bench
         self.clock = clock
         self.is_virtual = isinstance(clock, VirtualClock)
-        self.devices = Devices(devices)
+        self.devices = DeviceRegistry(devices)
         self.driver_version = driver_version
         self.faults = faults
         self.lines = Lines()
@@ -74,9 +74,9 @@ class Engine:
     def verify(self, task: Task) -> None:
         """Check all settings."""
         task.verify()
-        task.state = max(task.state, State.VERIFIED)
+        task.state = max(task.state, TaskState.VERIFIED)
 
-    def reserve(self, task: Task, state: State = State.RESERVED) -> None:
+    def reserve(self, task: Task, state: TaskState = TaskState.RESERVED) -> None:
         """Verify, and take the boards' resources (-50103 when somebody else has them)."""
         self.verify(task)
         self._reservations.take(task.resources(), task)
@@ -85,14 +85,14 @@ class Engine:
     def start(self, task: Task) -> None:
         """Begin to acquire or to accept values."""
         task.refuse_while_running(Code.TASK_RUNNING)
-        self.reserve(task, State.COMMITTED)
+        self.reserve(task, TaskState.COMMITTED)
         plan = task.verify()
         if plan is not None:
             sampler = self._sampler(task)
             task.acquisition = Acquisition(plan, sampler, len(task.channels), self.now())
         elif task.inputs:
             task.on_demand = self._sampler(task)
-        task.state = State.RUNNING
+        task.state = TaskState.RUNNING
         if task.acquisition is not None and task.events.streams():
             announce(self, task, task.acquisition)
 
@@ -106,14 +106,14 @@ class Engine:
         for stream in task.events.streams():
             stream.drop_pending()
         task.started_by_read = False
-        task.state = State.COMMITTED
+        task.state = TaskState.COMMITTED
         if not task.held:
             self.unreserve(task)
 
     def unreserve(self, task: Task) -> None:
         """Let go of the boards."""
         self._reservations.release(task)
-        task.state = min(task.state, State.VERIFIED)
+        task.state = min(task.state, TaskState.VERIFIED)
 
     def abort(self, task: Task) -> None:
         """Stop, and let go of the boards."""

@@ -9,7 +9,7 @@ from enum import IntEnum
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_list
 from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
-from sim_hardware.ni.signals.timing import InputPlan, Timing, TimingType, plan_input
+from sim_hardware.ni.signals.timing import InputPlan, TaskTiming, TimingType, plan_input
 from sim_hardware.ni.tasks.channels import (
     AnalogInputChannel,
     AnalogOutputChannel,
@@ -20,7 +20,7 @@ from sim_hardware.ni.tasks.channels import (
 from sim_hardware.ni.tasks.events import TaskEvents
 
 
-class State(IntEnum):
+class TaskState(IntEnum):
     """How far a task has got; each state includes those before it."""
 
     UNVERIFIED = 0
@@ -38,8 +38,8 @@ class Task:
     owner: str  # a connection where tasks are not shared; else empty
     number: int  # counts the server's tasks; seeds their noise
     channels: list[Channel] = field(default_factory=list)
-    timing: Timing = field(default_factory=Timing)
-    state: State = State.UNVERIFIED
+    timing: TaskTiming = field(default_factory=TaskTiming)
+    state: TaskState = TaskState.UNVERIFIED
     auto_start: bool = True  # a read starts the task
     read_all_available: bool = False
     channels_to_read: str = ""
@@ -53,7 +53,7 @@ class Task:
     @property
     def running(self) -> bool:
         """Started and not stopped; a finite acquisition that is done still runs in this sense."""
-        return self.state is State.RUNNING
+        return self.state is TaskState.RUNNING
 
     @property
     def type(self) -> ChannelType | None:
@@ -92,8 +92,8 @@ class Task:
 
     def changed(self) -> None:
         """A setting has changed: it will be verified again."""
-        if self.state is State.VERIFIED:
-            self.state = State.UNVERIFIED
+        if self.state is TaskState.VERIFIED:
+            self.state = TaskState.UNVERIFIED
 
     def refuse_while_running(self, code: Code = Code.PROPERTY_WHILE_RUNNING) -> None:
         """Raise when the task runs."""

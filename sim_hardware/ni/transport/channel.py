@@ -26,7 +26,7 @@ class _Entry(NamedTuple):
     value: str
 
 
-class _Call:
+class _ChannelCall:
     """The call as the server sees it; its time-out runs on the server's clock."""
 
     def __init__(self, engine: Engine, client: str, timeout: float | None) -> None:
@@ -180,7 +180,9 @@ class InProcessChannel(grpc.Channel):  # type: ignore[misc] # grpc is untyped
         try:
             if method is None:
                 raise CallError(grpc.StatusCode.UNIMPLEMENTED, "Method not found!")
-            return answer(self._engine, method, request, _Call(self._engine, self._client, timeout))
+            return answer(
+                self._engine, method, request, _ChannelCall(self._engine, self._client, timeout)
+            )
         except CallError as fault:
             raise InProcessRpcError(fault) from fault
 

@@ -14,7 +14,7 @@ from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.transport.channel import InProcessChannel
 from sim_hardware.ni.transport.server import TcpServer
 from sim_hardware.ni.transport.service import methods
-from sim_hardware.simulated_rig import Bench
+from sim_hardware.simulated_rig import AnalogSide
 
 DEFAULT_DEVICES = {"PCI6703": "PCI-6703", "PCI6034E": "PCI-6034E"}
 
@@ -27,7 +27,7 @@ class NiDeviceServer:
 
     def __init__(
         self,
-        bench: Bench,
+        bench: AnalogSide,
         clock: Clock,
         devices: Mapping[str, str] | None = None,
         driver_version: str = "26.0",

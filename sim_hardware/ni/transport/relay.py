@@ -14,7 +14,7 @@ from collections.abc import Callable
 _CHUNK = 1 << 16
 
 
-class Relay:
+class ByteRelay:
     """Listens on a port; each connection gets one of its own to the server."""
 
     def __init__(

@@ -11,7 +11,7 @@ import grpc
 from sim_hardware.ni.rpc import CallError, Message
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.events import Stream
-from sim_hardware.ni.transport.relay import Relay
+from sim_hardware.ni.transport.relay import ByteRelay
 from sim_hardware.ni.transport.service import Method, answer
 
 HOST = "127.0.0.1"
@@ -39,13 +39,13 @@ class TcpServer:
             futures.ThreadPoolExecutor(_WORKERS, "ni-server"), options=_OPTIONS
         )
         self._server.add_generic_rpc_handlers((_Handlers(engine, methods),))
-        self._relay: Relay | None = None
+        self._relay: ByteRelay | None = None
         inner = _bind(self._server, 0 if watch_clients else port)
         self._server.start()
         self.port = inner
         if watch_clients:
             try:
-                self._relay = Relay(HOST, port, inner, engine.client_gone)
+                self._relay = ByteRelay(HOST, port, inner, engine.client_gone)
             except OSError as fault:
                 self._server.stop(None)
                 raise PortTakenError(_taken(port)) from fault

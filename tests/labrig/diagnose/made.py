@@ -11,12 +11,12 @@ from model import Along, Parameter, SheetModel, predict
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
+    ErrorRow,
     FormCurve,
     Gap,
     Named,
     Next,
     Ranked,
-    Row,
     Signatures,
     Unknown,
     Where,
@@ -112,13 +112,13 @@ def found() -> Diagnosis:
     )  # fmt: skip
 
 
-def _row(condition, base: SheetModel, model: SheetModel) -> Row:
+def _row(condition, base: SheetModel, model: SheetModel) -> ErrorRow:
     where = (condition.configuration, condition.position_m, condition.voltage_V)
     before, after = predict(base, *where), predict(model, *where)
     curve, empty = condition.curve, np.zeros(0)
     force = float(np.mean([r.force_N for r in condition.used()]))
     if curve is None:
-        return Row(
+        return ErrorRow(
             *where, force, SIGMA_N, before.F_N, after.F_N, empty, empty, empty, (empty, empty),
             (empty, empty), empty, empty,
         )  # fmt: skip
@@ -126,7 +126,7 @@ def _row(condition, base: SheetModel, model: SheetModel) -> Row:
     def off(one):
         return (curve.y_m - one.y_m) * np.cos(np.gradient(one.y_m, one.s_m))
 
-    return Row(
+    return ErrorRow(
         *where, force, SIGMA_N, before.F_N, after.F_N, curve.s_m, curve.x_m, curve.y_m,
         (before.x_m, before.y_m), (after.x_m, after.y_m), off(before), off(after),
         before.F_N, after.F_N,

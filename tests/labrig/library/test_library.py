@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.library import Entry, Library, index, read_entry, select
+from labrig.library import CatalogueEntry, Library, index, read_entry, select
 from labrig.model_file import load_model, save_model
 from labrig.session import open_session
 from tests.labrig.session.session_recording import record, small_schedule
@@ -168,10 +168,16 @@ def model_file(tmp_path):
 
 
 ENTRIES = [
-    Entry("a.h5", started="2026-01-01", outcome="completed", sheet=("long",), scatter_mN=2.0),
-    Entry("b.h5", started="2026-01-03", outcome="aborted", sheet=("short",), reason="STOP"),
-    Entry("c.h5", started="2026-01-02", outcome="completed", sheet=("long",), scatter_mN=1.0),
-    Entry("d.h5", error="is truncated."),
+    CatalogueEntry(
+        "a.h5", started="2026-01-01", outcome="completed", sheet=("long",), scatter_mN=2.0
+    ),
+    CatalogueEntry(
+        "b.h5", started="2026-01-03", outcome="aborted", sheet=("short",), reason="STOP"
+    ),
+    CatalogueEntry(
+        "c.h5", started="2026-01-02", outcome="completed", sheet=("long",), scatter_mN=1.0
+    ),
+    CatalogueEntry("d.h5", error="is truncated."),
 ]
 
 

@@ -9,10 +9,10 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from labrig.panel.job.connection import Link, LinkServer
-from labrig.panel.live.event_stream import MOST_WAITING, Feed, Mailbox
+from labrig.panel.job.connection import JobConnection, JobConnectionServer
+from labrig.panel.live.event_stream import MOST_WAITING, EventStream, Mailbox
 from labrig.panel.live.packing import BrokenLinkError, dumps, pack, receive, send, unpack
-from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, Strip, joined, strip_from
+from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart, joined, strip_from
 
 
 def taken(box):
@@ -24,7 +24,7 @@ def taken(box):
 
 
 def test_a_follower_is_told_the_story_and_then_what_happens():
-    feed, box = Feed(), Mailbox(lambda: None)
+    feed, box = EventStream(), Mailbox(lambda: None)
     feed.tell({"type": "started"})
     feed.join(box)
     feed.tell({"type": "reading", "index": 0})
@@ -35,7 +35,7 @@ def test_a_follower_is_told_the_story_and_then_what_happens():
 
 
 def test_a_follower_that_takes_nothing_has_a_bounded_box_and_hears_the_story_anew():
-    feed, box = Feed(), Mailbox(lambda: None)
+    feed, box = EventStream(), Mailbox(lambda: None)
     feed.join(box)
     count = 3 * MOST_WAITING + 7
     for index in range(count):
@@ -47,7 +47,7 @@ def test_a_follower_that_takes_nothing_has_a_bounded_box_and_hears_the_story_ane
 
 
 def test_of_pictures_only_the_newest_waits():
-    feed, box = Feed(), Mailbox(lambda: None)
+    feed, box = EventStream(), Mailbox(lambda: None)
     feed.join(box)
     for number in range(100):
         feed.tell_picture(({"type": "picture", "frame": number}, b"x" * 1000))
@@ -58,7 +58,7 @@ def test_of_pictures_only_the_newest_waits():
 
 
 def test_who_has_left_is_told_nothing():
-    feed, box = Feed(), Mailbox(lambda: None)
+    feed, box = EventStream(), Mailbox(lambda: None)
     feed.join(box)
     feed.leave(box)
     taken(box)
@@ -90,17 +90,17 @@ def test_no_spike_is_lost_in_a_strip_however_the_samples_come():
 
 
 def test_strips_of_a_run_are_joined_and_not_longer_than_what_is_kept():
-    pieces = [Strip(0, np.full((7, 500), float(i), dtype=np.float32)) for i in range(40)]
+    pieces = [StripChart(0, np.full((7, 500), float(i), dtype=np.float32)) for i in range(40)]
     (made,) = joined(pieces)
     assert made.values.shape[1] == round(KEEP_S / BIN_S)
     assert made.values[0, -1] == 39.0
-    fresh = Strip(1, np.zeros((7, 3), dtype=np.float32), fresh=True)
+    fresh = StripChart(1, np.zeros((7, 3), dtype=np.float32), fresh=True)
     assert joined([*pieces, fresh]) == [fresh]
 
 
 def test_what_is_packed_comes_back_and_numbers_lie_where_a_page_can_read_them():
     values = np.arange(21, dtype="<f4").reshape(7, 3)
-    packed = Strip(2, values, fresh=True).packed()
+    packed = StripChart(2, values, fresh=True).packed()
     header, payload = unpack(packed)
     assert (len(packed) - len(payload)) % 8 == 0
     again = strip_from(header, payload)
@@ -138,7 +138,7 @@ def server():
         done.append(asked)
         return {"error": "no."} if asked["do"] == "refuse" else {}
 
-    found = LinkServer(do, lambda _role: Silent())
+    found = JobConnectionServer(do, lambda _role: Silent())
     found.done = done
     yield found
     found.close(1.0)
@@ -146,7 +146,7 @@ def server():
 
 def test_a_link_asks_is_answered_and_is_told(server):
     told, ended = threading.Event(), threading.Event()
-    link = Link(server.port, server.key, "panel", lambda *_: told.set(), ended.set)
+    link = JobConnection(server.port, server.key, "panel", lambda *_: told.set(), ended.set)
     assert link.ask({"do": "this"}).get("error") is None
     assert link.ask({"do": "refuse"})["error"] == "no."
     assert told.wait(5)

@@ -11,15 +11,15 @@ import pytest
 from labrig.errors import LabrigError
 from labrig.panel.job.jobs import Jobs
 from labrig.panel.job.order import Order
-from labrig.panel.job.registry import GOING, Place, write_place
-from labrig.panel.live.event_stream import Feed
-from labrig.panel.live.frame_pipeline import Darkroom
+from labrig.panel.job.registry import GOING, JobAddress, write_place
+from labrig.panel.live.event_stream import EventStream
+from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.session.guarded import guard_report_path
 
 REPORT = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0, "failures": []}
 
 
-class FeedToWaitFor(Feed):
+class FeedToWaitFor(EventStream):
     """A feed whose messages can be waited for."""
 
     def __init__(self):
@@ -51,13 +51,13 @@ def jobs(tmp_path):
     with socket.socket() as closed:  # nobody will listen there
         closed.bind(("127.0.0.1", 0))
         port = closed.getsockname()[1]
-    run = Place("7", "run", "Ann", "now", "s.h5", None, 1, port, "key", GOING)
+    run = JobAddress("7", "run", "Ann", "now", "s.h5", None, 1, port, "key", GOING)
     write_place(tmp_path, run)
     made = []
 
     def start():
         feed = FeedToWaitFor()
-        made.append(Jobs(tmp_path, feed, Darkroom(feed)))
+        made.append(Jobs(tmp_path, feed, FramePipeline(feed)))
         return feed, made[-1]
 
     yield start

@@ -15,9 +15,9 @@ import pytest
 from labrig.errors import BadInputError, ExitCode
 from labrig.session import SessionWriter, WriterError, open_session, recover
 from labrig.session.journal import Journal, journal_path, read_journal
-from labrig.session.rows import Rows, Translator
-from labrig.session.setup import Setup
-from labrig.session.write_queue import Backlog, StalledError
+from labrig.session.rows import EventRows, Translator
+from labrig.session.setup import SessionSetup
+from labrig.session.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
@@ -25,7 +25,7 @@ from tests.labrig.session.session_recording import session_events, settings, sma
 
 @pytest.fixture(scope="module")
 def setup():
-    return Setup(**settings(small_schedule()))
+    return SessionSetup(**settings(small_schedule()))
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def test_a_journal_left_by_a_crash_is_not_written_over(tmp_path, setup):
 
 
 def test_a_consumer_that_is_stuck_is_noticed_while_items_come():
-    backlog = Backlog[int](limit_bytes=1000, patience_s=0.05)
+    backlog = WriteQueue[int](limit_bytes=1000, patience_s=0.05)
     backlog.put(1, 1)
     assert backlog.take(1.0) == 1
     threading.Event().wait(0.1)
@@ -100,7 +100,7 @@ def test_a_consumer_that_is_stuck_is_noticed_while_items_come():
 
 
 def test_a_full_queue_waits_for_room_and_then_gives_up():
-    backlog = Backlog[int](limit_bytes=10, patience_s=0.05)
+    backlog = WriteQueue[int](limit_bytes=10, patience_s=0.05)
     backlog.put(1, 8)
     with pytest.raises(StalledError, match="full"):
         backlog.put(2, 8)
@@ -111,7 +111,7 @@ def test_a_full_queue_waits_for_room_and_then_gives_up():
 
 
 def test_an_item_larger_than_the_queue_passes_alone():
-    backlog = Backlog[str](limit_bytes=10, patience_s=0.05)
+    backlog = WriteQueue[str](limit_bytes=10, patience_s=0.05)
     backlog.put("big", 1000)
     assert backlog.take(1.0) == "big"
 
@@ -182,7 +182,7 @@ def test_a_disk_that_does_not_answer_is_noticed(tmp_path, monkeypatch):
     answer = threading.Event()
     plain = Journal.append
 
-    def slow(self, rows: Rows) -> None:
+    def slow(self, rows: EventRows) -> None:
         answer.wait(5.0)
         plain(self, rows)
 

@@ -225,13 +225,13 @@ def test_a_journal_of_the_whole_session_makes_the_same_file(tmp_path):
 def test_after_a_power_cut_at_any_moment_every_synced_reading_is_there(tmp_path, monkeypatch):
     """The disk keeps all that was synced, and any part of the rest."""
     from labrig.session import journal as module
-    from labrig.session.rows import Rows
+    from labrig.session.rows import EventRows
 
     schedule = small_schedule()
     log: list[tuple[str, object]] = []
     plain_write, plain_sync = module.Journal.append, module.Journal.sync
 
-    def append(self, rows: Rows) -> None:
+    def append(self, rows: EventRows) -> None:
         begin = self._file.tell()
         plain_write(self, rows)
         log.append(("write", (begin, self._file.tell(), rows)))

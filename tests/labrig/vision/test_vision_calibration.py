@@ -9,7 +9,13 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.vision import Board, Optics, calibrate_camera, calibrate_ruler, write_board_pdf
+from labrig.vision import (
+    CalibrationBoard,
+    Optics,
+    calibrate_camera,
+    calibrate_ruler,
+    write_board_pdf,
+)
 
 CAMERA = np.array([[1500, 0, 322.0], [0, 1500, 236.0], [0, 0, 1]])
 LENS = np.array([-0.15, 0.1, 0.0005, -0.0004, 0])
@@ -45,7 +51,9 @@ def plane_error_um(optics: Optics, plane):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("board", [Board(), Board(marker_mm=0)], ids=["charuco", "checker"])
+@pytest.mark.parametrize(
+    "board", [CalibrationBoard(), CalibrationBoard(marker_mm=0)], ids=["charuco", "checker"]
+)
 def test_one_flat_view_measures_the_plane_to_a_few_um(board):
     image, plane = view(board, (0.02, -0.02, 0.01), (-30, -22.5, 170))
     result = calibrate_camera([image], board, clamp_px=(80.0, 240.0))
@@ -58,7 +66,7 @@ def test_one_flat_view_measures_the_plane_to_a_few_um(board):
 
 @pytest.mark.slow
 def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
-    board = Board()
+    board = CalibrationBoard()
     image, _ = view(board, (0, 0, 0.03), (-30, -22.5, 170))
     o = calibrate_camera([image], board, clamp_px=(80.0, 240.0), along_px=(200.0, 230.0)).optics
     assert o.clamp_m() == pytest.approx([0, 0], abs=1e-9)
@@ -70,7 +78,9 @@ def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("board", [Board(), Board(marker_mm=0)], ids=["charuco", "checker"])
+@pytest.mark.parametrize(
+    "board", [CalibrationBoard(), CalibrationBoard(marker_mm=0)], ids=["charuco", "checker"]
+)
 def test_tilted_views_fix_the_lens(board):
     flat, plane = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
     tilted = [view(board, (0.3 * math.cos(q), 0.3 * math.sin(q), 0), (-30, -22, 215), q)[0]
@@ -82,14 +92,14 @@ def test_tilted_views_fix_the_lens(board):
 
 @pytest.mark.slow
 def test_what_cannot_be_calibrated_is_said():
-    board = Board()
+    board = CalibrationBoard()
     image, _ = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
     with pytest.raises(BadInputError, match="differ in size"):
         calibrate_camera([image, image[:400]], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="picture 1: only 0 corners"):
         calibrate_camera([np.full((480, 640), 90, np.uint8)], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="the whole checkerboard"):
-        calibrate_camera([image[:, :300]], Board(marker_mm=0), clamp_px=(80, 240))
+        calibrate_camera([image[:, :300]], CalibrationBoard(marker_mm=0), clamp_px=(80, 240))
     with pytest.raises(BadInputError, match=r"clamp_px \(900, 240\) is outside"):
         calibrate_camera([image], board, clamp_px=(900, 240))
     with pytest.raises(BadInputError, match=r"along_px is 5\.0 pixels from"):
@@ -97,7 +107,7 @@ def test_what_cannot_be_calibrated_is_said():
     with pytest.raises(BadInputError, match="at least one"):
         calibrate_camera([], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="smaller than its square"):
-        Board(marker_mm=6.0)
+        CalibrationBoard(marker_mm=6.0)
 
 
 def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
@@ -117,7 +127,7 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
     with mpl.rc_context({"pdf.compression": 0}):
-        write_board_pdf(path, Board())
+        write_board_pdf(path, CalibrationBoard())
     data = path.read_bytes()
     mm = 72 / 25.4
     page = [float(x) for x in re.search(rb"/MediaBox \[ ([\d. ]+) \]", data)[1].split()]

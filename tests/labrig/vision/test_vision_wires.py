@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
-from labrig.vision.image.image import read_picture
+from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.ridge_tracing import ridge_maps
-from labrig.vision.search.straight_lines import Wire, find_branches, find_wires
+from labrig.vision.search.straight_lines import BackgroundLine, find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):
@@ -27,7 +27,7 @@ def drawn(paths, noise=6.0, seed=0):
 
 def wires_in(image, known, plain, sign=1.0):
     optics, _ = known(plain, image_size=[400, 300])
-    picture = read_picture(image, optics)
+    picture = read_grey_image(image, optics)
     return find_wires(picture, ridge_maps(picture, 1.9, wide=False), sign)
 
 
@@ -102,7 +102,7 @@ def test_a_straight_sheet_near_the_border_or_a_straight_elongation_is_no_wire(
 
 def branches_of(curve, lines, known, plain):
     optics, _ = known(plain, image_size=[400, 300])
-    picture = read_picture(drawn(lines), optics)
+    picture = read_grey_image(drawn(lines), optics)
     ridges = ridge_maps(picture, 1.9, wide=False)
     seen = np.ones(len(curve) - 1, dtype=bool)
     return find_branches(picture, ridges, 1.0, curve, seen, 12.0)
@@ -220,6 +220,6 @@ def test_the_sheets_own_straight_end_is_no_wire(scenes, known, seed):
 @pytest.mark.parametrize(("end", "same"), [(300.0, True), (340.0, False), (150.0, False)])
 def test_a_wire_ends_with_a_curve_only_where_both_end(end, same):
     u = np.arange(0.0, end)
-    wire = Wire(np.stack([u, 0 * u + 50], axis=1), np.ones(len(u), dtype=bool), 2.0)
+    wire = BackgroundLine(np.stack([u, 0 * u + 50], axis=1), np.ones(len(u), dtype=bool), 2.0)
     v = np.arange(100.0, 300.0)
     assert wire.ends_with(np.stack([v, 0 * v + 51], axis=1)) == same

@@ -7,7 +7,7 @@ from functools import cache
 
 from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
-from model.discrepancy.likelihood.mixed_model_fit import Fitted, settle
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.prepare import Options, prepare
 from model.measurements import Measurements
 
@@ -39,14 +39,14 @@ def without_first_pulses(m: Measurements) -> Measurements:
     return replace(m, conditions=tuple(conditions))
 
 
-def fitted(m: Measurements, options: Options = Options()) -> Fitted:  # noqa: B008 - frozen
+def fitted(m: Measurements, options: Options = Options()) -> MixedModelFit:  # noqa: B008 - frozen
     """The base model, settled."""
     ready = prepare(m, options)
     return settle(ready.problem, ready.theta, ready.found)
 
 
 @cache
-def base_fit(of: Case = NOTHING) -> Fitted:
+def base_fit(of: Case = NOTHING) -> MixedModelFit:
     """That of a session."""
     return fitted(session(of))
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.contact_solution import Scene
-from model.discrepancy.likelihood.forward_model import Active
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel
+from model.discrepancy.likelihood.forward_model import AppliedEffect
 from model.effects import effect
 from model.effects.conformance import plausible
 from tests.model.discrepancy.sessions import base_fit
@@ -20,7 +20,7 @@ STRONG = {
 }
 
 
-def each_reading(scene: Scene, beam, of, eibm, stiffness) -> np.ndarray:
+def each_reading(scene: ConfigurationModel, beam, of, eibm, stiffness) -> np.ndarray:
     """Forces (n,) of the readings, each from a beam solved for its own EIBM and stiffness."""
     result = np.zeros(len(of))
     for r, k in enumerate(of):
@@ -37,7 +37,7 @@ def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
     study, one = base.problem.study, effect(name)
     values = {**plausible(one), **STRONG[name]}
     part, scene, plain = study.part(0), study.scenes[0], base.linear.states[0].base
-    state = study.state(0, plain, (Active(one, {"long": values}),))
+    state = study.state(0, plain, (AppliedEffect(one, {"long": values}),))
     eibm, stiffness = one.course(part.clock, values)
     driven = part.clock.voltage_V != 0.0
     # every fourth reading is enough
@@ -70,7 +70,7 @@ def test_pictures_that_are_very_late_show_what_a_beam_with_so_little_eibm_does()
     study, plain = base.problem.study, base.linear.states[0].base
     part, scene = study.part(0), study.scenes[0]
     late = {"delay_s": 0.46, "through_zero": 0.0}
-    state = study.state(0, plain, (Active(effect("frame_delay"), {"long": late}),))
+    state = study.state(0, plain, (AppliedEffect(effect("frame_delay"), {"long": late}),))
     rise_s = part.clock.rise_s
     then, now = (1.0 - (1.0 - part.clock.opposite) * np.exp(-t / rise_s) for t in (0.04, 0.5))
     of, counts = part.reading_of, (part.clock.pulse < 0.0) | (part.clock.pulse >= 2.0)

@@ -11,9 +11,9 @@ import pytest
 from model.discrepancy.likelihood.form_error import Found
 from model.discrepancy.likelihood.mixed_model_fit import settle
 from model.discrepancy.locations.slots import unknowns
+from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
-from model.discrepancy.search.forward_selection import Turn, search
-from model.discrepancy.search.forward_selection import forward_selection as searching
+from model.discrepancy.search.forward_selection import SelectionStep, search
 from model.discrepancy.search.null_calibration import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.search.outliers import (
     condition_name,
@@ -22,7 +22,7 @@ from model.discrepancy.search.outliers import (
     outlier_candidates,
     without,
 )
-from model.discrepancy.search.ranking import Contender
+from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.verdict.posterior import (
     HARDLY,
@@ -39,10 +39,10 @@ from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 
 
-def contender(name: str, gain: float) -> Contender:
+def contender(name: str, gain: float) -> RankedCandidate:
     known = effect(name) if ":" not in name else None
     candidate = Candidate(name, {}, np.zeros((1, 1)), (1.0,), known, "")
-    return Contender(Score(candidate, gain, 1.0, 1.0, 1.0), gain)
+    return RankedCandidate(Score(candidate, gain, 1.0, 1.0, 1.0), gain)
 
 
 def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
@@ -265,4 +265,4 @@ def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, nam
     before = SimpleNamespace(found=(SimpleNamespace(effect=effect("gravity")),))
     for name, value in (("form_share", share), ("apart", worth), ("supported", True)):
         monkeypatch.setattr(searching, name, lambda *_, value=value: value)
-    assert (searching._worth(Turn(before, [one]), 6.0) is one) == named
+    assert (searching._worth(SelectionStep(before, [one]), 6.0) is one) == named

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.mixed_model_fit import Fitted
+from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.measurements import Condition, Curve, Measurements
 from tests.model.discrepancy.sessions import Case, Extras, fitted, session
@@ -47,7 +47,7 @@ def with_free_shapes_that_scatter(m: Measurements, share: float) -> Measurements
     return replace(m, conditions=tuple(conditions))
 
 
-def times_usual(found: Fitted) -> dict[str, float]:
+def times_usual(found: MixedModelFit) -> dict[str, float]:
     """Each scatter over what is assumed of it."""
     times = np.exp(found.solution.log_sigma - found.problem.guess)
     return dict(zip(ASSUMED, times[: len(ASSUMED)].tolist(), strict=True))

@@ -9,11 +9,11 @@ import pytest
 
 from model import predict
 from model.discrepancy.data.data_vector import look
-from model.discrepancy.likelihood.contact_solution import Scene, projection
-from model.discrepancy.likelihood.forward_model import Active, Study
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel, projection
+from model.discrepancy.likelihood.forward_model import AppliedEffect, ForwardModel
 from model.effects import effect
 from model.effects.conformance import plausible
-from model.effects.interface import Beam
+from model.effects.interface import BeamProblem
 from model.mechanics.field import Field
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
@@ -23,22 +23,22 @@ NAMES = ("long", "short")
 
 @pytest.fixture(scope="module")
 def studies(measure):
-    """One `Study` of the base model for each sheet, free shapes among the conditions."""
+    """One `ForwardModel` of the base model for each sheet, free shapes among the conditions."""
     made = measure(force_N=0.0, curve_m=0.0, scatter=0.0, free=True, positions_mm=(0, 10, 25))
     result = {}
     for name in NAMES:
         seen = look(made, name)
         s, k = seen.sheet.initial_curvature
         rest = Field.linear(s, k, seen.sheet.free_length_m)
-        result[name] = Study([seen], [rest]), made
+        result[name] = ForwardModel([seen], [rest]), made
     return result
 
 
-def base(scene: Scene, name: str) -> Beam:
+def base(scene: ConfigurationModel, name: str) -> BeamProblem:
     return scene.beam(STIFF[name], LEVEL[name])
 
 
-def change(name: str, scene: Scene, beam: Beam, h: float) -> Beam:
+def change(name: str, scene: ConfigurationModel, beam: BeamProblem, h: float) -> BeamProblem:
     """One field of a beam moved by h of its natural size, unevenly along the sheet."""
     t, touching = scene.s_m / scene.length, np.isfinite(scene.stated_m).astype(float)
     moves = {
@@ -103,7 +103,7 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
     scene, one = study.scenes[0], effect(effect_name)
     p = plausible(one)
     start = base(scene, "long")
-    state = study.state(0, start, (Active(one, {"long": p}),))
+    state = study.state(0, start, (AppliedEffect(one, {"long": p}),))
     held = scene.solve(start).held
     for _ in range(30):
         held = scene.solve(one.beam(start, held, p)).held
@@ -120,8 +120,8 @@ def test_a_rig_turned_over_is_one_whose_weight_pulls_the_other_way(measure):
     for m, load in ((made, -0.01), (turned, 0.01)):
         seen = look(m, "long")
         s, k = seen.sheet.initial_curvature
-        study = Study([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
-        active = (Active(gravity, {"long": {"load_N_per_m": load}}),)
+        study = ForwardModel([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
+        active = (AppliedEffect(gravity, {"long": {"load_N_per_m": load}}),)
         solved = study.state(0, base(study.scenes[0], "long"), active).solved
         forces.append((solved.force_N, solved.modes_m))
     for one, other in zip(*forces, strict=True):
@@ -146,11 +146,11 @@ def test_a_curve_is_cut_where_the_sheet_ends(measure):
         x_m=np.append(c.x_m, [0.2, 0.3]), y_m=np.append(c.y_m, [0.0, 0.0]),
     )  # fmt: skip
     seen = look(replace(made, conditions=(replace(first, curve=longer), *others)), "long")
-    scene = Scene(seen, Field.constant(20.0, 0.05))
+    scene = ConfigurationModel(seen, Field.constant(20.0, 0.05))
     s, x, y = scene.measured(0)
     np.testing.assert_allclose(s, c.s_m)
     assert np.max(x) < 0.1
     assert len(y) == len(s)
-    plain = Scene(look(made, "long"), Field.constant(20.0, 0.05))
+    plain = ConfigurationModel(look(made, "long"), Field.constant(20.0, 0.05))
     one, two = (a.solve(a.beam(1e-6, {2.0: 20.0, -2.0: -20.0})).modes_m for a in (scene, plain))
     np.testing.assert_allclose(one, two, atol=1e-15)

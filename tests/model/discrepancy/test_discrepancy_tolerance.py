@@ -20,14 +20,14 @@ from model.discrepancy.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.discrepancy.likelihood.forward_model import Step
+from model.discrepancy.likelihood.forward_model import Perturbation
 from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
 from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
 from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.search import ranking
 from model.discrepancy.search.evidence import Score
-from model.discrepancy.search.forward_selection import ranking
-from model.discrepancy.search.ranking import Contender
-from model.effects import SLOTS, catalogue, effect
+from model.discrepancy.search.ranking import RankedCandidate
+from model.effects import LOCATIONS, catalogue, effect
 from model.effects.conformance import plausible
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
@@ -136,11 +136,11 @@ def test_finite_values_are_brought_to_nought_and_one():
 # ------------------------------------------------------------------------------- slots
 
 
-def acting(step: Step, G: int) -> set[str]:
+def acting(step: Perturbation, G: int) -> set[str]:
     """What a step changes; of the beam problem: curvature, softness, or contact."""
     parts = {"curvature": slice(0, G), "soft": slice(G, 2 * G), "contact": slice(2 * G, None)}
     found = {name for name, place in parts.items() if np.any(step.beam[:, place])}
-    others = [f.name for f in fields(Step) if f.name != "beam"]
+    others = [f.name for f in fields(Perturbation) if f.name != "beam"]
     return found | {name for name in others if np.any(getattr(step, name))}
 
 
@@ -156,7 +156,7 @@ ALLOWED = {
 }
 
 
-@pytest.mark.parametrize("slot", SLOTS)
+@pytest.mark.parametrize("slot", LOCATIONS)
 def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(slot):
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
@@ -188,7 +188,7 @@ def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forc
 
 def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see(measure):
     found = [c.name for c in unknowns(base_fit()) if not c.part]
-    assert found == [f"unknown:{s}" for s in SLOTS]
+    assert found == [f"unknown:{s}" for s in LOCATIONS]
     blind = prepare(measure(curves=False, scatter=0.0), Options())
     assert "unknown:camera" not in [c.name for c in unknowns(fitted(measure(curves=False)))]
     assert any("has no curves" in note for note in blind.notes)
@@ -249,7 +249,7 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
 def test_whatever_is_unknown_can_be_told():
     base = base_fit()
     for one in unknowns(base):
-        told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
         assert told.slot == one.slot
         assert np.all(np.isfinite(told.profile)), (one.slot, one.part)
         assert np.any(told.band > 0.0), (one.slot, one.part)
@@ -267,7 +267,7 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         found = shapes(base, one.slot, one.part)
         keys = {(s.configuration, s.part, s.along) for s in found}
         assert len(keys) == 1
-        told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
         assert told.along == found[0].along
         during = one.part.rpartition(", ")[2]
         if during in ends:
@@ -282,7 +282,7 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
 def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
     base = base_fit()
     one = next(c for c in unknowns(base) if (c.slot, c.part) == ("load_cell", "force"))
-    told = unknown_of(base, Contender(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+    told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
     measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])

@@ -11,11 +11,11 @@ import pytest
 
 import model.effects as effects
 from model import ModelError
-from model.effects import SLOTS, catalogue, effect
+from model.effects import LOCATIONS, catalogue, effect
 
 GOOD = """
 from dataclasses import dataclass, replace
-from model.effects import Effect, Knob, effect
+from model.effects import Effect, EffectParameter, effect
 
 @dataclass(frozen=True)
 class Doubled(Effect):
@@ -24,7 +24,7 @@ class Doubled(Effect):
 
 EFFECT = Doubled(
     name="moon", meaning="m", form="f", slot="load_cell", signature="s", isolates="i", source="s",
-    knobs=(Knob("force_mN", "pull", "mN", 0.1),),
+    knobs=(EffectParameter("force_mN", "pull", "mN", 0.1),),
 )
 OURS = replace(EFFECT, name="gravity")
 WORDLESS = replace(EFFECT, name="wordless", meaning="")
@@ -45,7 +45,7 @@ def install(folder: Path, name: str, points: str, module: str = GOOD) -> None:
 
 
 def test_the_order_is_by_slot_then_by_name():
-    found = [(SLOTS.index(e.slot), name) for name, e in catalogue().items()]
+    found = [(LOCATIONS.index(e.slot), name) for name, e in catalogue().items()]
     assert found == sorted(found)
     assert list(catalogue()) == list(catalogue())
 
@@ -70,7 +70,14 @@ def test_an_unknown_effect_is_named_with_those_there_are():
 
 
 def test_the_package_hands_on_its_public_names_only():
-    assert set(effects.__all__) == {"SLOTS", "Effect", "Knob", "Slot", "catalogue", "effect"}
+    assert set(effects.__all__) == {
+        "SLOTS",
+        "Effect",
+        "EffectParameter",
+        "Slot",
+        "catalogue",
+        "effect",
+    }
 
 
 def test_importing_it_loads_neither_scipy_nor_numba_nor_the_effects():

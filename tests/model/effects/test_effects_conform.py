@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from model.effects import SLOTS, Effect, Knob, catalogue
+from model.effects import LOCATIONS, Effect, EffectParameter, catalogue
 from model.effects.conformance import acts, faults, faults_of_form, neutral, plausible
 
 # name: slot, parameters people are told, further knobs that are only tried
@@ -113,7 +113,7 @@ class Offset(Effect):
 
 def made(kind: type[Effect] = Offset, **other) -> Effect:
     words = dict.fromkeys(("meaning", "form", "signature", "isolates", "source"), "words")
-    knobs = (Knob("force_mN", "more", "mN", 0.1),)
+    knobs = (EffectParameter("force_mN", "more", "mN", 0.1),)
     return kind(**{"name": "mine", "slot": "load_cell", "knobs": knobs, **words, **other})
 
 
@@ -129,10 +129,13 @@ def test_a_good_effect_of_somebody_else_conforms():
         ({"slot": "elsewhere"}, "is none of rest_curvature"),
         ({"tolerance": ("mood",)}, "its tolerance mood is none of s, "),
         ({"knobs": ()}, "it has no knob"),
-        ({"knobs": (Knob("a", "", "", 1.0), Knob("a", "", "", 1.0))}, "the same name"),
-        ({"knobs": (Knob("a", "", "", 5.0, high=1.0),)}, "must lie between -inf and 1"),
-        ({"knobs": (Knob("a", "", "", 1.0, log=True),)}, "lower bound must be positive"),
-        ({"knobs": (Knob("a", "", "", 0.0),)}, "plausible value is the neutral one"),
+        (
+            {"knobs": (EffectParameter("a", "", "", 1.0), EffectParameter("a", "", "", 1.0))},
+            "the same name",
+        ),
+        ({"knobs": (EffectParameter("a", "", "", 5.0, high=1.0),)}, "must lie between -inf and 1"),
+        ({"knobs": (EffectParameter("a", "", "", 1.0, log=True),)}, "lower bound must be positive"),
+        ({"knobs": (EffectParameter("a", "", "", 0.0),)}, "plausible value is the neutral one"),
         ({"kind": Effect}, "so it changes nothing"),
     ],
 )
@@ -219,7 +222,7 @@ def test_neutral_and_plausible_values_name_every_knob():
         for values in (neutral(effect), plausible(effect)):
             assert set(values) == {knob.name for knob in effect.knobs}
         assert neutral(effect)[effect.size.name] == effect.size.neutral
-        assert effect.slot in SLOTS
+        assert effect.slot in LOCATIONS
 
 
 def test_an_effect_is_a_value_that_can_be_changed_into_another():

@@ -21,7 +21,7 @@ from model.effects.examples import (
     example_sheet,
     example_weighed,
 )
-from model.effects.interface import Clock, Weighed
+from model.effects.interface import AcquisitionTimes, LoadCellInput
 from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
 from model.effects.roll_friction import slid
 
@@ -300,10 +300,12 @@ def test_offset_drift_and_meniscus_add_what_they_say():
     assert np.all(effect("force_offset").force(away, {"force_mN": 0.3}) == 3e-4)
 
 
-def weighed(force_mN: list[float], position_mm: float | list[float] = 20.0) -> Weighed:
+def weighed(force_mN: list[float], position_mm: float | list[float] = 20.0) -> LoadCellInput:
     force = np.array(force_mN) * 1e-3
     one = np.ones_like(force)
-    return Weighed(force, force, 0.0 * one, 1e-3 * np.array(position_mm) * one, 0.5 * one, one)
+    return LoadCellInput(
+        force, force, 0.0 * one, 1e-3 * np.array(position_mm) * one, 0.5 * one, one
+    )
 
 
 def test_the_cell_hangs_behind_by_half_the_height_of_its_loop():
@@ -337,8 +339,8 @@ def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
     both = loop.force(weighed([0, 2, -1, -1, 2], [5, 5, 5, 10, 10]), p)
     assert both[3] == 0.0
     rows = [[0.0, 2.0, -1.0], [-1.0, 2.0, 1.0]]
-    w = Weighed(
-        *(np.stack([getattr(weighed(r), f) for r in rows]) for f in Weighed.__annotations__)
+    w = LoadCellInput(
+        *(np.stack([getattr(weighed(r), f) for r in rows]) for f in LoadCellInput.__annotations__)
     )
     for row, alone in zip(loop.force(w, p), rows, strict=True):
         assert row == pytest.approx(loop.force(weighed(alone), p))
@@ -479,10 +481,10 @@ def filtered(drive: np.ndarray, tau_s: float, step_s: float) -> np.ndarray:
     return y
 
 
-def sampled(pulses: int, pulse_s: float) -> Clock:
+def sampled(pulses: int, pulse_s: float) -> AcquisitionTimes:
     """One reading in each of so many pulses."""
     pulse, zero = np.arange(float(pulses)), np.zeros(pulses)
-    return Clock(
+    return AcquisitionTimes(
         np.where(pulse % 2 == 0.0, 2.0, -2.0), zero + pulse_s, pulse, zero, zero, zero,
         0.6 * pulse, np.where(pulse > 0.0, -1.0, 0.0),
     )  # fmt: skip
@@ -525,7 +527,7 @@ def test_a_relaxation_that_remembers_follows_all_pulses(spread: float):
     assert 1.0 + eibm == pytest.approx(wanted, abs=2e-3)
 
 
-def drifting(session: list[float], driven_s: list[float]) -> Clock:
+def drifting(session: list[float], driven_s: list[float]) -> AcquisitionTimes:
     return replace(example_clock(), session=np.array(session), driven_s=np.array(driven_s))
 
 

@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 
 from model import Condition, Curve, Measurements, Reading, SheetGeometry
 from model.discrepancy.data.data_vector import look
-from model.discrepancy.likelihood.contact_solution import Scene
+from model.discrepancy.likelihood.contact_solution import ConfigurationModel
 from model.effects import Effect, catalogue, effect
 from model.effects.conformance import acts, plausible
-from model.effects.interface import Beam, Held
+from model.effects.interface import BeamProblem, ContactSolution
 from model.effects.roll_friction import slid
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
@@ -28,10 +28,12 @@ FREE = Curve(np.linspace(0.0, 0.05, 4), np.linspace(0.0, 0.05, 4), np.zeros(4)) 
 class Bench:
     """Conditions of one sheet, with its base model."""
 
-    scene: Scene
-    base: Beam
+    scene: ConfigurationModel
+    base: BeamProblem
 
-    def settled(self, effect: Effect, p: dict[str, float], rounds: int = 60) -> tuple[Beam, Held]:
+    def settled(
+        self, effect: Effect, p: dict[str, float], rounds: int = 60
+    ) -> tuple[BeamProblem, ContactSolution]:
         """Solve and apply in turn until nothing moves."""
         beam, held = self.base, self.scene.solve(self.base).held
         for _ in range(rounds):
@@ -64,7 +66,7 @@ def bench(
         for i, volt in enumerate(volts)
     ]  # fmt: skip
     seen = look(Measurements({"it": sheet}, tuple(conditions)), "it")
-    scene = Scene(seen, Field.constant(k0, length_m))
+    scene = ConfigurationModel(seen, Field.constant(k0, length_m))
     eibm = {volt: np.sign(volt) * bend * (1.0 if volt > 0 else 0.8) for volt in VOLTS}
     return Bench(scene, scene.beam(B, eibm))
 

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from model.effects import SLOTS, catalogue
+from model.effects import LOCATIONS, catalogue
 from model.effects.page import SLOT_NAMES, page
 
 PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
@@ -21,7 +21,7 @@ def test_the_page_is_what_the_catalogue_makes():
 def test_every_effect_and_slot_has_a_section():
     text = page()
     assert all(f"\n### {name}\n" in text for name in catalogue())
-    assert set(SLOT_NAMES) == set(SLOTS)
+    assert set(SLOT_NAMES) == set(LOCATIONS)
 
 
 def test_the_page_is_printed_by_the_command_it_names():
