@@ -71,10 +71,10 @@ def test_an_unknown_effect_is_named_with_those_there_are():
 
 def test_the_package_hands_on_its_public_names_only():
     assert set(effects.__all__) == {
-        "SLOTS",
+        "LOCATIONS",
         "Effect",
         "EffectParameter",
-        "Slot",
+        "Location",
         "catalogue",
         "effect",
     }

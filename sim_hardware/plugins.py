@@ -1,0 +1,141 @@
+"""Find the parts of a plug-in folder: one a module, and those of other distributions.
+
+A folder holds one kind of part (cameras, say). Each of its modules that defines the folder's
+constant (`CAMERA`, say) adds one part under the module's name. Another distribution adds one by an
+entry point of the folder's group; the entry point's name is the part's name. A part that cannot be
+used is left out with a warning of one sentence.
+
+`drivers`, `model` and `sim_hardware` stand alone, so each has this module; a test holds them equal.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+import sys
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Generic, TypeVar, cast
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+T = TypeVar("T")
+OWN = "labrig"  # the distribution of the parts in our own folders
+
+
+class PluginWarning(UserWarning):
+    """A part of another distribution is left out; the text says which, and why."""
+
+
+class UnknownPartError(LookupError):
+    """No part has this name; the text says which there are."""
+
+
+@dataclass(frozen=True)
+class Part(Generic[T]):
+    """A part and where it comes from."""
+
+    name: str
+    part: T
+    distribution: str
+    version: str
+
+
+@dataclass(frozen=True)
+class PluginFolder(Generic[T]):
+    """One kind of part: the package that holds our own, the entry-point group, the contract."""
+
+    what: str  # "camera": a noun for messages
+    package: str  # "drivers.cameras"
+    constant: str  # "CAMERA"
+    group: str  # "labrig.cameras"
+    # what is wrong with a part, a sentence each; runs on other people's parts when they are loaded
+    faults: Callable[[object], list[str]]
+
+    def parts(self) -> dict[str, Part[T]]:
+        """Return all parts by name: our own in the order of their names, then other people's."""
+        return dict(cast("dict[str, Part[T]]", _found(self, tuple(sys.path))))
+
+    def get(self, name: str) -> T:
+        """Return the part of this name; UnknownPartError lists those there are."""
+        parts = self.parts()
+        if name not in parts:
+            raise UnknownPartError(
+                f"there is no {self.what} '{name}'; choose one of: {', '.join(sorted(parts))}"
+                f"{_suggestion(name, list(parts))}"
+            )
+        return parts[name].part
+
+    def origins(self) -> dict[str, str]:
+        """Return "distribution version" of each part that is not our own."""
+        return {
+            name: f"{part.distribution} {part.version}"
+            for name, part in self.parts().items()
+            if part.distribution != OWN
+        }
+
+
+def _suggestion(name: str, known: list[str]) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, known, n=1)
+    return f" (did you mean '{close[0]}'?)" if close else ""
+
+
+@lru_cache(maxsize=64)
+def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Part[object]]:
+    """Return the parts as seen from these places; what is installed there is read once."""
+    from importlib.metadata import entry_points  # slow to import
+
+    del path
+    parts = _own(folder)
+    for entry in sorted(entry_points(group=folder.group), key=lambda e: (e.name, e.value)):
+        if entry.name in parts:
+            _leave_out(folder, entry, f"there is a {folder.what} of that name already")
+            continue
+        part = _loaded(folder, entry)
+        if part is not None:
+            dist = entry.dist
+            parts[entry.name] = Part(
+                entry.name, part, dist.name if dist else "?", dist.version if dist else "?"
+            )
+    return parts
+
+
+def _own(folder: PluginFolder[object]) -> dict[str, Part[object]]:
+    package = import_module(folder.package)
+    result: dict[str, Part[object]] = {}
+    for name in sorted(module.name for module in pkgutil.iter_modules(package.__path__)):
+        if name.startswith("_"):
+            continue
+        module = import_module(f"{folder.package}.{name}")
+        if hasattr(module, folder.constant):
+            result[name] = Part(name, getattr(module, folder.constant), OWN, "")
+    return result
+
+
+def _loaded(folder: PluginFolder[object], entry: EntryPoint) -> object | None:
+    """Return the part an entry point leads to; None after a warning that says what is wrong."""
+    try:
+        part: object = entry.load()
+        said = "; ".join(folder.faults(part))
+    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        said = f"loading it failed with {type(error).__name__}: {error}"
+        part = None
+    if said:
+        _leave_out(folder, entry, said)
+        return None
+    return part
+
+
+def _leave_out(folder: PluginFolder[object], entry: EntryPoint, why: str) -> None:
+    origin = f" of {entry.dist.name}" if entry.dist else ""
+    warnings.warn(
+        f"the {folder.what} '{entry.name}'{origin} ({entry.value}) is left out: "
+        f"{' '.join(why.split())}.",
+        PluginWarning,
+        stacklevel=6,
+    )

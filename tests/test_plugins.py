@@ -1,0 +1,78 @@
+"""The loader of plug-in folders."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from drivers.plugins import PluginFolder, PluginWarning, UnknownPartError
+
+ROOT = Path(__file__).parents[1]
+
+
+def folder() -> PluginFolder[object]:
+    def faults(part: object) -> list[str]:
+        return [] if isinstance(part, int) else ["it is no number"]
+
+    return PluginFolder("number", "numbers_of_a_test", "NUMBER", "labrig.test_numbers", faults)
+
+
+@pytest.fixture
+def numbers(tmp_path, monkeypatch):
+    package = tmp_path / "numbers_of_a_test"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "one.py").write_text("NUMBER = 1\n")
+    (package / "helper.py").write_text("x = 0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield tmp_path
+    for name in [n for n in sys.modules if n.startswith("numbers_of_a_test")]:
+        del sys.modules[name]
+
+
+def install(where: Path, name: str, point: str, code: str) -> None:
+    (where / f"{name}.py").write_text(code)
+    info = where / f"{name}-1.2.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.2\n")
+    (info / "entry_points.txt").write_text(f"[labrig.test_numbers]\n{point}\n")
+
+
+def test_a_module_with_the_constant_is_a_part(numbers):
+    assert {name: p.part for name, p in folder().parts().items()} == {"one": 1}
+    assert folder().origins() == {}
+
+
+def test_an_entry_point_is_a_part_and_its_origin_is_known(numbers, monkeypatch):
+    install(numbers, "more_numbers", "two = more_numbers:TWO", "TWO = 2\n")
+    assert folder().get("two") == 2
+    assert folder().origins() == {"two": "more_numbers 1.2"}
+
+
+@pytest.mark.parametrize(
+    ("point", "said"),
+    [
+        ("two = bad_numbers:WORD", "it is no number"),
+        ("two = bad_numbers:NONE", "has no attribute 'NONE'"),
+        ("one = bad_numbers:TWO", "there is a number of that name already"),
+    ],
+)
+def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, said):
+    install(numbers, "bad_numbers", point, "TWO = 2\nWORD = 'two'\n")
+    with pytest.warns(PluginWarning, match="is left out") as caught:
+        parts = folder().parts()
+    assert said in str(caught[0].message)
+    assert list(parts) == ["one"]
+    del sys.modules["bad_numbers"]
+
+
+def test_an_unknown_name_is_answered_with_those_there_are(numbers):
+    with pytest.raises(UnknownPartError, match=r"no number 'on'; choose one of: one .*'one'"):
+        folder().get("on")
+
+
+def test_the_three_copies_of_the_loader_are_one():
+    texts = {(ROOT / p / "plugins.py").read_text() for p in ("drivers", "model", "sim_hardware")}
+    assert len(texts) == 1
