@@ -65,7 +65,7 @@ def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, 
         parts = folder().parts()
     assert said in str(caught[0].message)
     assert list(parts) == ["one"]
-    del sys.modules["bad_numbers"]
+    sys.modules.pop("bad_numbers", None)
 
 
 def test_an_unknown_name_is_answered_with_those_there_are(numbers):
