@@ -51,6 +51,25 @@ class Perturbation:
     frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older
 
 
+@dataclass(frozen=True, kw_only=True)
+class Mounting:
+    """How the set-up of each condition differs from the nominal one, arrays (K,)."""
+
+    stiffness: FloatArray  # relative, of B
+    eibm: FloatArray  # relative, of Me
+    position_m: FloatArray
+    tilt_rad: FloatArray  # of the clamp
+
+    def applied(self, beam: BeamProblem) -> BeamProblem:
+        """Return the problems of conditions that are set up so."""
+        bending = (1.0 + self.eibm) / (1.0 + self.stiffness)
+        return replace(
+            beam, stiffness=beam.stiffness * (1.0 + self.stiffness),
+            eibm=beam.eibm * bending[:, None], shift_m=beam.shift_m + self.position_m,
+            tilt_rad=beam.tilt_rad + self.tilt_rad,
+        )  # fmt: skip
+
+
 @dataclass(frozen=True)
 class ModelState:
     """One configuration, solved."""
@@ -65,6 +84,7 @@ class ModelState:
     response: FloatArray | None  # (K, L) force at the EIBM times `LEVELS`; None: its slope will do
     weighed: LoadCellInput  # of the readings, before what the load cell adds
     residual: FloatArray  # (N,) of this configuration's rows, at their places among all
+    mounting: Mounting | None = None  # how the set-ups of the conditions differ; None: nominal
 
     @property
     def reach_m(self) -> FloatArray:
