@@ -24,7 +24,7 @@ from model import Measurements
 from model.discrepancy.data.data_vector import look
 from model.discrepancy.likelihood.forward_model import ForwardModel
 from model.discrepancy.likelihood.linearisation import linearise
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
+from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, fit_mixed_model
 from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
@@ -64,7 +64,7 @@ class Yardstick:
     def __init__(self, bare: Measurements, symmetric: bool = False) -> None:
         self._options = Options(symmetric=symmetric)
         ready = prepare(bare, self._options)
-        self._fitted = settle(ready.problem, ready.theta)
+        self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(
             ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual
