@@ -22,7 +22,6 @@ from drivers.safe_shutdown import SafetyReport, make_safe
 from protocols import (
     Devices,
     Place,
-    PulseTrain,
     SafetyLimits,
     Schedule,
     Scheduler,
@@ -30,6 +29,7 @@ from protocols import (
     make_schedule,
 )
 from protocols.execution.events import Event
+from protocols.kinds.pulse_train import PulseTrain
 
 LIMITS = SafetyLimits(sheet_voltage_V=2.5, time_under_voltage_s=30.0)
 SHORT_TRAIN = PulseTrain(zero_readings=2, pulses_discarded=1, readings_per_voltage=1, pulse_s=0.6)
