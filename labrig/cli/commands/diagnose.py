@@ -107,7 +107,7 @@ def diagnose(
         save_model(found.model, output)
         written.append(output)
     if report is not None:
-        from labrig.report.diagnosis.page import write_diagnosis
+        from labrig.report.page.diagnosis import write_diagnosis
 
         written.append(write_diagnosis(found, report))
     if as_json:
@@ -133,7 +133,7 @@ def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis
 
 def keep(session: Path, found: Diagnosis) -> None:
     """Keep what was found in the session, which may be where nothing can be written."""
-    from labrig.report.diagnosis.store import keep_diagnosis
+    from labrig.report.data.kept_diagnosis import keep_diagnosis
 
     try:
         keep_diagnosis(session, found)
