@@ -50,7 +50,7 @@ def list_nothing() -> None:
     """List nothing."""
 
 
-def documented(speeds: dict[str, int]) -> None:
+def documented(speed: int | str) -> None:
     """Do what no command line can say."""
 
 
