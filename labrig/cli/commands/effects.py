@@ -31,7 +31,7 @@ def show_effect(
     name: Annotated[str, typer.Argument(help="an effect's name")], as_json: Json = False
 ) -> None:
     """An effect: what it is, its form, how it shows, and what isolates it."""
-    from labrig.report.tables.effects import effect_as_dict, effect_lines, knob_table
+    from labrig.report.tables.effects import effect_as_dict, effect_lines, parameter_table
     from model.effects import effect
 
     one = effect(name)
@@ -41,7 +41,7 @@ def show_effect(
     for line in effect_lines(one):
         say(line)
     say()
-    print_noted_table(knob_table(one))
+    print_noted_table(parameter_table(one))
 
 
 _app = typer.Typer(
