@@ -6,6 +6,7 @@ import ast
 from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import pytest
@@ -166,3 +167,13 @@ def _is_loose(node: ast.ClassDef) -> bool:
 
 def _is_class_var(statement: ast.AnnAssign) -> bool:
     return "ClassVar" in ast.unparse(statement.annotation)
+
+
+def test_the_architecture_page_is_made_from_the_code_as_it_is():
+    spec = spec_from_file_location("architecture", ROOT / "docs" / "architecture.py")
+    assert spec is not None
+    assert spec.loader is not None
+    architecture = module_from_spec(spec)
+    spec.loader.exec_module(architecture)
+    kept = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert kept == architecture.page(), "run `python docs/architecture.py`"
