@@ -28,7 +28,11 @@ from model.effects.interface import Effect
 from model.identification.data.data_vector import look
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import linearise
-from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
+from model.identification.likelihood.mixed_model_fit import (
+    FitProblem,
+    MixedModelFit,
+    fit_mixed_model,
+)
 from model.identification.likelihood.row_noise import noise_of
 from model.measurements import FloatArray
 
@@ -64,7 +68,7 @@ class Yardstick:
     def __init__(self, bare: Measurements, symmetric: bool = False) -> None:
         self._options = Options(symmetric=symmetric)
         ready = prepare(bare, self._options)
-        self._fitted = settle(ready.problem, ready.theta)
+        self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(
             ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual

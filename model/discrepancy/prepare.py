@@ -156,7 +156,7 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
         if one.name == "unknown":
             continue
         entry = effect_of(one.name)
-        shared = {k.name: k.plausible for k in entry.knobs}
+        shared = {k.name: k.prior_scale for k in entry.parameters}
         shared |= {k: p.value for k, p in one.parameters.items() if k in shared}
         own = getattr(one, "by_configuration", None) or {}
         values = {

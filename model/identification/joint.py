@@ -22,7 +22,7 @@ from model.identification.likelihood.mixed_model import Spread, estimate, freedo
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
-    settle_at_set_ups,
+    fit_at_set_ups,
 )
 from model.identification.likelihood.random_effects import WIDE
 from model.identification.likelihood.row_noise import noise_of
@@ -229,9 +229,9 @@ def joint_fit(
     bases = bases_of(study, known, base)
     problem = FitProblem.of(study, bases, noise_of(study, WIDE))
     theta = least_squares(study, bases, start(observed, study, bases, known))
-    fitted = settle_at_set_ups(problem, theta)
+    fitted = fit_at_set_ups(problem, theta)
     loaded = [
-        np.minimum(scene.solve(bases.beam(study, n, fitted.theta)).held.s_hat_m, scene.length)
+        np.minimum(scene.solve(bases.beam(study, n, fitted.theta)).contact.s_hat_m, scene.length)
         for n, scene in enumerate(study.scenes)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)

@@ -23,7 +23,7 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
     if not steps:
         return 0.0
     rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
-    free = slice(span.start + len(one.knobs()), span.stop)
+    free = slice(span.start + len(one.parameters()), span.stop)
     deviation = fitted.linear.columns[:, free] @ fitted.solution.beta[free]
     return _share(fitted, np.stack(rows, axis=1), deviation)
 

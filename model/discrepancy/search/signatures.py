@@ -67,7 +67,7 @@ def invisible(
         if effect is None or length * LARGE >= SEEN:
             continue
         needs = effect.isolates
-        if effect.slot == "time" and not streams:
+        if effect.location == "time" and not streams:
             needs = "the readings in their order, and the series within a pulse: " + needs
         result[name] = needs
     for name, effect in effects.items():

@@ -218,10 +218,10 @@ class Finding:
         )
         return tuple(
             Ranked(
-                c.name, c.score.candidate.slot, c.gain, c.score.amplitude,
+                c.name, c.score.candidate.location, c.gain, c.score.amplitude,
                 lengths.get(c.name, c.score.length),
             )
-            for c in first if c.score.candidate.slot != "outlier"
+            for c in first if c.score.candidate.location != "outlier"
         )  # fmt: skip
 
 
@@ -239,6 +239,6 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
     own = {name: parameters_of(found, name, final) for name in found.values}
     return Named(
-        effect.name, effect.slot, next(iter(own.values())),
+        effect.name, effect.location, next(iter(own.values())),
         own if effect.by_configuration else {}, one.confidence, confusable, share, form,
     )  # fmt: skip

@@ -58,12 +58,10 @@ class MixedModelFit:
     problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
-    linear: (
-        Linearisation  # with the columns of the effects' knobs and of the tolerance of their form
-    )
+    linear: Linearisation  # with the columns of the effects' parameters and of their form errors
     solution: Solution
     deviance: float
-    spans: tuple[slice, ...]  # columns of each effect: its knobs first
+    spans: tuple[slice, ...]  # columns of each effect: its parameters first
 
     @property
     def active(self) -> tuple[AppliedEffect, ...]:
@@ -75,7 +73,7 @@ class MixedModelFit:
         return _added(self.problem, self.linear, self.solution)
 
 
-def settle(
+def fit_mixed_model(
     problem: FitProblem,
     theta: FloatArray,
     found: tuple[Found, ...] = (),
@@ -108,7 +106,7 @@ def settle(
     return _finished(_Point(problem, theta, found, None, form), last.log_sigma)
 
 
-def settle_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
+def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
     """Fit the base model, solved for each set-up as it most likely is, not for the nominal one.
 
     What is large enough to bend the model would else count for more or less than it should. Where
@@ -123,7 +121,7 @@ def settle_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
             at = _Point(problem, here.end()[0], (), added)
             if here.moves < QUIET:
                 return _finished(at, noise)
-    return settle(problem, theta)
+    return fit_mixed_model(problem, theta)
 
 
 @dataclass(frozen=True)
@@ -146,7 +144,7 @@ class _Point:
         for one in self.found:
             columns, precision, away = effect_columns(problem.study, linear, one, active)
             first = linear.columns.shape[1]
-            precision[len(one.knobs()) :] /= self.form**2
+            precision[len(one.parameters()) :] /= self.form**2
             linear = with_columns(problem.study, linear, columns, precision, away)
             spans.append(slice(first, linear.columns.shape[1]))
         return linear, spans
@@ -215,7 +213,7 @@ class _Iteration:
         promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
         moving = np.arange(self.at.problem.bases.size).tolist()
         for one, span in zip(self.at.found, self.spans, strict=True):
-            moving += range(span.start, span.start + len(one.knobs()))
+            moving += range(span.start, span.start + len(one.parameters()))
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
 
