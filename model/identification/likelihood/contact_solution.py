@@ -77,6 +77,12 @@ class ConfigurationModel:
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
         self.free_clock = AcquisitionTimes.joined([seen[k].clock for k in self.free])
+        # times whose mean a condition is, of which condition each is, and its share
+        self.mean_times = (
+            AcquisitionTimes.joined([self.clock, self.free_clock]),
+            np.concatenate([self.reading_of, self.free]),
+            np.concatenate([self.share, np.ones(len(self.free))]),
+        )
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}

@@ -13,14 +13,14 @@ import numpy as np
 
 from model.effects.interface import BeamProblem
 from model.identification.likelihood.drive_rise import RISE, rise_columns
-from model.identification.likelihood.forward_model import (
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.mixed_model import Data
+from model.identification.likelihood.model_state import (
     AppliedEffect,
-    ForwardModel,
     ModelState,
     Mounting,
     Perturbation,
 )
-from model.identification.likelihood.mixed_model import Data
 from model.identification.likelihood.random_effects import (
     Added,
     Columns,

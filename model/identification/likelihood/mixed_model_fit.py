@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.identification.likelihood.form_error import Found, effect_columns, moved
-from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
     Bases,
     Linearisation,
@@ -23,6 +23,7 @@ from model.identification.likelihood.mixed_model import (
     inverse_symmetric,
     weigh,
 )
+from model.identification.likelihood.model_state import AppliedEffect
 from model.identification.likelihood.random_effects import Added
 from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
