@@ -296,3 +296,13 @@ def test_a_broken_effect_in_a_model_file_is_refused_with_its_key(truth, change, 
     data["effects"][0].update(change)
     with pytest.raises(ModelError, match=text):
         SheetModel.from_dict(data)
+
+
+def test_friction_that_only_the_load_cell_feels_is_in_the_predicted_force(truth: SheetModel):
+    model = truth.with_effects(active("roll_friction", coefficient=0.1, force_alone=1.0))
+    for voltage in (2.0, -2.0):
+        one, two = (predict(m, "long", POSITION_M, voltage) for m in (model, truth))
+        np.testing.assert_array_equal(one.x_m, two.x_m)
+        lean = two.phi_hat_rad - POSITION_M / truth.sheet("long").sheet.arc_radius_m
+        most = 0.1 * abs(two.N_N * np.sin(lean))
+        assert 0.5 * most < abs(one.F_N - two.F_N) <= most * (1.0 + 1e-9)
