@@ -11,7 +11,7 @@ from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from labrig.panel.server.settings import PanelSettings
+    from labrig.panel.access.settings import PanelSettings
 
 _PORT = 8720
 
@@ -67,7 +67,7 @@ def panel(
 def _settings(
     what: Path | None, data: Path | None, model: Path | None, host: str, port: int
 ) -> PanelSettings:
-    from labrig.panel.server.settings import PanelSettings
+    from labrig.panel.access.settings import PanelSettings
 
     if what is None and Path("rig.toml").is_file():
         what = Path("rig.toml")
@@ -109,7 +109,7 @@ def _with_tls(
 ) -> PanelSettings:
     from dataclasses import replace
 
-    from labrig.panel.server.settings import LOOPBACK
+    from labrig.panel.access.settings import LOOPBACK
 
     if (certificate is None) != (key is None):
         raise BadInputError("--certificate and --key belong together; give both.")

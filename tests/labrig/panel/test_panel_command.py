@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.main import run
-from labrig.panel.server.settings import PanelSettings, host_name
+from labrig.panel.access.settings import PanelSettings, host_name
 from tests.labrig.panel.page import Server
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from drivers.interfaces import GreyImage
 from labrig.errors import BadInputError
 from labrig.files import not_written
+from labrig.panel.errors import MissingError, NotNowError
 from labrig.panel.live.event_stream import Message
-from labrig.panel.server.errors import MissingError, NotNowError
 from labrig.vision import Calibration, CalibrationBoard, Optics, calibrate_camera, calibrate_ruler
 from labrig.vision.calibration.corners import find_corners
 

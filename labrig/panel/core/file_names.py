@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.panel.errors import MissingError
 from labrig.panel.job.registry import HIDDEN
-from labrig.panel.server.errors import MissingError
 
 _PART = re.compile(
     r"[^\W][\w .,+()=@-]{0,119}"

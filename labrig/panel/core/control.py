@@ -10,8 +10,8 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from labrig.panel.errors import ForbiddenError
 from labrig.panel.live.event_stream import Message
-from labrig.panel.server.errors import ForbiddenError
 
 _MOST_NAME = 40
 _NAME = re.compile(r"[A-Za-z0-9_-]{16}")

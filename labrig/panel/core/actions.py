@@ -7,8 +7,8 @@ import threading
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.panel.core.control import utc_now
 from labrig.panel.job.registry import hidden_folder
-from labrig.panel.server.control import utc_now
 
 _TAIL_BYTES = 256 << 10
 

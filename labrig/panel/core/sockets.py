@@ -1,4 +1,4 @@
-"""`/ws`: what happens, as it happens. A page that is slow is told less, and nobody waits for it."""
+"""Sockets of pages: a slow page gets fewer messages, and nobody waits for it."""
 
 from __future__ import annotations
 
@@ -10,43 +10,17 @@ from typing import Any
 
 from fastapi import WebSocket, WebSocketDisconnect
 
+from labrig.panel.access.rate_limits import Bucket
+from labrig.panel.core.control import as_seen_by
 from labrig.panel.live.event_stream import EventStream, Mail, Mailbox, Message
 from labrig.panel.live.packing import dumps, pack
-from labrig.panel.server.control import as_seen_by
-from labrig.panel.server.panel import Panel
-from labrig.panel.server.rate_limits import Bucket
 
-MOST_PAGES = 32
 MOST_WORD_BYTES = 4096  # of what a page says
 SEND_S = 15.0  # a page that takes nothing for so long is let go; it comes again when it lives
 _TOO_OFTEN = (20.0, 40.0)
 _NEWEST_EVERY_S = 0.015  # what comes meanwhile is sent together; well below a camera's period
 
 Heard = Callable[[Message], Awaitable[None]]
-
-
-async def serve_live(socket: WebSocket, panel: Panel) -> None:
-    """One page, until it goes."""
-    control = panel.control
-    if control.message()["clients"] >= MOST_PAGES:
-        await socket.close(1013, "too many pages are open.")
-        return
-    await socket.accept()
-    client = control.arrive(address_of(socket), socket.query_params.get("client", ""))
-    status = panel.status(socket.headers.get("host", ""), client)
-    hello = {"type": "hello", "client": client, "status": status}
-    hello |= {key: status[key] for key in ("version", "mode", "stop_url")}
-    post = Post(socket, panel.feed, client)
-    try:
-        await post.send(hello)
-        await together(post.deliver(), hear(socket, _no_more))
-    finally:
-        post.close()
-        control.leave(client)
-
-
-async def _no_more(_message: Message) -> None:
-    """A live page asks by HTTP."""
 
 
 def address_of(socket: Any) -> str:
@@ -97,21 +71,21 @@ async def hear(socket: WebSocket, heard: Heard) -> None:
 class Post:
     """Delivers a feed to one page."""
 
-    def __init__(self, socket: WebSocket, feed: EventStream, client: str = "") -> None:
+    def __init__(self, socket: WebSocket, stream: EventStream, client: str = "") -> None:
         self._socket = socket
-        self._feed = feed
+        self._stream = stream
         self._client = client
         self._loop = asyncio.get_running_loop()
         self._news = asyncio.Event()
         self._box = Mailbox(self._wake)
 
     async def send(self, message: Message) -> None:
-        """One message, past the feed."""
+        """One message, past the stream."""
         await asyncio.wait_for(self._socket.send_text(dumps(message)), SEND_S)
 
     async def deliver(self) -> None:
         """All that the feed tells, until the page has gone. Raises TimeoutError."""
-        self._feed.join(self._box)
+        self._stream.join(self._box)
         while True:
             await self._news.wait()
             self._news.clear()
@@ -122,7 +96,7 @@ class Post:
 
     def close(self) -> None:
         """The page has gone."""
-        self._feed.leave(self._box)
+        self._stream.leave(self._box)
 
     async def _out(self, packed: str | bytes) -> None:
         if isinstance(packed, str):

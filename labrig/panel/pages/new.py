@@ -1,4 +1,4 @@
-"""Configuration files, the forms for them, and the plan that they make."""
+"""The page of a new run: configuration files and their forms, the plan, preflight, start."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from typing import Any, Literal
 from fastapi import APIRouter, Request
 from pydantic import Field
 
-from labrig.config import ReplayConfig, load_rig, read_text
+from labrig.config import read_text
 from labrig.config.schema import schemas
 from labrig.errors import BadInputError, LabrigError
 from labrig.experiment.plan import load_plan, make_plan
+from labrig.panel.core import configuration_files as files
+from labrig.panel.core.file_names import existing, inside
+from labrig.panel.core.panel import Panel
+from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.live.plans import message_of_plan
-from labrig.panel.pages import configuration_files as files
-from labrig.panel.pages.file_names import existing, inside
-from labrig.panel.pages.run import Here, Name, RequestModel
-from labrig.panel.server.panel import Panel
+from labrig.panel.pages.interface import PanelPage, own_script
 
 router = APIRouter(prefix="/api")
 _SUFFIXES = (".toml", ".json")
@@ -107,9 +108,7 @@ def plan(body: PlanBody, panel: Here) -> Any:
 
 
 def _plan_of_text(panel: Panel, text: str, sheet: str) -> Any:
-    config = load_rig(panel.rig)
-    if isinstance(config, ReplayConfig):
-        raise BadInputError(f"{panel.rig.name}: this rig is a recorded session.")
+    config = files.rig_config(panel.rig)
     texts = {
         "rig.toml": read_text(panel.rig),
         "sheet.toml": read_text(existing(panel.rig.parent, sheet, ".toml")),
@@ -119,3 +118,67 @@ def _plan_of_text(panel: Panel, text: str, sheet: str) -> Any:
     if config.camera is not None:
         texts["optics.json"] = read_text(config.camera.optics)
     return make_plan(config, texts)
+
+
+class RunBody(RequestModel):
+    """A new session, or one to continue."""
+
+    protocol: Name = "protocol.toml"
+    sheet: Name = "sheet.toml"
+    session: Name | None = None
+    clock: Literal["real", "virtual"] = "virtual"
+    resume: Name | None = None
+
+
+class PreflightBody(RequestModel):
+    """For which protocol and sheet the rig is to be ready."""
+
+    protocol: Name = "protocol.toml"
+    sheet: Name = "sheet.toml"
+
+
+@router.post("/run")
+def run(request: Request, body: RunBody, panel: Here) -> Any:
+    """Start a run."""
+    who = panel.acting(request)
+    data, folder = panel.settings.data, panel.rig.parent
+    if body.resume is not None:
+        before = existing(data, body.resume, ".h5")
+        name = body.session or body.resume.removesuffix(".h5") + "-resumed.h5"
+        files: dict[str, str] = {"resume": str(before)}
+    elif body.session is None:
+        raise BadInputError("a run needs the name of the session file to make.")
+    else:
+        name = body.session
+        files = {
+            "protocol": str(existing(folder, body.protocol, ".toml")),
+            "sheet": str(existing(folder, body.sheet, ".toml")),
+        }
+    session = inside(data, name, ".h5")
+    if session.exists():
+        raise BadInputError(f"{name} exists already; choose another name.")
+    session.parent.mkdir(parents=True, exist_ok=True)
+    order = panel.order("run", who, session=str(session), clock=body.clock, **files)
+    job = panel.jobs.start(order)
+    panel.log(who, f"started the run {name}", note=False)
+    return job
+
+
+@router.post("/preflight")
+def preflight(request: Request, body: PreflightBody, panel: Here) -> Any:
+    """Check whether the rig is ready."""
+    who, folder = panel.acting(request), panel.rig.parent
+    order = panel.order(
+        "preflight",
+        who,
+        protocol=str(existing(folder, body.protocol, ".toml")),
+        sheet=str(existing(folder, body.sheet, ".toml")),
+    )
+    job = panel.jobs.start(order)
+    panel.log(who, "asked for a preflight", note=False)
+    return job
+
+
+PAGE = PanelPage(
+    title="New run", order=20, modes=frozenset({"rig"}), router=router, script=own_script("new")
+)

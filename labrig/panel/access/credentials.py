@@ -5,7 +5,7 @@ from __future__ import annotations
 import hmac
 from http.cookies import CookieError, SimpleCookie
 
-from labrig.panel.server.settings import COOKIE
+from labrig.panel.access.settings import COOKIE
 
 
 def same_token(given: str, token: str) -> bool:

@@ -14,6 +14,8 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import Item
 
 from labrig.config import (
+    RigConfig,
+    load_rig,
     parse_json,
     parse_load_cell,
     parse_protocol,
@@ -192,3 +194,11 @@ def _dated(values: Values) -> Values:
         return {**values, "date": dt.date.fromisoformat(str(values.get("date")))}
     except ValueError:
         return values
+
+
+def rig_config(path: Path) -> RigConfig:
+    """Return a rig.toml's content. Raises BadInputError for that of a recorded session."""
+    config = load_rig(path)
+    if not isinstance(config, RigConfig):
+        raise BadInputError(f"{path.name}: this rig is a recorded session.")
+    return config

@@ -11,7 +11,7 @@ import pytest
 
 from labrig.panel.job.connection import JobConnection, JobConnectionServer
 from labrig.panel.live.event_stream import MOST_WAITING, EventStream, Mailbox
-from labrig.panel.live.packing import BrokenLinkError, dumps, pack, receive, send, unpack
+from labrig.panel.live.packing import BrokenConnectionError, dumps, pack, receive, send, unpack
 from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart, joined, strip_from
 
 
@@ -24,10 +24,10 @@ def taken(box):
 
 
 def test_a_follower_is_told_the_story_and_then_what_happens():
-    feed, box = EventStream(), Mailbox(lambda: None)
-    feed.tell({"type": "started"})
-    feed.join(box)
-    feed.tell({"type": "reading", "index": 0})
+    stream, box = EventStream(), Mailbox(lambda: None)
+    stream.publish({"type": "started"})
+    stream.join(box)
+    stream.publish({"type": "reading", "index": 0})
     (mail,) = taken(box)
     assert mail.story == [{"type": "started"}]
     assert mail.messages == [{"type": "reading", "index": 0}]
@@ -35,11 +35,11 @@ def test_a_follower_is_told_the_story_and_then_what_happens():
 
 
 def test_a_follower_that_takes_nothing_has_a_bounded_box_and_hears_the_story_anew():
-    feed, box = EventStream(), Mailbox(lambda: None)
-    feed.join(box)
+    stream, box = EventStream(), Mailbox(lambda: None)
+    stream.join(box)
     count = 3 * MOST_WAITING + 7
     for index in range(count):
-        feed.tell({"type": "reading", "index": index})
+        stream.publish({"type": "reading", "index": index})
         assert len(box._messages) <= MOST_WAITING
     mails = taken(box)
     told = [m["index"] for mail in mails for m in [*(mail.story or []), *mail.messages]]
@@ -47,22 +47,22 @@ def test_a_follower_that_takes_nothing_has_a_bounded_box_and_hears_the_story_ane
 
 
 def test_of_pictures_only_the_newest_waits():
-    feed, box = EventStream(), Mailbox(lambda: None)
-    feed.join(box)
+    stream, box = EventStream(), Mailbox(lambda: None)
+    stream.join(box)
     for number in range(100):
-        feed.tell_picture(({"type": "picture", "frame": number}, b"x" * 1000))
-        feed.tell_newest({"type": "curve", "frame": number})
+        stream.publish_picture(({"type": "picture", "frame": number}, b"x" * 1000))
+        stream.publish_newest({"type": "curve", "frame": number})
     (mail,) = taken(box)
     assert mail.picture[0]["frame"] == 99
     assert [m["frame"] for m in mail.newest] == [99]
 
 
 def test_who_has_left_is_told_nothing():
-    feed, box = EventStream(), Mailbox(lambda: None)
-    feed.join(box)
-    feed.leave(box)
+    stream, box = EventStream(), Mailbox(lambda: None)
+    stream.join(box)
+    stream.leave(box)
     taken(box)
-    feed.tell({"type": "reading"})
+    stream.publish({"type": "reading"})
     assert taken(box) == []
 
 
@@ -111,12 +111,12 @@ def test_what_is_packed_comes_back_and_numbers_lie_where_a_page_can_read_them():
 
 @pytest.mark.parametrize("packed", [b"", b"abc", b"\xff\xff\xff\xff", pack({"a": 1})[:9], pack([])])
 def test_what_is_damaged_is_refused(packed):
-    with pytest.raises(BrokenLinkError):
+    with pytest.raises(BrokenConnectionError):
         unpack(packed)
 
 
 class Silent:
-    """A teller that says one thing, then nothing until it is closed."""
+    """A publisher that says one thing, then nothing until it is closed."""
 
     def __init__(self):
         self._closed = threading.Event()
@@ -146,16 +146,16 @@ def server():
 
 def test_a_link_asks_is_answered_and_is_told(server):
     told, ended = threading.Event(), threading.Event()
-    link = JobConnection(server.port, server.key, "panel", lambda *_: told.set(), ended.set)
-    assert link.ask({"do": "this"}).get("error") is None
-    assert link.ask({"do": "refuse"})["error"] == "no."
+    connection = JobConnection(server.port, server.key, "panel", lambda *_: told.set(), ended.set)
+    assert connection.ask({"do": "this"}).get("error") is None
+    assert connection.ask({"do": "refuse"})["error"] == "no."
     assert told.wait(5)
     assert [asked["do"] for asked in server.done] == ["this", "refuse"]
     server.close(1.0)
     assert ended.wait(5)
-    with pytest.raises(BrokenLinkError):
-        link.ask({"do": "this"}, 0.5)
-    link.close()
+    with pytest.raises(BrokenConnectionError):
+        connection.ask({"do": "this"}, 0.5)
+    connection.close()
 
 
 @pytest.mark.parametrize("key", ["", "wrong", None, 3, []])
@@ -165,7 +165,7 @@ def test_a_link_without_the_key_is_closed_and_asks_nothing(server, key):
         send(raw, pack({"key": key, "role": "panel"}))
         with suppress(OSError):
             send(raw, pack({"do": "this", "ask": 1}))
-        with pytest.raises((BrokenLinkError, OSError)):
+        with pytest.raises((BrokenConnectionError, OSError)):
             receive(raw)
     assert server.done == []
 

@@ -8,10 +8,10 @@ from contextlib import suppress
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from labrig.panel.server.bodies import MOST_BODY_BYTES, RequestBody
-from labrig.panel.server.credentials import cookie_of, same_token
-from labrig.panel.server.rate_limits import Buckets
-from labrig.panel.server.settings import PanelSettings, host_name
+from labrig.panel.access.bodies import MOST_BODY_BYTES, RequestBody
+from labrig.panel.access.credentials import cookie_of, same_token
+from labrig.panel.access.rate_limits import Buckets
+from labrig.panel.access.settings import PanelSettings, host_name
 
 _PUBLIC = ("/static/", "/favicon.ico")
 _TOO_OFTEN = (60.0, 300.0)  # requests of one address: in a second, and at once

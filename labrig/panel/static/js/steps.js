@@ -1,6 +1,6 @@
 // A guide: numbered steps under one another, one of them the present one.
 
-import { h } from "../dom.js";
+import { h } from "./dom.js";
 
 /** `parts`: [title, what it is for, ...elements]. `at(index)` says which one is due. */
 export function steps(parts) {

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import secrets
+import threading
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from fastapi import Request
 
 from labrig.config import ReplayConfig, load_rig
 from labrig.errors import BadInputError
 from labrig.library import Library
+from labrig.panel.access.settings import PanelSettings, host_name
+from labrig.panel.core.actions import Actions
+from labrig.panel.core.control import Control, utc_now
+from labrig.panel.errors import NotNowError
 from labrig.panel.job import Kind, Order
 from labrig.panel.job.jobs import Jobs
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
-from labrig.panel.pages.camera_calibration import CameraCalibrationRun
-from labrig.panel.server.actions import Actions
-from labrig.panel.server.control import Control, utc_now
-from labrig.panel.server.errors import NotNowError
-from labrig.panel.server.settings import PanelSettings, host_name
 
+State = TypeVar("State")
 VERSION = 1  # of what page and server say to each other
 
 
@@ -30,14 +31,14 @@ class Panel:
     def __init__(self, settings: PanelSettings) -> None:
         self.settings = settings
         self.simulated = _is_simulated(settings.rig)  # first: here it may fail, and has no threads
-        self.feed = EventStream()
+        self.stream = EventStream()
         self.actions = Actions(settings.data)
-        self.control = Control(self.feed.tell_newest)
-        self.darkroom = FramePipeline(self.feed)
-        self.jobs = Jobs(settings.data, self.feed, self.darkroom)
-        self.calibrating = CameraCalibrationRun()
+        self.control = Control(self.stream.publish_newest)
+        self.frame_pipeline = FramePipeline(self.stream)
+        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline)
         self.library = Library(settings.data)
-        self.replays = 0  # that are open
+        self._states: dict[type[Any], Any] = {}
+        self._lock = threading.Lock()
         self.model: str | None = None
         self.model_path: Path | None = None
         if settings.model is not None:
@@ -46,7 +47,18 @@ class Panel:
     def close(self) -> None:
         """Let go of everything but the job."""
         self.jobs.close()
-        self.darkroom.close()
+        self.frame_pipeline.close()
+
+    def state(self, kind: type[State]) -> State:
+        """Return this panel's object of a class, made when a page first asks; any thread may ask.
+
+        For what a page must keep between requests.
+        """
+        with self._lock:
+            if kind not in self._states:
+                self._states[kind] = kind()
+            found: State = self._states[kind]
+            return found
 
     @property
     def rig(self) -> Path:
@@ -82,8 +94,8 @@ class Panel:
         """Whose predicted curve is drawn."""
         self.model = None if path is None else path.name
         self.model_path = path
-        self.darkroom.choose_model(path)
-        self.feed.tell_newest({"type": "model", "name": self.model})
+        self.frame_pipeline.choose_model(path)
+        self.stream.publish_newest({"type": "model", "name": self.model})
 
     def acting(self, request: Request) -> str:
         """Who acts. Raises ForbiddenError when they do not hold control."""
