@@ -14,6 +14,7 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import Item
 
 from labrig.config import (
+    PROTOCOLS,
     RigConfig,
     load_rig,
     parse_json,
@@ -32,7 +33,6 @@ Values = dict[str, Any]
 KINDS = ("rig", "sheet", "protocol", "load_cell", "optics", "model", "world")
 WRITABLE = ("sheet", "protocol")
 _MOST_FILES = 500
-_PROTOCOLS = {"places", "pulse_train", "step_response", "staircase", "hold"}
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def kind_of(text: str, suffix: str) -> str:
         return "model"
     if values.keys() & {"ni", "replay", "amplifier"}:
         return "rig"
-    if values.keys() & _PROTOCOLS:
+    if values.keys() & {"places", *PROTOCOLS.parts()}:
         return "protocol"
     if "sensitivity_V_per_N" in values:
         return "load_cell"
