@@ -40,7 +40,9 @@ BAD = "no section"
 @pytest.fixture
 def findings(tmp_path):
     with open_session(session(tmp_path / "made.h5", None)) as opened:
-        yield Findings(opened, None, FittedSheets(None), "it was not tried")
+        yield Findings(
+            session=opened, measurements=None, fitted=FittedSheets(None), why_not="it was not tried"
+        )
 
 
 def made(title: str, make, order: float = 1.0, figures: tuple[str, ...] = ()) -> ReportSection:
@@ -108,8 +110,14 @@ def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(finding
     [
         (lambda *_: None, "neither a Section nor a sentence"),
         (lambda *_: Section(("text",)), "neither a table nor a figure"),
-        (lambda *_: Section((Table("T", ("a", "b"), (("1",),)),)), "not as many cells"),
-        (lambda *_: Section((Folded("F", Table("", ("a",), (("1", "2"),))),)), "not as many cells"),
+        (
+            lambda *_: Section((Table(title="T", columns=("a", "b"), rows=(("1",),)),)),
+            "not as many cells",
+        ),
+        (
+            lambda *_: Section((Folded("F", Table(title="", columns=("a",), rows=(("1", "2"),))),)),
+            "not as many cells",
+        ),
         (lambda *_: "  ", "its sentence is empty"),
     ],
 )

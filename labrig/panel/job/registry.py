@@ -20,7 +20,7 @@ _TRIES = 20
 _AGAIN_S = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class JobAddress:
     """A job, and how to speak with it. `key` must be told first; nobody else knows it."""
 

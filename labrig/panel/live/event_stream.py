@@ -23,7 +23,7 @@ MOST_STORY = 200_000  # beyond this the oldest single voltages are left out
 CURVE = "curve"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Mail:
     """What a follower is given: in this order, each part perhaps empty."""
 
@@ -95,11 +95,11 @@ class Mailbox:
         """All that waits; None when nothing does."""
         with self._lock:
             found = Mail(
-                self._story,
-                self._messages,
-                self._strips.pop(0) if self._strips else None,
-                list(self._newest.values()),
-                self._picture,
+                story=self._story,
+                messages=self._messages,
+                strip=self._strips.pop(0) if self._strips else None,
+                newest=list(self._newest.values()),
+                picture=self._picture,
             )
             self._story, self._messages, self._picture, self._newest = None, [], None, {}
         return None if found == Mail() else found

@@ -31,7 +31,7 @@ _LOOK_S = 0.5
 _HEARING_S = 1.0  # who has its answer and is still sending
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StopSettings:
     """What the panel says on our input, as one line of JSON."""
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -44,6 +46,12 @@ PLAIN = PanelPage(title="Plain notes", order=26, data=table)
 FAILING = PanelPage(title="Failing", order=27, data=fail)
 BAD = PanelPage(title="Bad", order=28, script=WEB / "missing.js")
 """
+LIST = """
+from dataclasses import replace
+from pathlib import Path
+from labrig_humidity import PAGE
+PAGE = replace(PAGE, title="As a list", script=Path(__file__).parent / "humidity_web" / "page.js")
+"""
 PAGE_JS = """
 import { h } from "/static/js/dom.js";
 import { word } from "./word.js";
@@ -52,11 +60,35 @@ export function mount(place, app) {
   return {};
 }
 """
-POINTS = "notes = {0}:NOTES\nplain_notes = {0}:PLAIN\nfailing = {0}:FAILING\nbad = {0}:BAD\n"
+POINTS = """
+notes = labrig_notes:NOTES
+plain_notes = labrig_notes:PLAIN
+failing = labrig_notes:FAILING
+bad = labrig_notes:BAD
+list = labrig_list:PAGE
+"""
+DOCS = Path(__file__).parents[3] / "docs" / "panel.md"
+
+
+def documented(language: str) -> str:
+    """The example of docs/panel.md in this language, as it stands there."""
+    (found,) = re.findall(rf"```{language}\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL)
+    return str(found)
+
+
+def documented_points() -> dict[str, str]:
+    """The entry points of the docs' example."""
+    points = tomllib.loads(documented("toml"))["project"]["entry-points"]
+    return dict(points["labrig.page_panels"])
 
 
 def install(where: Path) -> None:
-    """`labrig-notes` 0.3, with four pages of which one is faulty."""
+    """`labrig-notes` 0.3, with the pages of the docs and four more, of which one is faulty."""
+    (where / "labrig_humidity.py").write_text(documented("python"))
+    (where / "humidity_web").mkdir()
+    (where / "humidity_web" / "page.js").write_text(documented("js"))
+    (where / "humidity.csv").write_text("hour,percent\n8,41\n9,43\n")
+    (where / "labrig_list.py").write_text(LIST)
     web = where / "labrig_notes_web"
     web.mkdir()
     (where / "labrig_notes.py").write_text(PLUGIN)
@@ -66,7 +98,8 @@ def install(where: Path) -> None:
     info = where / "labrig_notes-0.3.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-notes\nVersion: 0.3\n")
-    (info / "entry_points.txt").write_text("[labrig.page_panels]\n" + POINTS.format("labrig_notes"))
+    points = "".join(f"{name} = {point}\n" for name, point in documented_points().items())
+    (info / "entry_points.txt").write_text("[labrig.page_panels]\n" + POINTS + points)
 
 
 @contextmanager
