@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import finite, say, warn
 from labrig.errors import BadInputError
 
@@ -16,11 +17,6 @@ if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
     from model import Curve
     from model.measurements import Condition, Contact
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(curves)
 
 
 def curves(
@@ -235,3 +231,6 @@ def _curve_json(curve: Curve | None) -> dict[str, Any]:
         "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
         "curvature_sigma_per_m": curve.curvature_sigma_per_m,
     }
+
+
+COMMAND = Command("curves", curves, order=210)
