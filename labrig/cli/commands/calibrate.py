@@ -91,7 +91,7 @@ def camera(
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
-    from labrig.vision.calibration.drawing import write_calibration_picture
+    from labrig.vision.calibration.drawing import write_calibration_image
 
     images = [read_image(path) for path in pictures]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
@@ -109,7 +109,7 @@ def camera(
         )
     _tell(found, output)
     picture = output.with_suffix(".png")
-    write_calibration_picture(picture, images[0], found.optics)
+    write_calibration_image(picture, images[0], found.optics)
     say(f"wrote {picture}: look whether its lines run along the board's")
 
 

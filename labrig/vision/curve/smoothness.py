@@ -1,9 +1,9 @@
-"""How smooth a sheet's curvature is: nobody knows beforehand, so the picture is asked.
+"""How smooth a sheet's curvature is: nobody knows beforehand, so the image is asked.
 
 Two kinds of priors, each of eight strengths: a curvature that wanders, int (dk/ds)^2 ds (the
 minimum variation curve's), and one whose slope does, int (d2k/ds2)^2 ds. The second is what gels
 and beams under forces are like; the first forgives a jump. A fit is the mean of all sixteen
-answers, by how likely each prior makes the picture; its covariance holds how much they differ.
+answers, by how likely each prior makes the image; its covariance holds how much they differ.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
+from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 

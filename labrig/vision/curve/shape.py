@@ -16,8 +16,8 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
-from labrig.vision.fit.smoothness import log_weights, smooth_priors
+from labrig.vision.curve.smoothness import log_weights, smooth_priors
+from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""From a way that a sheet may take to the curve there, fitted to the picture and judged."""
+"""From a way that a sheet may take to the curve there, fitted to the image and judged."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics, SheetAppearance
-from labrig.vision.checks.acceptance import Verdict, judge
-from labrig.vision.checks.occlusion import strangers
-from labrig.vision.checks.sheet_end import SheetEnd, find_tip
+from labrig.vision.checks.acceptance import Verdict, check_curve
+from labrig.vision.checks.occlusion import see_through_cells
+from labrig.vision.checks.sheet_end import SheetEnd, find_sheet_end
 from labrig.vision.checks.side_face import SideFaceSearch
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.context import Band, FitContext, roll_mask
+from labrig.vision.curve.shape import CurveShape, ShapeBasis, coefficients_for, make_basis
+from labrig.vision.fit.context import CrossSection, FitContext, roll_mask
 from labrig.vision.fit.curve_fit import (
     CurveFit,
     fit_intensities,
@@ -23,7 +24,6 @@ from labrig.vision.fit.curve_fit import (
     spectral_of,
 )
 from labrig.vision.fit.edges import middle_of_edges
-from labrig.vision.fit.shape import CurveShape, ShapeBasis, coefficients_for, make_basis
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import Trace, shape_through
 
@@ -31,7 +31,7 @@ WELL_COVERED = 0.95
 LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve, or a larger one's
 FACE_ROUNDS = 3
 EDGE_ROUNDS = 3
-LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the picture
+LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the image
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,8 @@ class CurveCandidate:
     """A fitted curve and what the self-check says of it."""
 
     fit: CurveFit
-    setting: FitContext
-    tip: SheetEnd
+    context: FitContext
+    sheet_end: SheetEnd
     verdict: Verdict
     wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
     between_edges: bool = False  # of a thick strip, whatever light falls on it
@@ -48,8 +48,13 @@ class CurveCandidate:
     @property
     def confirmed(self) -> bool:
         """Whether it passes, goes on behind what hides it, and its end is seen where it should."""
-        tip, sure = self.tip, not self.verdict.join.doubtful
-        return not self.verdict.why and sure and tip.beyond_px is not None and not tip.at_least
+        sheet_end, sure = self.sheet_end, not self.verdict.join.doubtful
+        return (
+            not self.verdict.why
+            and sure
+            and sheet_end.beyond_px is not None
+            and not sheet_end.at_least
+        )
 
     @property
     def rank(self) -> tuple[bool, bool, float]:
@@ -58,10 +63,10 @@ class CurveCandidate:
 
 
 class Refiner:
-    """Fits curves to one picture."""
+    """Fits curves to one image."""
 
-    def __init__(self, picture: GreyImage, optics: Optics, strip: StripGeometry) -> None:
-        self.picture, self.optics, self.strip = picture, optics, strip
+    def __init__(self, image: GreyImage, optics: Optics, strip: StripGeometry) -> None:
+        self.image, self.optics, self.strip = image, optics, strip
         self.thickness_px = strip.thickness_m * optics.px_per_m
         free_px = strip.free_length_m * optics.px_per_m
         self.basis: ShapeBasis = make_basis(
@@ -70,13 +75,13 @@ class Refiner:
             coefficients_for(free_px),
             LONGEST_STEP_M / max(1.0, smallness(strip.length_m)) * optics.px_per_m,
         )
-        self.mask = roll_mask(optics, picture.grey.shape)
+        self.mask = roll_mask(optics, image.grey.shape)
 
-    def setting(self, sign: float) -> FitContext:
-        """How the picture is looked at for a sheet of this brightness against the background."""
+    def context(self, sign: float) -> FitContext:
+        """How the image is looked at for a sheet of this brightness against the background."""
         optics = self.optics
         return FitContext(
-            picture=self.picture,
+            image=self.image,
             optics=optics,
             sign=sign,
             prior=np.array([optics.clamp_sigma_px, optics.clamp_angle_sigma_rad]),
@@ -91,101 +96,101 @@ class Refiner:
 
     def refine(self, trace: Trace, sign: float) -> CurveCandidate:
         """From a traced path to a judged curve."""
-        shape = shape_through(trace, self.optics, self.basis, self.setting(sign).spectral)
+        shape = shape_through(trace, self.optics, self.basis, self.context(sign).spectral)
         return self.improved(shape, sign)
 
     def improved(self, shape: CurveShape, sign: float) -> CurveCandidate:
         """The curve near a first one, looked for again where parts of it were lost."""
-        setting = self.setting(sign)
-        half = self._elongation_half_width(shape, setting)
-        shape = fit_points(shape, setting, half_width=half)
+        context = self.context(sign)
+        half = self._elongation_half_width(shape, context)
+        shape = fit_points(shape, context, half_width=half)
         beyond = self.beyond()
-        band = Band(
+        section = CrossSection(
             np.where(beyond, half, self.thickness_px / 2), 1.0, beyond, np.zeros(len(beyond))
         )
-        best = self.judged(fit_intensities(shape, setting, band), setting)
+        best = self.judged(fit_intensities(shape, context, section), context)
         if best.verdict.covered < WELL_COVERED:
             # parts were lost: look for them further from the curve, now that most of it is known
-            again = fit_points(best.fit.shape, setting, half_width=half, reaches=(9, 7, 5, 4))
-            other = self.judged(fit_intensities(again, setting, best.fit.band), setting)
+            again = fit_points(best.fit.shape, context, half_width=half, reaches=(9, 7, 5, 4))
+            other = self.judged(fit_intensities(again, context, best.fit.section), context)
             best = max(best, other, key=lambda c: c.verdict.worth)
             best = self._without_strangers(best)
         return self.led_by_edges(self._anchored(self._faced(best)))
 
     def led_by_edges(self, found: CurveCandidate) -> CurveCandidate:
         """The curve between the edges of a thick strip, instead of in the middle of its light."""
-        fit, setting = found.fit, found.setting
-        if self.picture.whole is None or found.verdict.why:
+        fit, context = found.fit, found.context
+        if self.image.full_resolution is None or found.verdict.why:
             return found
         for _ in range(EDGE_ROUNDS):
-            middle = middle_of_edges(fit, setting)
+            middle = middle_of_edges(fit, context)
             if middle is None:
                 return found
-            fit = led_by(fit, setting, middle.beside_px, middle.sigma_px)
-        verdict = judge(fit, setting, found.tip, followed=True, beside=False)
+            fit = led_by(fit, context, middle.offset_px, middle.sigma_px)
+        verdict = check_curve(fit, context, found.sheet_end, followed=True, beside=False)
         if verdict.why:
             return found
         return replace(found, fit=fit, verdict=verdict, between_edges=True)
 
     def _without_strangers(self, found: CurveCandidate) -> CurveCandidate:
         """The curve without what was taken for the sheet where that cannot be seen."""
-        strange = strangers(found.fit)
-        if not strange.any():
+        see_through = see_through_cells(found.fit)
+        if not see_through.any():
             return found
-        band = replace(found.fit.band, spoilt=strange)
-        return self.judged(fit_intensities(found.fit.shape, found.setting, band), found.setting)
+        section = replace(found.fit.section, corrupted=see_through)
+        return self.judged(fit_intensities(found.fit.shape, found.context, section), found.context)
 
     def _faced(self, plain: CurveCandidate) -> CurveCandidate:
-        """The curve with the far face taken off, where one is seen."""
+        """The curve with the side face taken off, where one is seen."""
         # a thicker sheet looks like one with a face as dark as its edge
-        told_apart = self.strip.thickness_known or self.optics.look != SheetAppearance.AUTO
-        if plain.verdict.covered < 0.5 or not told_apart:
+        separable = self.strip.thickness_known or self.optics.look != SheetAppearance.AUTO
+        if plain.verdict.covered < 0.5 or not separable:
             return plain
-        search = SideFaceSearch(plain.fit, plain.setting)
-        found, face = plain, search.first()
+        search = SideFaceSearch(plain.fit, plain.context)
+        found, side_face = plain, search.first()
         for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
-            if face is None:
+            if side_face is None:
                 # where the face led the curve, a band alone explains as much
-                wider_px = float(np.hypot(search.wider_px, 2 * search.doubt_px))
+                wider_px = float(np.hypot(search.wider_px, 2 * search.possible_bias_px))
                 return replace(plain, wider_px=wider_px)
-            band = face.on(found.fit.band, found.fit.shape)
+            section = side_face.on(found.fit.section, found.fit.shape)
             found = self.judged(
-                fit_intensities(found.fit.shape, found.setting, band), found.setting
+                fit_intensities(found.fit.shape, found.context, section), found.context
             )
             if turn < FACE_ROUNDS - 1:
-                face = search.again(found.fit, face)
-        return replace(found, wider_px=2 * search.doubt_px)
+                side_face = search.again(found.fit, side_face)
+        return replace(found, wider_px=2 * search.possible_bias_px)
 
-    def judged(self, fit: CurveFit, setting: FitContext) -> CurveCandidate:
+    def judged(self, fit: CurveFit, context: FitContext) -> CurveCandidate:
         """A fit with its end and what the self-check says of it."""
-        tip = find_tip(fit, setting)
-        return CurveCandidate(fit, setting, tip, judge(fit, setting, tip))
+        sheet_end = find_sheet_end(fit, context)
+        return CurveCandidate(fit, context, sheet_end, check_curve(fit, context, sheet_end))
 
     def _anchored(self, found: CurveCandidate) -> CurveCandidate:
         """Move the start along the clamped sheet to where its end says that it is.
 
         The clamp's place is known to a pixel only, the length much better.
         """
-        beyond, clamp = found.tip.beyond_px, self.optics.clamp_sigma_px
+        beyond, clamp = found.sheet_end.beyond_px, self.optics.clamp_sigma_px
         if beyond is None or abs(beyond) > 4 * clamp or found.verdict.why:
             return found
-        known = clamp**2 / (clamp**2 + found.tip.sigma_px**2 + LENGTH_SIGMA_PX**2)
+        known = clamp**2 / (clamp**2 + found.sheet_end.sigma_px**2 + LENGTH_SIGMA_PX**2)
         shape = found.fit.shape
         moved = shape.slid(known * beyond)
         fit = fit_intensities(
-            moved, found.setting, found.fit.band, rounds=3, contrast=found.fit.usual_contrast
+            moved, found.context, found.fit.section, rounds=3, contrast=found.fit.usual_contrast
         )
         # its end and what lies beside it were looked at: the line is the same
-        verdict = judge(fit, found.setting, found.tip, followed=True, beside=False)
+        verdict = check_curve(fit, found.context, found.sheet_end, followed=True, beside=False)
         return replace(found, fit=fit, verdict=verdict)
 
-    def _elongation_half_width(self, shape: CurveShape, setting: FitContext) -> float:
+    def _elongation_half_width(self, shape: CurveShape, context: FitContext) -> float:
         """Half the elongation's visible width, from its height's halves; the sheet's if none."""
         if self.strip.elongation_m == 0:
             return self.thickness_px / 2
         beyond = self.basis.s > self.basis.free_px
         reach = np.full(len(beyond), round(12 + 4 * self.thickness_px))
-        _, _, width = ridge_points(shape, setting, reach)
+        _, _, width = ridge_points(shape, context, reach)
         seen = beyond & np.isfinite(width)
         if not seen.any():
             return self.thickness_px / 2

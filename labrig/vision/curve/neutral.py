@@ -1,19 +1,17 @@
-"""What goes in beside the picture, and what comes out: the strip's geometry, the neutral curve."""
+"""What goes in beside the image, and what comes out: the strip's geometry, the neutral curve."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.background_lines import BackgroundLine
 from model.measurements import Curve
-
-if TYPE_CHECKING:
-    from labrig.vision.calibration.optics import Optics
-    from labrig.vision.search.straight_lines import BackgroundLine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,12 +29,12 @@ def smallness(length_m: float) -> float:
 
 @dataclass(frozen=True)
 class StripGeometry:
-    """What is known of the sheet before the picture is looked at."""
+    """What is known of the sheet before the image is looked at."""
 
     free_length_m: float
     elongation_m: float = 0.0  # rigid and straight, beyond the free length
     thickness_m: float = 0.21e-3
-    thickness_known: bool = True  # else `thickness_m` is a guess, and the picture is asked
+    thickness_known: bool = True  # else `thickness_m` is a guess, and the image is asked
 
     def __post_init__(self) -> None:
         if not 0 < self.free_length_m < 10:
@@ -67,7 +65,7 @@ def _nothing() -> FloatArray:
 
 @dataclass(frozen=True)
 class NeutralCurve:
-    """The neutral curve found in one picture; arrays run from the clamp to the visible end.
+    """The neutral curve found in one image; arrays run from the clamp to the visible end.
 
     `sigma_m` is one standard deviation of the distance along the normal, from noise and from the
     calibration together. With `ok` False the arrays are empty and `why` is a sentence.
@@ -102,9 +100,11 @@ class NeutralCurve:
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
     # how far what touches the sheet on one side may have pulled the curve, by point
-    pull_px: FloatArray = field(default_factory=_nothing)
-    face_px: FloatArray = field(default_factory=_nothing)  # the far face's visible width, by point
-    face_share: float = 0.0  # its grey over the edge's
+    lateral_bias_px: FloatArray = field(default_factory=_nothing)
+    side_face_px: FloatArray = field(
+        default_factory=_nothing
+    )  # the side face's visible width, by point
+    side_face_share: float = 0.0  # its grey over the edge's
     wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
 
     def as_curve(self) -> Curve:

@@ -1,4 +1,4 @@
-"""`neutral_curve`: one picture in, the sheet's curve with its uncertainty out, or a reason."""
+"""`neutral_curve`: one image in, the sheet's curve with its uncertainty out, or a reason."""
 
 from __future__ import annotations
 
@@ -10,32 +10,31 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.checks.acceptance import judge
-from labrig.vision.checks.apparent_width import excess_width_px, something_lies_along, spoilt_cells
-from labrig.vision.checks.lateral_bias import pulled_px
+from labrig.vision.checks.acceptance import check_curve
+from labrig.vision.checks.apparent_width import (
+    corrupted_cells,
+    excess_width_px,
+    something_lies_along,
+)
+from labrig.vision.checks.lateral_bias import lateral_bias_px
 from labrig.vision.checks.sheet_end import SheetEnd
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.fit.context import Band
+from labrig.vision.curve.background_lines import BackgroundLine, hidden_by
+from labrig.vision.curve.shape import CurveShape, make_shape
+from labrig.vision.extraction.refinement import CurveCandidate, Refiner
+from labrig.vision.fit.context import CrossSection
 from labrig.vision.fit.curve_fit import fit_intensities, fit_points
-from labrig.vision.fit.refinement import CurveCandidate, Refiner
-from labrig.vision.fit.shape import CurveShape, make_shape
+from labrig.vision.fit.thickness import visible_thickness_m
 from labrig.vision.image.downscaling import (
-    reduced_optics,
-    reduced_picture,
-    reduction,
+    downscaled_image,
+    downscaled_optics,
+    downscaling_factor,
+    in_camera_pixels,
     scaled_curve,
-    told,
 )
 from labrig.vision.image.image import GreyImage, ImageError, read_grey_image
 from labrig.vision.search.ridge_tracing import RidgeMaps, Trace, ridge_maps, trace_from_clamp
-from labrig.vision.search.straight_lines import (
-    BESIDE_PX,
-    BackgroundLine,
-    find_branches,
-    find_wires,
-    hidden_by,
-)
-from labrig.vision.search.thickness import visible_thickness_m
+from labrig.vision.search.straight_lines import BESIDE_PX, find_branches, find_wires
 from labrig.vision.uncertainty.metric_curve import blamed, report, with_wires
 
 FloatArray = npt.NDArray[np.float64]
@@ -59,33 +58,33 @@ def neutral_curve(
 ) -> NeutralCurve:
     """The neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
 
-    `start`: the curve of a picture shortly before; it is followed, which is several times faster,
+    `start`: the curve of a image shortly before; it is followed, which is several times faster,
     and left for a search from the clamp where that does not lead to a curve that passes the
     self-check. What cannot be measured comes back with `ok` False and the reason, never raised.
     """
     try:
-        picture = read_grey_image(image, optics)
+        grey_image = read_grey_image(image, optics)
     except ImageError as error:
         return NeutralCurve(ok=False, why=str(error))
     if not strip.thickness_known:
         seen_m = start.thickness_m if start is not None and start.ok else None
-        strip = replace(strip, thickness_m=seen_m or visible_thickness_m(picture, optics, strip))
-    by = reduction(strip.thickness_m * optics.px_per_m)
+        strip = replace(strip, thickness_m=seen_m or visible_thickness_m(grey_image, optics, strip))
+    by = downscaling_factor(strip.thickness_m * optics.px_per_m)
     if by == 1:
-        return _found(picture, optics, strip, start)
-    picture, optics = reduced_picture(picture, by), reduced_optics(optics, by)
+        return _found(grey_image, optics, strip, start)
+    grey_image, optics = downscaled_image(grey_image, by), downscaled_optics(optics, by)
     start = scaled_curve(start, 1 / by) if start is not None else None
-    return told(_found(picture, optics, strip, start), by)
+    return in_camera_pixels(_found(grey_image, optics, strip, start), by)
 
 
 def _found(
-    picture: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+    image: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
 ) -> NeutralCurve:
     """The curve, or why there is none."""
-    job = _Job(picture, optics, strip)
+    job = _Job(image, optics, strip)
     best = job.followed(start) if start is not None and start.ok else None
     if best is not None and start is not None:
-        curve = report(best.fit, best.setting, best.verdict, start.excess_px, start.pull_px)
+        curve = report(best.fit, best.context, best.verdict, start.excess_px, start.lateral_bias_px)
         return replace(curve, wires=start.wires)
     best = job.cold()
     if best is None:
@@ -97,12 +96,12 @@ def _found(
         return NeutralCurve(
             ok=False,
             why="two sheets leave the clamp side by side, and nothing tells which is meant; take "
-            "one away, or mask it in the picture.",
+            "one away, or mask it in the image.",
         )
     if best.verdict.why:
         verdict = blamed(best.verdict) if job.led_by_wires else best.verdict
-        return report(best.fit, best.setting, verdict)
-    excess = excess_width_px(best.fit, best.setting)
+        return report(best.fit, best.context, verdict)
+    excess = excess_width_px(best.fit, best.context)
     if something_lies_along(excess, best.fit):
         return job.bridged(best, excess)
     excess = np.maximum(excess, best.wider_px)
@@ -114,28 +113,28 @@ def _found(
             "check the sheet's thickness.",
         )
     # light on one side moves no edge
-    pulled = None if best.between_edges else pulled_px(best.fit, best.setting)
-    curve = report(best.fit, best.setting, best.verdict, excess, pulled)
+    bias_px = None if best.between_edges else lateral_bias_px(best.fit, best.context)
+    curve = report(best.fit, best.context, best.verdict, excess, bias_px)
     if beside > 0:
-        said = (
+        message = (
             f"something like the sheet, {beside:.0%} as strong, lies beside it, such as its "
             "reflection; the stronger of the two was taken"
         )
-        curve = replace(curve, warnings=(*curve.warnings, said))
-    return with_wires(curve, job.wires, picture.grey.shape)
+        curve = replace(curve, warnings=(*curve.warnings, message))
+    return with_wires(curve, job.wires, image.grey.shape)
 
 
 def _distance(candidate: CurveCandidate, nodes: FloatArray) -> FloatArray:
-    """(nodes,) distance in the picture, point by point along both curves."""
-    gap = candidate.setting.nodes_px(candidate.fit.shape) - nodes
+    """(nodes,) distance in the image, point by point along both curves."""
+    gap = candidate.context.nodes_px(candidate.fit.shape) - nodes
     return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))
 
 
 class _Job(Refiner):
-    """One picture on its way to a curve: where the sheet may be, and which of that it is."""
+    """One image on its way to a curve: where the sheet may be, and which of that it is."""
 
-    def __init__(self, picture: GreyImage, optics: Optics, strip: StripGeometry) -> None:
-        super().__init__(picture, optics, strip)
+    def __init__(self, image: GreyImage, optics: Optics, strip: StripGeometry) -> None:
+        super().__init__(image, optics, strip)
         self.open_mask = self.mask
         self.wires: tuple[BackgroundLine, ...] = ()
         self.led_by_wires = False  # whether a path that looked best ran with one
@@ -146,24 +145,29 @@ class _Job(Refiner):
         if len(start.parameters) != self.basis.size:
             return None
         self._hide(start.wires)
-        setting = self.setting(1.0 if start.polarity == "bright" else -1.0)
+        context = self.context(1.0 if start.polarity == "bright" else -1.0)
         shape = self._shape_of(start)
         beyond = self.beyond()
         half = np.where(beyond, start.elongation_width_px / 2, self.thickness_px / 2)
-        band = Band(half, start.blur_px, beyond, start.face_px[1:].copy(), start.face_share)
+        section = CrossSection(
+            half, start.blur_px, beyond, start.side_face_px[1:].copy(), start.side_face_share
+        )
         found = None
         for reaches in ((), (6, 4)):  # a fast move must be caught by ridge points first
-            near = fit_points(shape, setting, half_width=half[-1], reaches=reaches)
+            near = fit_points(shape, context, half_width=half[-1], reaches=reaches)
             fit = fit_intensities(
                 near,
-                setting,
-                band,
+                context,
+                section,
                 rounds=3,
                 contrast=start.contrast,
                 settled_px=0.02,
             )
             found = CurveCandidate(
-                fit, setting, SheetEnd(None), judge(fit, setting, SheetEnd(None), followed=True)
+                fit,
+                context,
+                SheetEnd(None),
+                check_curve(fit, context, SheetEnd(None), followed=True),
             )
             good = found.verdict.covered > start.covered - 0.04
             if good and not found.verdict.why and fit.step_px < 0.1:
@@ -200,7 +204,7 @@ class _Job(Refiner):
 
         Its end is seen where the sheet's should be, and nothing goes on there.
         """
-        nodes, reach = best.setting.nodes_px(best.fit.shape), best.fit.band.reach
+        nodes, reach = best.context.nodes_px(best.fit.shape), best.fit.section.reach
         along = [wire for wire in self.wires if wire.runs_with(nodes, reach)]
         return best.confirmed and all(wire.ends_with(nodes) for wire in along)
 
@@ -211,8 +215,8 @@ class _Job(Refiner):
         """
         found = []
         if known is not None:
-            found = [self.improved(known.fit.shape, known.setting.sign)]
-            self.only = known.setting.sign
+            found = [self.improved(known.fit.shape, known.context.sign)]
+            self.only = known.context.sign
             if known.confirmed and found[0].confirmed:
                 return found[0]  # what is left of a wire might explain more than a gap in the sheet
         found += self._candidates(width=90, hasty=True)
@@ -226,14 +230,14 @@ class _Job(Refiner):
 
     def _hides_wires(self, best: CurveCandidate) -> bool:
         """Whether there are more wires where the sheet may be; their pixels are not used then."""
-        sign, nodes = best.setting.sign, best.setting.nodes_px(best.fit.shape)
-        reach, clamp = best.fit.band.reach, np.array(self.optics.clamp_px)
+        sign, nodes = best.context.sign, best.context.nodes_px(best.fit.shape)
+        reach, clamp = best.fit.section.reach, np.array(self.optics.clamp_px)
         scale = self.ridges.scale
         least, apart = LEAST_OF_A_WIRE_PX * scale, reach + BESIDE_PX * scale
-        crossing = find_wires(self.picture, self.ridges, sign) if not self.wires else []
-        found = find_branches(self.picture, self.ridges, sign, nodes, best.fit.used, apart)
+        crossing = find_wires(self.image, self.ridges, sign) if not self.wires else []
+        found = find_branches(self.image, self.ridges, sign, nodes, best.fit.used, apart)
         # a lead from the clamp to the border that the sheet leaves looks like its face before
-        faced = best.confirmed and best.fit.band.face_share > 0
+        faced = best.confirmed and best.fit.section.side_face_share > 0
         left = [wire for wire in crossing if faced and not wire.shows_at(nodes[-1])]
         wires = [
             wire
@@ -260,7 +264,7 @@ class _Job(Refiner):
     def _candidates(self, *, width: int, hasty: bool) -> list[CurveCandidate]:
         """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
         wide = self.strip.elongation_m > 0 or not hasty
-        ridges = ridge_maps(self.picture, self.thickness_px, wide=wide)
+        ridges = ridge_maps(self.image, self.thickness_px, wide=wide)
         if self.wires:
             ridges.hide(hidden_by(self.wires, self.mask.shape))
         self.ridges = ridges
@@ -284,12 +288,12 @@ class _Job(Refiner):
 
         0 where there is none.
         """
-        nodes = found.setting.nodes_px(found.fit.shape)
-        half = float(found.fit.band.half_width.max())
+        nodes = found.context.nodes_px(found.fit.shape)
+        half = float(found.fit.section.half_width.max())
         # at the clamp two sheets are one
         apart_from = len(nodes) // 12
-        sign, optics, ridges = found.setting.sign, self.optics, self.ridges
-        with ridges.without(nodes[apart_from:], 2 + half + found.fit.band.blur):
+        sign, optics, ridges = found.context.sign, self.optics, self.ridges
+        with ridges.without(nodes[apart_from:], 2 + half + found.fit.section.blur):
             other = trace_from_clamp(
                 ridges, optics, self.strip, sign, width=40, share=0.5, offsets=BESIDE_CLAMP
             )
@@ -301,7 +305,7 @@ class _Job(Refiner):
             trace = trace_from_clamp(ridges, moved, self.strip, sign, width=120)
         if trace is None:
             return 0.0
-        job = _Job(self.picture, moved, self.strip)
+        job = _Job(self.image, moved, self.strip)
         second = job.refine(trace, sign)
         apart = _distance(second, nodes).max()
         if not second.confirmed or second.verdict.covered <= 0.8 or apart <= 4:
@@ -313,22 +317,24 @@ class _Job(Refiner):
 
         A refusal where the rest does not say to about a pixel where the sheet is.
         """
-        before = found.fit.band.spoilt
-        spoilt = spoilt_cells(excess)
-        band = replace(found.fit.band, spoilt=spoilt if before is None else spoilt | before)
-        fit = fit_intensities(found.fit.shape, found.setting, band)
-        again = self.judged(fit, found.setting)
+        before = found.fit.section.corrupted
+        corrupted = corrupted_cells(excess)
+        section = replace(
+            found.fit.section, corrupted=corrupted if before is None else corrupted | before
+        )
+        fit = fit_intensities(found.fit.shape, found.context, section)
+        again = self.judged(fit, found.context)
         if not again.verdict.why:
-            excess = excess_width_px(fit, found.setting)
-            curve = report(fit, found.setting, again.verdict, excess)
+            excess = excess_width_px(fit, found.context)
+            curve = report(fit, found.context, again.verdict, excess)
             loose = curve.sigma_m.max() * self.optics.px_per_m > MOST_BRIDGED_SIGMA_PX
             if not loose and not something_lies_along(excess, fit):
-                said = "something lies along the sheet, such as a wire; it was left out there"
-                return replace(curve, warnings=(*curve.warnings, said))
+                message = "something lies along the sheet, such as a wire; it was left out there"
+                return replace(curve, warnings=(*curve.warnings, message))
         return NeutralCurve(
             ok=False,
             why="something lies along the sheet and cannot be told from it, such as a wire; "
-            "take it away, or mask it in the picture.",
+            "take it away, or mask it in the image.",
         )
 
     def _rivals(
