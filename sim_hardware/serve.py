@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, NoReturn
 
 from drivers.interfaces import Clock, RealClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
-from sim_hardware.ni.transport.device_server import DEFAULT_DEVICES
-from sim_hardware.simulated_rig import AnalogSide
 
 if TYPE_CHECKING:
     from sim_hardware.serial_devices import SerialFaults
@@ -130,25 +128,26 @@ def _check(options: argparse.Namespace) -> None:
 def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     """Start everything; each thing's end is on the stack. The lines to print."""
     if options.wire:
-        boards = _boards(LoopbackBench(options.wire), options, options.seed or 0, clock)
-        return [_serve_boards(boards, options, stack)]
+        return [_serve_boards(_boards_without_world(options, clock), options, stack)]
     return _serve_world(options, clock, stack)
 
 
-def _boards(
-    bench: AnalogSide, options: argparse.Namespace, seed: int, clock: Clock
-) -> NiDeviceServer:
+def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDeviceServer:
     try:
         return NiDeviceServer(
-            bench,
+            LoopbackBench(options.wire),
             clock,
-            dict(options.device or DEFAULT_DEVICES),
+            _devices(options),
             options.driver_version,
             strict_ownership=options.strict_ownership,
-            seed=seed,
+            seed=options.seed or 0,
         )
     except ValueError as fault:
         raise ArgumentFaultError(str(fault)) from fault
+
+
+def _devices(options: argparse.Namespace) -> dict[str, str] | None:
+    return dict(options.device) if options.device else None
 
 
 def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: ExitStack) -> str:
@@ -159,6 +158,7 @@ def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: Ex
 def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     from sim_hardware.camera import CameraServer
     from sim_hardware.faults import FaultyRig
+    from sim_hardware.rig_boards import boards_of
     from sim_hardware.world import World, WorldError, load_world
 
     try:
@@ -169,12 +169,17 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
             world.mount(options.configuration)
         if options.record:
             world.record_to(options.record)
+        boards = boards_of(
+            world,
+            clock,
+            _devices(options),
+            options.driver_version,
+            strict_ownership=options.strict_ownership,
+        )
     except WorldError as fault:
         raise ArgumentFaultError(str(fault)) from fault
     except OSError as fault:
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
-    boards = _boards(world, options, settings.seed, clock)
-    boards.lines.wired = world.edge
     faulty = FaultyRig(clock, world, boards)
     lines = [_serve_boards(boards, options, stack)]
     try:

@@ -21,14 +21,14 @@ from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.noise import WhiteNoise
 from sim_hardware.world.record import Record
-from sim_hardware.world.relay import SupplyRelay
-from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.supply_relay import SupplyRelay
 from sim_hardware.world.view import contact_of, shape_of
 
 FloatArray = npt.NDArray[np.float64]
 
-DRIVE, FORCE, CURRENT, READBACK = "ao0", "ai0", "ai1", "ai2"
+_INPUTS: tuple[Signal, ...] = ("force", "current", "readback")
 _CURRENT_STREAM, _READBACK_STREAM = 0xCE112, 0xCE113
 _DRIVEN_V = 0.05
 _ROWS_PER_S = 100
@@ -127,12 +127,12 @@ class World:
         with self._lock:
             self._cell.fail(fault, self._now() - self._history.start_s)
 
-    def break_input(self, channel: str, volts: float | None) -> None:
-        """From now on this input reads these volts, whatever comes; None: as it is wired."""
+    def break_input(self, signal: Signal, volts: float | None) -> None:
+        """Let a signal's input read these volts from now on; None: what is wired to it."""
         with self._lock:
-            self._broken.pop(channel, None)
+            self._broken.pop(signal, None)
             if volts is not None:
-                self._broken[channel] = volts
+                self._broken[signal] = volts
 
     def when_first_driven(self, call: Callable[[float], None]) -> None:
         """Call this, once, with the time at which a voltage other than 0 is first written."""
@@ -163,9 +163,8 @@ class World:
             self._write_row(dropped_s)
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
-        """See `Bench.write`. Only the drive's channel has an effect, whatever the device."""
-        del device
-        if channel != DRIVE:
+        """See `AnalogSide.write`. Only the terminal wired to the amplifier has an effect."""
+        if self.settings.wiring.signal_at(device, channel) != "drive":
             return
         with self._lock:
             self._watch_supply(when)
@@ -181,20 +180,24 @@ class World:
                 self._write_row(when)
 
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:
-        """See `Bench.read`. Inputs that nothing is wired to read 0 V."""
-        del device
+        """See `AnalogSide.read`. Inputs that nothing is wired to read 0 V."""
+        signal = self.settings.wiring.signal_at(device, channel)
         times = np.asarray(times, dtype=np.float64)
-        if times.size == 0 or channel not in (FORCE, CURRENT, READBACK):
+        if times.size == 0 or signal in (None, "drive"):
             return np.zeros(times.shape)
+        return self._volts(signal, times)
+
+    def _volts(self, signal: Signal, times: FloatArray) -> FloatArray:
+        """Volts at the input to which a signal is wired."""
         with self._lock:
-            if channel in self._broken:
-                return np.full(times.shape, self._broken[channel])
+            if signal in self._broken:
+                return np.full(times.shape, self._broken[signal])
             self._watch_supply(float(times[-1]))
             since = times - self._history.start_s
-            if channel == FORCE:
+            if signal == "force":
                 moments = self._history.at(times)
                 return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
-            if channel == CURRENT:
+            if signal == "current":
                 return self._current_volts(times) + self._noise(
                     self._current_noise, self.settings.electrical.current_noise_mV, since
                 )
@@ -271,8 +274,8 @@ class World:
         setup = MountedSheet(self.settings, self.configuration, 0.0, Scatter())
         stage = Stage(float(now[0]), setup)
         stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
-        for channel in (FORCE, CURRENT, READBACK):
-            self.read("", channel, now)
+        for signal in _INPUTS:
+            self._volts(signal, now)
         self.picture(float(now[0]), 0)
 
     def _now(self) -> float:

@@ -10,7 +10,7 @@ import itertools
 from enum import IntEnum
 
 from sim_hardware.ni.errors import Code, SessionError, StatusError
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 
 class Behaviour(IntEnum):
