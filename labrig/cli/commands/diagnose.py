@@ -247,7 +247,7 @@ def show_effect(
     name: Annotated[str, typer.Argument(help="an effect's name")], as_json: Json = False
 ) -> None:
     """An effect: what it is, its form, how it shows, and what isolates it."""
-    from labrig.report.tables.effects import effect_as_dict, effect_lines, knob_table
+    from labrig.report.tables.effects import effect_as_dict, effect_lines, parameter_table
     from model.effects import effect
 
     one = effect(name)
@@ -257,7 +257,7 @@ def show_effect(
     for line in effect_lines(one):
         say(line)
     say()
-    _print(knob_table(one))
+    _print(parameter_table(one))
 
 
 def _measured(

@@ -61,7 +61,7 @@ def _cards(found: Diagnosis) -> list[Card]:
     if found.unknown is not None:
         where = f"{found.unknown.peak_mm:.3g} {found.unknown.at_unit}"
         cards.append(
-            Card("Unknown", ((found.unknown.slot.replace("_", " "), f"most at {where}", ""),))
+            Card("Unknown", ((found.unknown.location.replace("_", " "), f"most at {where}", ""),))
         )
     cards += [
         Card(title, tuple(_gap_line(found, part, key, decimals) for part in ("fitted", "held_out")))

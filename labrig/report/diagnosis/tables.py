@@ -96,7 +96,7 @@ def ranking_table(found: Diagnosis) -> Table:
     rows = tuple(
         (
             one.name.replace("unknown:", "unknown, "),
-            one.slot.replace("_", " "),
+            one.location.replace("_", " "),
             fixed(one.log_bayes, 1),
             number(one.size, 2),
             number(one.detectability, 3),

@@ -7,19 +7,19 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import DataVector
-from model.discrepancy.data.periodic_terms import wave_in
-from model.discrepancy.data.row_index import RowBlock, RowIndex
-from model.discrepancy.likelihood.contact_solution import (
+from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
+from model.effects.rise import rise_left
+from model.effects.roll_friction import slid
+from model.identification.data.data_vector import DataVector
+from model.identification.data.periodic_terms import wave_in
+from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
     Sensitivities,
     SolvedConditions,
 )
-from model.discrepancy.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
-from model.discrepancy.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
-from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
-from model.effects.rise import rise_left
-from model.effects.roll_friction import slid
+from model.identification.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
+from model.identification.likelihood.row_index import RowBlock, RowIndex
+from model.identification.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
 from model.measurements import Curve, FloatArray
 from model.mechanics.field import Field
 
@@ -34,7 +34,7 @@ class AppliedEffect:
     """An effect with its values; by configuration where each has its own."""
 
     effect: Effect
-    values: Mapping[str, Mapping[str, float]]  # configuration -> knob -> value
+    values: Mapping[str, Mapping[str, float]]  # configuration -> parameter -> value
 
 
 @dataclass
@@ -99,7 +99,7 @@ class ForwardModel:
             before = solved.force_N
             beam = base
             for effect, values in changing:
-                beam = effect.beam(beam, solved.held, values)
+                beam = effect.beam(beam, solved.contact, values)
             solved = scene.solve(beam)
             if np.nanmax(np.abs(solved.force_N - before), initial=0.0) < SETTLED_N:
                 break
@@ -156,12 +156,12 @@ class ForwardModel:
 
     def _weighed(self, c: int, beam: BeamProblem, solved: SolvedConditions) -> LoadCellInput:
         part, of = self.part(c), self.part(c).reading_of
-        held, scene = solved.held, self.scenes[c]
-        touching = np.isfinite(held.force_N[of]).astype(float)
+        contact, scene = solved.contact, self.scenes[c]
+        touching = np.isfinite(contact.force_N[of]).astype(float)
         return LoadCellInput(
-            np.nan_to_num(held.force_N[of]), np.nan_to_num(held.normal_N[of]),
-            np.nan_to_num(held.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
-            part.clock.wetted_s, slid(beam, held)[of],
+            np.nan_to_num(contact.force_N[of]), np.nan_to_num(contact.normal_N[of]),
+            np.nan_to_num(contact.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
+            part.clock.wetted_s, slid(beam, contact)[of],
         )  # fmt: skip
 
     def _residual(
@@ -223,8 +223,8 @@ class ForwardModel:
 
     def step(self, c: int, state: ModelState, effect: Effect, values: Values) -> Perturbation:
         """What an effect changes at a state."""
-        other = effect.beam(state.beam, state.solved.held, values)
-        change = self.scenes[c].change(state.beam, other, state.solved.held)
+        other = effect.beam(state.beam, state.solved.contact, values)
+        change = self.scenes[c].change(state.beam, other, state.solved.contact)
         step = replace(self.no_step(c), beam=change)
         return self.outer_step(c, state, effect, values, step)
 
@@ -246,7 +246,7 @@ class ForwardModel:
         if seen is not None:
             beam = step.beam + bent(self, c, state, seen[1])
             step = replace(step, frame_eibm=step.frame_eibm + seen[0], beam=beam)
-        for shape, much in effect.lagging(state.beam, state.solved.held, values):
+        for shape, much in effect.lagging(state.beam, state.solved.contact, values):
             force, size = self._lagging(c, state, shape, much)
             step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
         if type(effect).force is not Effect.force:

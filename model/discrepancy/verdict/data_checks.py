@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from model.discrepancy.data.acquisition_times import run_key
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.fitted_model import base_parameters
+from model.identification.data.acquisition_times import run_key
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
 
 SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, steel
@@ -42,7 +42,7 @@ def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
     for c, state in enumerate(base.linear.states):
         scene = study.scenes[c]
         whole = scene.sheet.free_length_m + scene.sheet.elongation_m
-        far = state.solved.held.s_hat_m > SLIPS_OUT * whole
+        far = state.solved.contact.s_hat_m > SLIPS_OUT * whole
         for at_m in np.unique(scene.stated_m[far & np.isfinite(scene.stated_m)]):
             yield (
                 f"'{study.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip out"

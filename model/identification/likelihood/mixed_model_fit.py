@@ -6,11 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found, effect_columns, moved
-from model.discrepancy.likelihood.forward_model import AppliedEffect, ForwardModel
-from model.discrepancy.likelihood.linearisation import Bases, Linearisation, linearise, with_columns
-from model.discrepancy.likelihood.row_noise import RowNoise, guess_of
-from model.identification.mixed_model import Solution, deviance, estimate, inverse_symmetric, weigh
+from model.identification.likelihood.form_error import Found, effect_columns, moved
+from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.identification.likelihood.linearisation import (
+    Bases,
+    Linearisation,
+    linearise,
+    with_columns,
+)
+from model.identification.likelihood.mixed_model import (
+    Solution,
+    deviance,
+    estimate,
+    inverse_symmetric,
+    weigh,
+)
+from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
@@ -42,12 +53,10 @@ class MixedModelFit:
     problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
-    linear: (
-        Linearisation  # with the columns of the effects' knobs and of the tolerance of their form
-    )
+    linear: Linearisation  # with the columns of the effects' parameters and of their form errors
     solution: Solution
     deviance: float
-    spans: tuple[slice, ...]  # columns of each effect: its knobs first
+    spans: tuple[slice, ...]  # columns of each effect: its parameters first
 
     @property
     def active(self) -> tuple[AppliedEffect, ...]:
@@ -55,7 +64,7 @@ class MixedModelFit:
         return tuple(f.active for f in self.found)
 
 
-def settle(
+def fit_mixed_model(
     problem: FitProblem,
     theta: FloatArray,
     found: tuple[Found, ...] = (),
@@ -142,7 +151,7 @@ class _Iteration:
         promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
         moving = np.arange(self.problem.bases.size).tolist()
         for one, span in zip(self.found, self.spans, strict=True):
-            moving += range(span.start, span.start + len(one.knobs()))
+            moving += range(span.start, span.start + len(one.parameters()))
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
 
@@ -178,7 +187,7 @@ def _linear(
     for one in found:
         columns, precision, away = effect_columns(problem.study, linear, one, active)
         first = linear.columns.shape[1]
-        precision[len(one.knobs()) :] /= form**2
+        precision[len(one.parameters()) :] /= form**2
         linear = with_columns(problem.study, linear, columns, precision, away)
         spans.append(slice(first, linear.columns.shape[1]))
     return linear, spans

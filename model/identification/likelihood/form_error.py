@@ -1,4 +1,4 @@
-"""An effect as columns beside the base model: its size, its knobs, and how its form may differ.
+"""An effect as columns of the model: its amplitude, its parameters, how its form may differ.
 
 No formula is nature's. So an effect is its form times (1 + a smooth deviation): along the sheet,
 from voltage to voltage, along the arc, in time, or from one configuration to the other, whichever
@@ -12,14 +12,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import (
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
+from model.identification.likelihood.forward_model import (
     AppliedEffect,
     ForwardModel,
     ModelState,
     Perturbation,
 )
-from model.discrepancy.likelihood.linearisation import Linearisation
-from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
+from model.identification.likelihood.linearisation import Linearisation
 from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
@@ -37,7 +37,7 @@ class Found:
     """An effect in the model, with the values it has there."""
 
     effect: Effect
-    values: Mapping[str, Mapping[str, float]]  # configuration -> knob -> value
+    values: Mapping[str, Mapping[str, float]]  # configuration -> parameter -> value
     width: float = 3.0  # of the prior of the size, in units of its plausible size
     sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
@@ -46,10 +46,10 @@ class Found:
         """As states have it."""
         return AppliedEffect(self.effect, self.values)
 
-    def knobs(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
+    def parameters(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
         """Knobs that are refined, each with the configurations that share its value."""
         names = tuple(self.values)
-        free = [k for i, k in enumerate(self.effect.knobs) if i == 0 or k.log]
+        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log]
         if not self.effect.by_configuration:
             return [(k, names) for k in free]
         return [(k, (name,)) for k in free for name in names]
@@ -66,8 +66,10 @@ def whole_step(
     """What an effect as it stands changes, to first order, given the others."""
     without = shaped(base, state, others, study.names[c])
     values = one.values[study.names[c]]
-    full = one.effect.beam(without, state.solved.held, values)
-    step = replace(study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.held))
+    full = one.effect.beam(without, state.solved.contact, values)
+    step = replace(
+        study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.contact)
+    )
     return study.outer_step(c, state, one.effect, values, step)
 
 
@@ -77,7 +79,7 @@ def shaped(
     """The base with effects applied, at a known solution."""
     for one in active:
         if name in one.values:
-            base = one.effect.beam(base, state.solved.held, one.values[name])
+            base = one.effect.beam(base, state.solved.contact, one.values[name])
     return base
 
 
@@ -85,16 +87,16 @@ Ways = Iterator[tuple[Perturbation, float]]  # steps, each with its standard dev
 
 
 def deviations(
-    effect: Effect, study: ForwardModel, c: int, step: Perturbation, held: ContactSolution
+    effect: Effect, study: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
 ) -> Ways:
     """The ways in which the form may differ."""
     scene = study.scenes[c]
-    for along in effect.tolerance:
+    for along in effect.form_error_along:
         if along == "s":
             waves = waves_along(effect.waves)
             yield from _along_sheet(study, c, step, scene.s_m / scene.length, waves)
         elif along == "curvature":
-            bent = np.abs(held.curvature - scene.rest(scene.s_m))
+            bent = np.abs(contact.curvature - scene.rest(scene.s_m))
             yield from _along_sheet(study, c, step, bent / max(float(np.max(bent)), 1e-9), WAVES)
         elif along == "position":
             u = unit(scene.stated_m)
@@ -218,7 +220,9 @@ def atoms(
         columns.append(share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0))
     ways: list[FloatArray] = []  # the same way in all configurations is one column
     for c, step in enumerate(steps):
-        for j, (way, share) in enumerate(deviations(effect, study, c, step, states[c].solved.held)):
+        for j, (way, share) in enumerate(
+            deviations(effect, study, c, step, states[c].solved.contact)
+        ):
             row = share * study.rows_of(c, states[c], way)
             if j < len(ways):
                 ways[j] = ways[j] + row
@@ -233,20 +237,22 @@ def effect_columns(
     one: Found,
     active: tuple[AppliedEffect, ...],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Columns of an effect in the model, its knobs, then the tolerance of its form: (N, q).
+    """Columns of an effect in the model, its parameters, then the tolerance of its form: (N, q).
 
     With precision (q,) and distance (q,) of the present values from the middle of their priors.
     """
     columns, precision, away = [], [], []
     places = {name: c for c, name in enumerate(study.names)}
     bent = [state.base for state in linear.states]
-    for knob, names in one.knobs():
+    for parameter, names in one.parameters():
         column = np.zeros(study.layout.size)
         for name in names:
-            column += _by_knob(study, places[name], linear, bent[places[name]], one, active, knob)
-        value = one.values[names[0]][knob.name]
+            column += _by_parameter(
+                study, places[name], linear, bent[places[name]], one, active, parameter
+            )
+        value = one.values[names[0]][parameter.name]
         columns.append(column)
-        width, away_from_usual = _prior(knob, value, one)
+        width, away_from_usual = _prior(parameter, value, one)
         precision.append(width**-2.0)
         away.append(away_from_usual)
     others = tuple(a for a in active if a.effect is not one.effect)
@@ -255,7 +261,7 @@ def effect_columns(
         if name in one.values else study.no_step(c)
         for c, name in enumerate(study.names)
     ]  # fmt: skip
-    # where each configuration has its own size, the second column is among the knobs already
+    # where each configuration has its own size, the second column is among the parameters already
     first = 2 if one.effect.by_configuration and len(steps) > 1 else 1
     extra = atoms(study, linear.states, one.effect, steps)[:, first:]
     n = extra.shape[1]
@@ -265,31 +271,31 @@ def effect_columns(
     )  # fmt: skip
 
 
-def _prior(knob: EffectParameter, value: float, one: Found) -> tuple[float, float]:
-    """Width of what is believed of a knob beforehand, and how far its value is from the middle."""
-    if not knob.log:
-        return one.width * knob.plausible, value - knob.neutral
-    if knob is not one.effect.size:
+def _prior(parameter: EffectParameter, value: float, one: Found) -> tuple[float, float]:
+    """Width of a parameter's prior, and how far its value is from the middle."""
+    if not parameter.log:
+        return one.width * parameter.prior_scale, value - parameter.neutral
+    if parameter is not one.effect.amplitude:
         return 1.0, 0.0
-    if np.isfinite(knob.neutral) and knob.neutral > 0.0:
-        usual = abs(float(np.log(knob.plausible / knob.neutral)))
-        return one.width * usual, float(np.log(value / knob.neutral))
-    return 1.0, float(np.log(value / knob.plausible))
+    if np.isfinite(parameter.neutral) and parameter.neutral > 0.0:
+        usual = abs(float(np.log(parameter.prior_scale / parameter.neutral)))
+        return one.width * usual, float(np.log(value / parameter.neutral))
+    return 1.0, float(np.log(value / parameter.prior_scale))
 
 
-def _by_knob(
+def _by_parameter(
     study: ForwardModel, c: int, linear: Linearisation, base: BeamProblem, one: Found,
     active: tuple[AppliedEffect, ...],
-    knob: EffectParameter,
+    parameter: EffectParameter,
 ) -> FloatArray:  # fmt: skip
-    """Derivative of the rows by a knob, or by its logarithm."""
+    """Derivative of the rows by a parameter, or by its logarithm."""
     name, state = study.names[c], linear.states[c]
     values = dict(one.values[name])
-    value = values[knob.name]
-    h = 0.02 if knob.log else 0.05 * knob.plausible
+    value = values[parameter.name]
+    h = 0.02 if parameter.log else 0.05 * parameter.prior_scale
     both = []
     for sign in (-1.0, 1.0):
-        values[knob.name] = value * np.exp(sign * h) if knob.log else value + sign * h
+        values[parameter.name] = value * np.exp(sign * h) if parameter.log else value + sign * h
         turned = tuple(
             AppliedEffect(a.effect, {name: dict(values)}) if a.effect is one.effect else a
             for a in active
@@ -298,7 +304,7 @@ def _by_knob(
         outer = study.outer_step(c, state, one.effect, values, study.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
-    step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.held))
+    step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.contact))
     rows = study.rows_of(c, state, step) - study.rows_of(
         c, state, replace(outer_low, beam=0.0 * outer_low.beam)
     )
@@ -314,18 +320,18 @@ def moved(
     for one, span in zip(found, spans, strict=True):
         values = {name: dict(v) for name, v in one.values.items()}
         unsure = {name: dict(one.sigma.get(name, {})) for name in values}
-        for place, (knob, names) in enumerate(one.knobs(), span.start):
+        for place, (parameter, names) in enumerate(one.parameters(), span.start):
             step, doubt = float(beta[place]), float(sigma[place])
             quiet = quiet and abs(step) < 0.1 * doubt
             for name in names:
-                old = values[name][knob.name]
-                if knob.log:
+                old = values[name][parameter.name]
+                if parameter.log:
                     new = old * float(np.exp(np.clip(step, -MOST_LOG_STEP, MOST_LOG_STEP)))
-                    unsure[name][knob.name] = new * doubt
+                    unsure[name][parameter.name] = new * doubt
                 else:
-                    most = max(3.0 * abs(knob.plausible), abs(old - knob.neutral))
+                    most = max(3.0 * abs(parameter.prior_scale), abs(old - parameter.neutral))
                     new = old + float(np.clip(step, -most, most))
-                    unsure[name][knob.name] = doubt
-                values[name][knob.name] = float(np.clip(new, knob.low, knob.high))
+                    unsure[name][parameter.name] = doubt
+                values[name][parameter.name] = float(np.clip(new, parameter.low, parameter.high))
         result.append(replace(one, values=values, sigma=unsure))
     return tuple(result), quiet

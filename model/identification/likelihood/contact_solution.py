@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.data_vector import DataVector, Index, shares
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
+from model.identification.data.data_vector import DataVector, Index, shares
 from model.identification.residual_vector import STEEPEST_PER_M, legendre_field
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
@@ -38,7 +38,7 @@ class Sensitivities:
 class SolvedConditions:
     """What a `BeamProblem` gives."""
 
-    held: ContactSolution
+    contact: ContactSolution
     force_N: FloatArray  # (K,) NaN: free
     modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
     x_m: FloatArray  # (K, S) predicted points at the measured s, in the frame of the picture
@@ -167,21 +167,21 @@ class ConfigurationModel:
     def solve(self, beam: BeamProblem) -> SolvedConditions:
         """All conditions; a `ModelError` names one that has no equilibrium."""
         K, G, S = self.K, self.count, self.curve_s.shape[1]
-        held = _nothing_held(K, G)
+        contact = _nothing_held(K, G)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
         self._found = self._equilibria(beam) if len(self.touching) else []
         for rows, found in self._found:
             at = [self._grid_s[rows], self.curve_s[rows], np.full((len(rows), 1), self.length)]
             shapes = found.shapes(np.concatenate(at, axis=1))
-            held.x_m[rows], held.y_m[rows] = shapes.x_m[:, :G], shapes.y_m[:, :G]
-            held.phi_rad[rows] = shapes.phi_rad[:, :G]
-            held.curvature[rows] = shapes.curvature_per_m[:, :G]
-            held.end_phi_rad[rows] = shapes.phi_rad[:, -1]
+            contact.x_m[rows], contact.y_m[rows] = shapes.x_m[:, :G], shapes.y_m[:, :G]
+            contact.phi_rad[rows] = shapes.phi_rad[:, :G]
+            contact.curvature[rows] = shapes.curvature_per_m[:, :G]
+            contact.end_phi_rad[rows] = shapes.phi_rad[:, -1]
             x[rows], y[rows] = shapes.x_m[:, G:-1], shapes.y_m[:, G:-1]
             phi[rows] = shapes.phi_rad[:, G:-1]
-            self._hold(beam, rows, found, held)
+            self._hold(beam, rows, found, contact)
         for k in self.free.tolist():
-            x[k], y[k], phi[k] = self._hang(beam, k, held)
+            x[k], y[k], phi[k] = self._hang(beam, k, contact)
         tilt = beam.tilt_rad[:, None]
         cos, sin = np.cos(tilt), np.sin(tilt)
         px, py = cos * x - sin * y, sin * x + cos * y
@@ -189,7 +189,7 @@ class ConfigurationModel:
         off = (self.curve_x - px) * nx + (self.curve_y - py) * ny
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
-        return SolvedConditions(held, held.force_N.copy(), modes, px, py, nx, ny)
+        return SolvedConditions(contact, contact.force_N.copy(), modes, px, py, nx, ny)
 
     def forces(self, beam: BeamProblem) -> FloatArray:
         """Forces alone (K,); the solution kept for derivatives stays as it is."""
@@ -262,22 +262,22 @@ class ConfigurationModel:
         return found
 
     def _hold(
-        self, beam: BeamProblem, rows: Index, found: Equilibria, held: ContactSolution
+        self, beam: BeamProblem, rows: Index, found: Equilibria, contact: ContactSolution
     ) -> None:
         R, beta, B = self.sheet.arc_radius_m, self._beta(beam, rows), beam.stiffness[rows]
         phi, offset = found.phi_hat_rad, beam.offset_m[rows]
-        held.normal_N[rows], held.gamma_rad[rows] = B * found.nu, phi - beta
-        held.force_N[rows] = B * found.nu * np.cos(phi - beta)
-        held.s_hat_m[rows] = found.s_hat_m
-        dx = (R * np.cos(beta) + offset * np.sin(phi))[:, None] - held.x_m[rows]
-        dy = (R * np.sin(beta) - offset * np.cos(phi))[:, None] - held.y_m[rows]
+        contact.normal_N[rows], contact.gamma_rad[rows] = B * found.nu, phi - beta
+        contact.force_N[rows] = B * found.nu * np.cos(phi - beta)
+        contact.s_hat_m[rows] = found.s_hat_m
+        dx = (R * np.cos(beta) + offset * np.sin(phi))[:, None] - contact.x_m[rows]
+        dy = (R * np.sin(beta) - offset * np.cos(phi))[:, None] - contact.y_m[rows]
         cos, sin = np.cos(phi)[:, None], np.sin(phi)[:, None]
         before = self._grid_s[rows] <= found.s_hat_m[:, None]
-        held.lever[rows] = np.where(before, dx * cos + dy * sin, 0.0)
-        held.offset[rows] = np.where(before, dy * cos - dx * sin, 0.0)
+        contact.lever[rows] = np.where(before, dx * cos + dy * sin, 0.0)
+        contact.offset[rows] = np.where(before, dy * cos - dx * sin, 0.0)
 
     def _hang(
-        self, beam: BeamProblem, k: int, held: ContactSolution
+        self, beam: BeamProblem, k: int, contact: ContactSolution
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """A free shape: no force, no solving."""
         G = self.count
@@ -285,8 +285,8 @@ class ConfigurationModel:
         at = np.concatenate([self.s_m, self.curve_s[k], [self.length]])
         places, back = np.unique(at, return_inverse=True)
         x, y, phi = (a[back] for a in free_shape(kappa, places)[:3])
-        held.x_m[k], held.y_m[k], held.phi_rad[k] = x[:G], y[:G], phi[:G]
-        held.curvature[k], held.end_phi_rad[k] = kappa(self.s_m), phi[-1]
+        contact.x_m[k], contact.y_m[k], contact.phi_rad[k] = x[:G], y[:G], phi[:G]
+        contact.curvature[k], contact.end_phi_rad[k] = kappa(self.s_m), phi[-1]
         return x[G:-1], y[G:-1], phi[G:-1]
 
     # -- derivatives
@@ -318,15 +318,15 @@ class ConfigurationModel:
         angle[0, -2], radius[0, -1] = 1.0, 1.0
         to = Directions.of(kappa[None], soft[None], angle, radius)
         for rows, equilibria in self._found:
-            B, gamma = beam.stiffness[rows], solved.held.gamma_rad[rows]
+            B, gamma = beam.stiffness[rows], solved.contact.gamma_rad[rows]
             _, found = equilibria.answers(self.curve_s[rows], to)
-            turn = solved.held.normal_N[rows] * np.sin(gamma)
+            turn = solved.contact.normal_N[rows] * np.sin(gamma)
             n = 2 * G + 3
             force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu - turn[
                 :, None
             ] * found.phi_hat
             force[rows, n] = turn  # gamma = phi_hat - beta
-            force[rows, n + 1] = solved.held.force_N[rows]
+            force[rows, n + 1] = solved.contact.force_N[rows]
             cos, sin = (f(beam.tilt_rad[rows])[:, None, None] for f in (np.cos, np.sin))
             dx, dy = cos * found.x - sin * found.y, sin * found.x + cos * found.y
             sideways = dx * solved.nx[rows][:, None] + dy * solved.ny[rows][:, None]
@@ -349,7 +349,7 @@ class ConfigurationModel:
         result: FloatArray = self.project[k] @ sideways.T
         return result
 
-    def change(self, base: BeamProblem, other: BeamProblem, held: ContactSolution) -> FloatArray:
+    def change(self, base: BeamProblem, other: BeamProblem, contact: ContactSolution) -> FloatArray:
         """The step (K, Q) in `columns` from one `BeamProblem` to another, to first order."""
         G, K, R = self.count, self.K, self.sheet.arc_radius_m
         step = np.zeros((K, self.columns))
@@ -360,7 +360,7 @@ class ConfigurationModel:
         step[:, 2 * G] = other.elongation_soft - base.elongation_soft
         tilt, shift = other.tilt_rad - base.tilt_rad, other.shift_m - base.shift_m
         offset = other.offset_m - base.offset_m
-        gamma = np.nan_to_num(held.gamma_rad)
+        gamma = np.nan_to_num(contact.gamma_rad)
         step[:, 2 * G + 1] = shift / R - tilt - offset * np.cos(gamma) / R
         step[:, 2 * G + 2] = offset * np.sin(gamma)
         step[:, 2 * G + 3] = shift / R - tilt
