@@ -35,7 +35,7 @@ _SERIAL = {
 }
 
 
-@dataclass
+@dataclass(kw_only=True)
 class FaultyRig:
     """A simulated rig's parts, as far as something can go wrong with them."""
 

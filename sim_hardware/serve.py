@@ -180,7 +180,7 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
         raise ArgumentFaultError(str(fault)) from fault
     except OSError as fault:
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
-    faulty = FaultyRig(clock, world, boards)
+    faulty = FaultyRig(clock=clock, world=world, boards=boards)
     lines = [_serve_boards(boards, options, stack)]
     try:
         camera = CameraServer(world, clock, options.camera_port, faults=faulty.camera)

@@ -121,7 +121,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         server = boards_of(world, clock)
     except WorldError as error:
         raise BadInputError(f"{_world_file(config)}: {error}") from None
-    faulty = FaultyRig(clock, world, server)
+    faulty = FaultyRig(clock=clock, world=world, boards=server)
     faulty.begin()
     connection = NiConnection(SIMULATED, channel=server.in_process_channel())
     output, signals = boards(config, connection, clock)

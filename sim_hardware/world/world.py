@@ -13,17 +13,17 @@ import numpy.typing as npt
 
 from drivers.interfaces import Clock
 from sim_hardware.optics import Renderer
-from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.creep import PARTS
 from sim_hardware.world.history import History, Moment
-from sim_hardware.world.load_cell import CellFault, SimulatedLoadCell
 from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
-from sim_hardware.world.noise import WhiteNoise
 from sim_hardware.world.record import Record
 from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
-from sim_hardware.world.supply_relay import SupplyRelay
+from sim_hardware.world.signals.amplifier import SimulatedAmplifier
+from sim_hardware.world.signals.load_cell import CellFault, SimulatedLoadCell
+from sim_hardware.world.signals.noise import WhiteNoise
+from sim_hardware.world.signals.supply_relay import SupplyRelay
 from sim_hardware.world.view import contact_of, shape_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -62,7 +62,9 @@ class World:
         self._broken: dict[str, float] = {}
         self._current_noise = WhiteNoise(settings.seed, _CURRENT_STREAM)
         self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
-        first = Stage(clock.now(), self._new_setup(next(iter(settings.configurations)), None))
+        first = Stage(
+            start_s=clock.now(), setup=self._new_setup(next(iter(settings.configurations)), None)
+        )
         self._history = History(settings, self._amplifier, self._cell, first, self._watch)
         self._warm_up()
 
@@ -106,7 +108,9 @@ class World:
             self._turned_over = True
             now, stage = self._now(), self._history.stage
             setup = replace(stage.setup, turned_over=True)
-            self._history.begin(Stage(now, setup, stage.load_N, stage.moved_up))
+            self._history.begin(
+                Stage(start_s=now, setup=setup, load_N=stage.load_N, moved_up=stage.moved_up)
+            )
             self._write_row(now)
 
     def moisten(self) -> None:
@@ -271,8 +275,13 @@ class World:
     def _warm_up(self) -> None:
         """Compile what a session needs: on the real clock there is no time for it later."""
         now = np.array([self._history.start_s])
-        setup = MountedSheet(self.settings, self.configuration, 0.0, Scatter())
-        stage = Stage(float(now[0]), setup)
+        setup = MountedSheet(
+            settings=self.settings,
+            configuration=self.configuration,
+            position_m=0.0,
+            scatter=Scatter(),
+        )
+        stage = Stage(start_s=float(now[0]), setup=setup)
         stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
         for signal in _INPUTS:
             self._volts(signal, now)
@@ -288,7 +297,13 @@ class World:
     def _new_setup(self, configuration: str, position_m: float | None) -> MountedSheet:
         scatter = Scatter.draw(self.settings, self._drawn)
         self._drawn += 1
-        return MountedSheet(self.settings, configuration, position_m, scatter, self._turned_over)
+        return MountedSheet(
+            settings=self.settings,
+            configuration=configuration,
+            position_m=position_m,
+            scatter=scatter,
+            turned_over=self._turned_over,
+        )
 
     def _set_up(
         self, configuration: str, position_m: float | None, *, moved_up: bool = True
@@ -296,7 +311,7 @@ class World:
         with self._lock:
             now = self._now()
             setup = self._new_setup(configuration, position_m)
-            self._history.begin(Stage(now, setup, moved_up=moved_up))
+            self._history.begin(Stage(start_s=now, setup=setup, moved_up=moved_up))
             self._write_row(now)
 
     def _moment(self, when: float) -> Moment:

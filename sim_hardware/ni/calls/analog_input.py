@@ -44,7 +44,13 @@ def create_ai_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
         terminals = raw_enum(request, "terminal_config")
         task.add(
             AnalogInputChannel(
-                name, device, side, channel, request.min_val, request.max_val, terminals
+                name=name,
+                device=device,
+                side=side,
+                physical=channel,
+                low_V=request.min_val,
+                high_V=request.max_val,
+                asked_terminals=terminals,
             )
         )
     return pb.CreateAIVoltageChanResponse()

@@ -29,7 +29,16 @@ def create_ao_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
         side = device.board.analog_out
         if side is None or not channel.startswith("ao"):
             raise StatusError(Code.WRONG_CHANNEL_TYPE, f"Physical Channel Name: {full}", task.name)
-        task.add(AnalogOutputChannel(name, device, side, channel, request.min_val, request.max_val))
+        task.add(
+            AnalogOutputChannel(
+                name=name,
+                device=device,
+                side=side,
+                physical=channel,
+                low_V=request.min_val,
+                high_V=request.max_val,
+            )
+        )
     return pb.CreateAOVoltageChanResponse()
 
 

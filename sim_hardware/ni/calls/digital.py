@@ -49,14 +49,14 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
         lines = [line for _, group in groups for line in group]
         first, *others = split_some(request.lines)
         name = assigned or (f"{first}..." if others else first)  # as the driver names it
-        task.add(DigitalChannel(name, device, tuple(lines), output))
+        task.add(DigitalChannel(name=name, device=device, lines=tuple(lines), output=output))
         return
     if any(len(group) > 1 for _, group in groups):
         raise StatusError(Code.PORT_PER_LINE, f"Lines: {request.lines}", task.name)
     single = [(device, line) for device, group in groups for line in group]
     names = names_for([f"{device.name}/{line}" for device, line in single], assigned)
     for name, (device, line) in zip(names, single, strict=True):
-        task.add(DigitalChannel(name, device, (line,), output))
+        task.add(DigitalChannel(name=name, device=device, lines=(line,), output=output))
 
 
 def _find(devices: DeviceRegistry, name: str, output: bool) -> tuple[Device, list[str]]:

@@ -28,7 +28,7 @@ class SampleMode(IntEnum):
 RISING, FALLING = 10280, 10171
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TaskTiming:
     """As configured; nothing is checked before `plan`."""
 

@@ -32,7 +32,7 @@ class ChannelType(IntEnum):
 VOLTS = 10348  # nidaqmx.constants.VoltageUnits.VOLTS
 
 
-@dataclass
+@dataclass(kw_only=True)
 class AnalogInputChannel:
     """A voltage input."""
 
@@ -81,7 +81,7 @@ class AnalogInputChannel:
             )
 
 
-@dataclass
+@dataclass(kw_only=True)
 class AnalogOutputChannel:
     """A voltage output."""
 
@@ -110,7 +110,7 @@ class AnalogOutputChannel:
         return min(codes // 2 - 1, max(-codes // 2, round(volts / step_V))) * step_V
 
 
-@dataclass
+@dataclass(kw_only=True)
 class DigitalChannel:
     """One line, or several read and written together."""
 

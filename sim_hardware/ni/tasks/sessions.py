@@ -70,6 +70,6 @@ class Sessions:
 
     def _new(self, name: str, owner: str) -> Task:
         number = next(self._numbers)
-        task = Task(name or f"_unnamedTask<{number:X}>", owner, number)
+        task = Task(name=name or f"_unnamedTask<{number:X}>", owner=owner, number=number)
         self._tasks[owner, task.name] = task
         return task

@@ -30,7 +30,7 @@ class TaskState(IntEnum):
     RUNNING = 4
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class Task:
     """What a client configures and runs. The engine moves it from state to state."""
 
