@@ -1,4 +1,4 @@
-"""CSV files in and out: import, export."""
+"""A session made of CSV tables."""
 
 from __future__ import annotations
 
@@ -7,13 +7,8 @@ from typing import Annotated
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import say, warn
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command(name="import")(import_tables)
-    app.command()(export)
 
 
 def import_tables(
@@ -31,12 +26,4 @@ def import_tables(
     say(f"wrote {output}")
 
 
-def export(
-    session: Annotated[Path, typer.Argument(help="an analysed session")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
-) -> None:
-    """Write forces.csv, curves.csv and signals.csv of a session."""
-    from labrig.session import export_session
-
-    for path in export_session(session, output):
-        say(f"wrote {path}")
+COMMAND = Command("import", import_tables, order=220)

@@ -22,13 +22,13 @@ from tests.end_to_end.small_rig import make_rig
 SCRIPT = """
 import atexit, os, sys
 from pathlib import Path
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig import opened
-from labrig.experiment.safe_shutdown import way_out
+from labrig.experiment.safe_shutdown import safe_shutdown
 from labrig.experiment.wiring import wire
 
-rig = wire(plan_of(Path(sys.argv[1])), NobodyAsked(print))
+rig = wire(plan_of(Path(sys.argv[1])), NoOperator(print))
 held = [opened(rig)]
 held[0].__enter__()
 
@@ -37,7 +37,7 @@ def look():
     os._exit(7)  # what was left open is not to be closed
 
 atexit.register(look)
-held.append(way_out(rig))
+held.append(safe_shutdown(rig))
 held[1].__enter__()
 rig.output.write(2.0)
 print(f"before: {rig.signals.measure(0.1)[2][-20:].mean():.1f} V")

@@ -1,4 +1,4 @@
-"""A folder of sessions: list."""
+"""The sessions of a folder."""
 
 from __future__ import annotations
 
@@ -7,15 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
+from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say
 
 if TYPE_CHECKING:
     from labrig.library import CatalogueEntry
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command(name="list")(list_sessions)
 
 
 def list_sessions(
@@ -27,7 +24,7 @@ def list_sessions(
     text: Annotated[str, typer.Option(help="words in name, protocol, sheet or reason")] = "",
     outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
 
@@ -76,3 +73,6 @@ def _row(entry: CatalogueEntry) -> list[str]:
 
 def _number(value: float | None, times: float, digits: int) -> str:
     return "-" if value is None else f"{times * value:.{digits}f}"
+
+
+COMMAND = Command("list", list_sessions, order=120)
