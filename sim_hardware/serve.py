@@ -20,8 +20,7 @@ from drivers.interfaces import Clock, RealClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
 
 if TYPE_CHECKING:
-    from sim_hardware.serial_devices import SerialFaults
-    from sim_hardware.world import World
+    from sim_hardware.faults import FaultyRig
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
 _LOOK_S = 0.2  # Windows wakes no thread for Ctrl-C: look now and then
@@ -83,6 +82,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=MODEL",
         help="a board, such as PCI6703=PCI-6703 (repeatable; replaces the default boards)",
     )
+    add(
+        "--serial",
+        action="append",
+        metavar="NAME",
+        help="a serial device, such as stage (repeatable; default: all)",
+    )
     add("--driver-version", default="26.0", help="that the server reports (default: 26.0)")
     add(
         "--strict-ownership",
@@ -117,7 +122,7 @@ def _check(options: argparse.Namespace) -> None:
     """Options that make no sense together."""
     if not options.wire:
         return
-    for name in ("world", "configuration", "record", "camera_port"):
+    for name in ("world", "configuration", "record", "camera_port", "serial"):
         if getattr(options, name):
             flag = "--" + name.replace("_", "-")
             raise ArgumentFaultError(
@@ -191,26 +196,22 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
         ) from fault
     stack.callback(camera.stop)
     faulty.begin()
-    return [*lines, f"camera={camera.url}", *_serve_serial(world, clock, faulty.serial, stack)]
+    return [*lines, f"camera={camera.url}", *_serve_serial(faulty, options.serial, stack)]
 
 
-def _serve_serial(world: World, clock: Clock, faults: SerialFaults, stack: ExitStack) -> list[str]:
-    """Meter and stage, where the system has pseudo-terminals."""
-    from sim_hardware.serial_devices import (
-        PtyPort,
-        SerialDevice,
-        SimulatedDpm3Meter,
-        SimulatedZaberStage,
-    )
+def _serve_serial(rig: FaultyRig, names: Sequence[str] | None, stack: ExitStack) -> list[str]:
+    """Serve the serial devices, where the system has pseudo-terminals; all where none is named."""
+    from sim_hardware.plugins import UnknownPartError
+    from sim_hardware.serial_devices import FOLDER, PtyPort
 
     lines = []
-    stage = SimulatedZaberStage(
-        world, clock, homed=True
-    )  # somebody has: an unhomed one refuses to move
-    devices: dict[str, SerialDevice] = {"meter": SimulatedDpm3Meter(world, clock), "stage": stage}
-    for name, device in devices.items():
+    try:
+        makers = {name: FOLDER.get(name) for name in names or FOLDER.parts()}
+    except UnknownPartError as fault:
+        raise ArgumentFaultError(f"--serial: {fault}") from fault
+    for name, make in makers.items():
         try:
-            port = PtyPort(device, faults)
+            port = PtyPort(make(rig.world, rig.clock), rig.serial)
         except OSError as fault:
             sys.stderr.write(f"no {name}: {fault}\n")
             continue
