@@ -92,12 +92,16 @@ def _stage(
     )
 
 
+def _world_file(config: RigConfig) -> object:
+    return (config.simulated.world if config.simulated else None) or "world.toml"
+
+
 def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     from sim_hardware.camera import SimulatedCapture
     from sim_hardware.clock import VirtualClock
     from sim_hardware.faults import FaultyRig
-    from sim_hardware.ni import NiDeviceServer
     from sim_hardware.operator import SimulatedPerson
+    from sim_hardware.rig_boards import boards_of
     from sim_hardware.serial_devices import InMemorySerial
     from sim_hardware.serial_devices import SimulatedZaberStage as SimulatedStage
     from sim_hardware.world import World, WorldError, load_world
@@ -113,9 +117,11 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
         )
     clock = VirtualClock()
     world = World(settings, clock)
-    server = NiDeviceServer(world, clock, seed=settings.seed)
-    server.lines.wired = world.edge
-    faulty = FaultyRig(clock, world, server)
+    try:
+        server = boards_of(world, clock)
+    except WorldError as error:
+        raise BadInputError(f"{_world_file(config)}: {error}") from None
+    faulty = FaultyRig(clock=clock, world=world, boards=server)
     faulty.begin()
     connection = NiConnection(SIMULATED, channel=server.in_process_channel())
     output, signals = boards(config, connection, clock)

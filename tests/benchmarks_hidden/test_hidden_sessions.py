@@ -201,7 +201,9 @@ def test_where_nothing_is_hidden_the_moment_goes_with_the_voltage_at_the_sheet()
     recipe, _ = prepared(case(scatter=0.0))
     for key in ("noise_mN", "drift_mN"):
         recipe.set(f"load_cell.{key}", 0.0)
-    (run,) = timed_session(recipe.settings(), [Visit("short", 0.01)], series_hz=200.0)
+    (run,) = timed_session(
+        recipe.settings(), [Visit(configuration="short", position_m=0.01)], series_hz=200.0
+    )
     since = run.time_s - 0.6 * np.floor(run.time_s / 0.6)
     risen = np.exp(-since / RISE_S)
 

@@ -11,7 +11,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain_kernels import Floats, compiled
+from sim_hardware.jit import brief_jit
+
+Floats = npt.NDArray[np.float64]
 
 # splitmix64 (Steele, Lea, Flood 2014)
 _ODD = np.uint64(0x9E3779B97F4A7C15)
@@ -19,14 +21,14 @@ _MIX_1 = np.uint64(0xBF58476D1CE4E5B9)
 _MIX_2 = np.uint64(0x94D049BB133111EB)
 
 
-@compiled
+@brief_jit
 def _mixed(bits: np.uint64) -> np.uint64:
     bits = (bits ^ (bits >> np.uint64(30))) * _MIX_1
     bits = (bits ^ (bits >> np.uint64(27))) * _MIX_2
     return bits ^ (bits >> np.uint64(31))
 
 
-@compiled
+@brief_jit
 def white(ticks: npt.NDArray[np.int64], key: np.uint64) -> Floats:
     """A standard normal value for each tick, independent of its neighbours."""
     result = np.empty(ticks.shape[0])
@@ -40,7 +42,7 @@ def white(ticks: npt.NDArray[np.int64], key: np.uint64) -> Floats:
     return result
 
 
-@compiled
+@brief_jit
 def waves(times: Floats, omega: Floats, phase: Floats) -> Floats:
     """Sum of sines."""
     result = np.zeros(times.shape[0])
@@ -50,7 +52,7 @@ def waves(times: Floats, omega: Floats, phase: Floats) -> Floats:
     return result
 
 
-@compiled
+@brief_jit
 def settling(times: Floats, moves: Floats, lag: float) -> tuple[Floats, Floats]:
     """Value and integral, at times, of what goes to its level with a lag.
 
@@ -73,7 +75,7 @@ def settling(times: Floats, moves: Floats, lag: float) -> tuple[Floats, Floats]:
     return value, integral
 
 
-@compiled
+@brief_jit
 def approach(times: Floats, most: float, rate: float) -> Floats:
     """From 0 at first like `rate * times`, and never beyond `most`."""
     result = np.empty_like(times)
@@ -82,7 +84,7 @@ def approach(times: Floats, most: float, rate: float) -> Floats:
     return result
 
 
-@compiled
+@brief_jit
 def chebyshev(coefficients: Floats, x: Floats, into: Floats, at: npt.NDArray[np.int64]) -> None:
     """Series (rows, terms) at each x (n,), into the columns `at` (n,) of `into`."""
     rows, terms = coefficients.shape

@@ -18,9 +18,9 @@ class SimulatedAmplifier:
     """
 
     def __init__(self, settings: AmplifierSettings, start_s: float) -> None:
-        from sim_hardware.world import signal_kernels
+        from sim_hardware.world.signals import kernels
 
-        self._settling = signal_kernels.settling
+        self._settling = kernels.settling
         self._settings = settings
         self._lag_s = settings.lag_ms * 1e-3
         self._supplied = True

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim_hardware.world.chain import Chain, Equilibrium, FloatArray
+from sim_hardware.world.chain.chain import Chain, Equilibrium, FloatArray
 
 # Where the path is lost between two points so close together, the sheet has slipped out.
 _SHORTEST_STEP_RAD = 1e-4
@@ -18,7 +18,7 @@ _GIVE_ROUNDS = 10
 _LONGEST_DRIVE = 0.3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ContactArc:
     """What the object moves on: an arc about the clamp, and how it touches the sheet."""
 
@@ -46,7 +46,7 @@ class ContactState:
 
     def free_crossing(self, free: Equilibrium) -> Equilibrium | None:
         """The free chain, touched without force where it first crosses the arc; None: nowhere."""
-        from sim_hardware.world import chain_kernels as kernels
+        from sim_hardware.world.chain import contact_kernels
 
         chain, offset = self.chain, self.arc.roll_offset_m
         distance = np.hypot(*chain.corners(free.phi_rad).T)
@@ -56,7 +56,7 @@ class ContactState:
         s = (outside[0] - 0.5) * chain.h_m
         towards = _directions(free.phi_rad)
         for _ in range(20):
-            x, y, x1, y1, _, _ = kernels.touch(towards, s, chain.h_m, offset)
+            x, y, x1, y1, _, _ = contact_kernels.touch(towards, s, chain.h_m, offset)
             r = math.hypot(x, y)
             step = (r - self.arc.radius_m) / ((x * x1 + y * y1) / r)
             s -= step
@@ -68,19 +68,19 @@ class ContactState:
 
     def polar_angle_rad(self, state: Equilibrium) -> float:
         """Where on the arc the chain is touched."""
-        from sim_hardware.world import chain_kernels as kernels
+        from sim_hardware.world.chain import contact_kernels
 
-        offset = self.arc.roll_offset_m
-        x, y, *_ = kernels.touch(_directions(state.phi_rad), state.s_m, self.chain.h_m, offset)
+        towards, offset = _directions(state.phi_rad), self.arc.roll_offset_m
+        x, y, *_ = contact_kernels.touch(towards, state.s_m, self.chain.h_m, offset)
         return math.atan2(y, x)
 
     def solve(self, start: Equilibrium, drive: float, angle_rad: float) -> Equilibrium | None:
         """The equilibrium near `start` at a drive and a polar angle; None: there is none."""
-        from sim_hardware.world import chain_kernels as kernels
+        from sim_hardware.world.chain import contact_kernels, kernels
 
         arc, chain = self.arc, self.chain
         ux, uy = math.cos(angle_rad), math.sin(angle_rad)
-        roll = kernels.ContactPoint(
+        roll = contact_kernels.ContactPoint(
             arc.radius_m * ux, arc.radius_m * uy, arc.roll_offset_m, arc.friction
         )
         x, y = math.cos(start.angle_rad), math.sin(start.angle_rad)
@@ -90,20 +90,20 @@ class ContactState:
         contact = np.array([start.s_m, push_x, push_y])
         hinges = chain.hinges(drive)
         end_m = chain.sheet.visible_m
-        status = kernels.relax_touched(phi, contact, hinges, roll, end_m)
+        status = contact_kernels.relax_touched(phi, contact, hinges, roll, end_m)
         if status != kernels.SOLVED:
             return None
         s, fx, fy = (float(value) for value in contact)
-        _, _, x, y, _, _ = kernels.touch(_directions(phi), s, chain.h_m, arc.roll_offset_m)
+        _, _, x, y, _, _ = contact_kernels.touch(_directions(phi), s, chain.h_m, arc.roll_offset_m)
         angle = math.atan2(y, x)
         return Equilibrium(
-            drive,
-            phi,
-            s,
-            angle,
-            fx * math.sin(angle) - fy * math.cos(angle),
-            fx * uy - fy * ux,
-            -(fx * ux + fy * uy),
+            drive=drive,
+            phi_rad=phi,
+            s_m=s,
+            angle_rad=angle,
+            normal_per_m2=fx * math.sin(angle) - fy * math.cos(angle),
+            along_per_m2=fx * uy - fy * ux,
+            outward_per_m2=-(fx * ux + fy * uy),
         )
 
     def push_to(self, start: Equilibrium, angle_rad: float) -> Equilibrium | None:

@@ -12,8 +12,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Equilibrium
-from sim_hardware.world.contact import ContactState
+from sim_hardware.world.chain.chain import Equilibrium
+from sim_hardware.world.chain.contact import ContactState
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,9 +32,9 @@ class DriveTable:
     """Equilibria of a held (or, with `angle_rad` None, of a free) chain over its drive."""
 
     def __init__(self, contact: ContactState, angle_rad: float | None) -> None:
-        from sim_hardware.world import signal_kernels
+        from sim_hardware.world.signals import kernels
 
-        self._chebyshev = signal_kernels.chebyshev
+        self._chebyshev = kernels.chebyshev
         self._contact = contact
         self._angle_rad = angle_rad
         self._panels: dict[int, FloatArray] = {}
@@ -71,13 +71,13 @@ class DriveTable:
         row = self._values(np.array([drive]), slice(None))[:, 0]
         s, angle = (float(row[S]), float(row[ANGLE])) if self._angle_rad is not None else _NOWHERE
         return Equilibrium(
-            drive,
-            row[_SCALARS:],
-            s,
-            angle,
-            float(row[NORMAL]),
-            float(row[ALONG]),
-            float(row[OUTWARD]),
+            drive=drive,
+            phi_rad=row[_SCALARS:],
+            s_m=s,
+            angle_rad=angle,
+            normal_per_m2=float(row[NORMAL]),
+            along_per_m2=float(row[ALONG]),
+            outward_per_m2=float(row[OUTWARD]),
         )
 
     def _values(self, drive: FloatArray, rows: slice) -> FloatArray:

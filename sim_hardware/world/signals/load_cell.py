@@ -8,8 +8,8 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.noise import SlowWander, WhiteNoise
 from sim_hardware.world.settings import LoadCellSettings
+from sim_hardware.world.signals.noise import SlowWander, WhiteNoise
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -37,9 +37,9 @@ class SimulatedLoadCell:
     """Volts of a force; noise is a function of the time since the world's beginning."""
 
     def __init__(self, settings: LoadCellSettings, seed: int) -> None:
-        from sim_hardware.world import signal_kernels
+        from sim_hardware.world.signals import kernels
 
-        self._approach, self._waves = signal_kernels.approach, signal_kernels.waves
+        self._approach, self._waves = kernels.approach, kernels.waves
         s = self._settings = settings
         self._white = WhiteNoise(seed, _WHITE_STREAM)
         shortest, longest = sorted((s.drift_shortest_s, s.drift_longest_s))

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from sim_hardware.world.chain_kernels import Hinges
+    from sim_hardware.world.chain.kernels import Hinges
 
 FloatArray = npt.NDArray[np.float64]
 AlongSheet = Callable[[FloatArray], npt.ArrayLike]
@@ -37,7 +37,7 @@ def even(s_m: FloatArray) -> FloatArray:
     return np.ones_like(s_m)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ChainSheet:
     """What a sheet is, per unit of its bending stiffness B. Functions take s (m) as an array.
 
@@ -64,7 +64,7 @@ class ChainSheet:
         return self.free_length_m + self.elongation_m
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Equilibrium:
     """The chain at rest. Forces are those on the object, over B, in 1/m^2."""
 
@@ -96,20 +96,20 @@ class Chain:
 
     def hinges(self, drive: float) -> Hinges:
         """The kernels' `Hinges` at this drive."""
-        from sim_hardware.world.chain_kernels import Hinges
+        from sim_hardware.world.chain.kernels import Hinges
 
         sheet = self.sheet
         load = np.outer(sheet.load_per_m3, np.maximum(0.0, sheet.visible_m - self._link_centre_m))
         return Hinges(
-            self.h_m,
-            self._rest,
-            drive * self._drive + drive * drive * self._even,
-            self._stiffness,
-            sheet.stiffening,
-            sheet.knee_per_m,
-            sheet.clamp_rad,
-            load[0],
-            load[1],
+            h_m=self.h_m,
+            rest_per_m=self._rest,
+            drive_per_m=drive * self._drive + drive * drive * self._even,
+            stiffness=self._stiffness,
+            stiffening=sheet.stiffening,
+            knee_per_m=sheet.knee_per_m,
+            clamp_rad=sheet.clamp_rad,
+            load_x_per_m2=load[0],
+            load_y_per_m2=load[1],
         )
 
     @cached_property
@@ -150,13 +150,21 @@ class Chain:
 
     def free(self, drive: float) -> Equilibrium:
         """The chain with nothing touching it."""
-        from sim_hardware.world import chain_kernels as kernels
+        from sim_hardware.world.chain import kernels
 
         phi = np.full(self.links, self.sheet.clamp_rad)
         status = kernels.relax_free(phi, self.hinges(drive))
         if status != kernels.SOLVED:
             raise ArithmeticError("the chain found no rest: its load is beyond what it stands")
-        return Equilibrium(drive, phi, math.nan, math.nan, 0.0, 0.0, 0.0)
+        return Equilibrium(
+            drive=drive,
+            phi_rad=phi,
+            s_m=math.nan,
+            angle_rad=math.nan,
+            normal_per_m2=0.0,
+            along_per_m2=0.0,
+            outward_per_m2=0.0,
+        )
 
     def corners(self, phi_rad: FloatArray) -> FloatArray:
         """Points (links + 1, 2): the clamp, then the far end of each link, in m."""

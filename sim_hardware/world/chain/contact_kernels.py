@@ -1,9 +1,4 @@
-"""The inner loops of the chain of links, compiled. Import this where it is used.
-
-The chain: link 0 of length h/2 comes out of the clamp, links 1, 2, ... of length h follow. Hinge i
-joins link i to the one before it (hinge 0: to the clamp), so hinge i >= 1 stands for the piece of
-sheet around s = (i - 1/2) h, whose curvature is the hinge's angle over h. Everything is per bending
-stiffness B: moments in 1/m, forces in 1/m^2, stiffnesses relative to B.
+"""The chain of links held by an object on the arc, compiled. Import this where it is used.
 
 What touches the sheet at arc length s feels a curve rounded over a few links: link i counts with
 the weight S(s/h - i), where S rises smoothly from 0 to 1. The curve is then three times
@@ -12,46 +7,25 @@ differentiable in s, and differs from the links' corners by O(h^2).
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from typing import NamedTuple, ParamSpec, TypeVar, cast
+from typing import NamedTuple
 
-import numba
 import numpy as np
-import numpy.typing as npt
 
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
-
-Floats = npt.NDArray[np.float64]
-
-SOLVED, NO_SOLUTION, OFF_THE_SHEET, NOT_A_MINIMUM = 0, 1, 2, 3
-# Newton's last step, after which the error is about its square.
-_SMALL_STEP_RAD = 1e-9
-_LARGE_STEP_RAD = 0.5
-_MOST_STEPS = 25
-
-
-def compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The function, compiled when first called; the result is kept on disk.
-
-    It keeps the GIL: it runs for microseconds, and taking the GIL back can take milliseconds.
-    """
-    return cast("Callable[_P, _R]", numba.njit(cache=True, error_model="numpy")(function))
-
-
-class Hinges(NamedTuple):
-    """What the hinges do; the arrays have one entry a hinge, the clamp's first."""
-
-    h_m: float
-    rest_per_m: Floats  # k0
-    drive_per_m: Floats  # Me/B
-    stiffness: Floats  # relative to B
-    stiffening: float  # relative gain of stiffness at large changes of curvature
-    knee_per_m: float  # change of curvature at which half of it is there
-    clamp_rad: float  # direction in which the clamp holds the sheet
-    load_x_per_m2: Floats  # what lies beyond the hinge, itself included, weighs (N/B)
-    load_y_per_m2: Floats
+from sim_hardware.jit import brief_jit
+from sim_hardware.world.chain.kernels import (
+    LARGE_STEP_RAD,
+    MOST_STEPS,
+    NO_SOLUTION,
+    NOT_A_MINIMUM,
+    OFF_THE_SHEET,
+    SMALL_STEP_RAD,
+    SOLVED,
+    Floats,
+    Hinges,
+    directions,
+    eliminate,
+    hinge_terms,
+)
 
 
 class ContactPoint(NamedTuple):
@@ -65,21 +39,7 @@ class ContactPoint(NamedTuple):
     )
 
 
-@compiled
-def _moment(change: float, hinges: Hinges, i: int) -> tuple[float, float]:
-    """Moment of a hinge at a change of curvature, and the derivative."""
-    stiffness = hinges.stiffness[i]
-    gain = hinges.stiffening
-    if gain == 0.0:
-        return stiffness * change, stiffness
-    square = change * change
-    knee = hinges.knee_per_m * hinges.knee_per_m
-    below = square + knee
-    slope = 1.0 + gain * square * (square + 3.0 * knee) / (below * below)
-    return stiffness * change * (1.0 + gain * square / below), stiffness * slope
-
-
-@compiled
+@brief_jit
 def _rise(x: float) -> tuple[float, float, float, float]:
     """S(x), 0 below -2 and 1 above 2: the integral of the cubic B-spline; three derivatives."""
     y = abs(x)
@@ -101,93 +61,7 @@ def _rise(x: float) -> tuple[float, float, float, float]:
     return above, bump, slope, bend
 
 
-@compiled
-def _directions(phi: Floats, towards: Floats) -> None:
-    """Cosine and sine of each link's angle, into `towards` (n, 2)."""
-    for i in range(phi.shape[0]):
-        towards[i, 0] = math.cos(phi[i])
-        towards[i, 1] = math.sin(phi[i])
-
-
-@compiled
-def _hinge_terms(
-    phi: Floats,
-    towards: Floats,
-    hinges: Hinges,
-    residual: Floats,
-    diagonal: Floats,
-    below: Floats,
-) -> None:
-    """Unbalanced moment of each link without a contact, and its tridiagonal derivative."""
-    n = phi.shape[0]
-    h = hinges.h_m
-    for i in range(n):
-        length = 0.5 * h if i == 0 else h
-        cos, sin = towards[i, 0], towards[i, 1]
-        load_x, load_y = hinges.load_x_per_m2[i], hinges.load_y_per_m2[i]
-        residual[i] = -length * (load_y * cos - load_x * sin)
-        diagonal[i] = length * (load_x * cos + load_y * sin)
-        below[i] = 0.0
-    for i in range(n):
-        before = phi[i - 1] if i > 0 else hinges.clamp_rad
-        change = (phi[i] - before) / h - hinges.rest_per_m[i]
-        moment, slope = _moment(change, hinges, i)
-        moment -= hinges.drive_per_m[i]
-        residual[i] += moment
-        diagonal[i] += slope / h
-        if i > 0:
-            residual[i - 1] -= moment
-            diagonal[i - 1] += slope / h
-            below[i] = -slope / h
-
-
-@compiled
-def _eliminate(diagonal: Floats, below: Floats, right: Floats) -> int:
-    """Solve the symmetric tridiagonal system in place for all columns; count negative pivots."""
-    n, columns = right.shape
-    negative = 0
-    for i in range(n):
-        if i > 0:
-            factor = below[i] / diagonal[i - 1]
-            diagonal[i] -= factor * below[i]
-            for k in range(columns):
-                right[i, k] -= factor * right[i - 1, k]
-        if diagonal[i] < 0.0:
-            negative += 1
-    for i in range(n - 1, -1, -1):
-        for k in range(columns):
-            if i < n - 1:
-                right[i, k] -= below[i + 1] * right[i + 1, k]
-            right[i, k] /= diagonal[i]
-    return negative
-
-
-@compiled
-def relax_free(phi: Floats, hinges: Hinges) -> int:
-    """Bring the link angles `phi` (n,) to rest with nothing touching the sheet."""
-    n = phi.shape[0]
-    diagonal, below = np.empty(n), np.empty(n)
-    step = np.empty((n, 1))
-    towards = np.empty((n, 2))
-    for _ in range(_MOST_STEPS):
-        _directions(phi, towards)
-        _hinge_terms(phi, towards, hinges, step[:, 0], diagonal, below)
-        negative = _eliminate(diagonal, below, step)
-        largest = 0.0
-        for i in range(n):
-            largest = max(largest, abs(step[i, 0]))
-        if not math.isfinite(np.sum(step)):
-            return NO_SOLUTION
-        # A load can turn the sheet far: the first steps are cut short.
-        cut = 1.0 if largest <= _LARGE_STEP_RAD else _LARGE_STEP_RAD / largest
-        for i in range(n):
-            phi[i] -= cut * step[i, 0]
-        if largest < _SMALL_STEP_RAD:
-            return SOLVED if negative == 0 else NOT_A_MINIMUM
-    return NO_SOLUTION
-
-
-@compiled
+@brief_jit
 def touch(
     towards: Floats, s_m: float, h: float, offset: float
 ) -> tuple[float, float, float, float, float, float]:
@@ -212,7 +86,7 @@ def touch(
     return x, y, x1, y1, x2, y2
 
 
-@compiled
+@brief_jit
 def _contact_terms(
     towards: Floats,
     contact: Floats,
@@ -244,7 +118,7 @@ def _contact_terms(
         rows[i] = -(fx * (ex1 - roll.friction * ey1) + fy * (ey1 + roll.friction * ex1))
 
 
-@compiled
+@brief_jit
 def _border(
     diagonal: Floats, below: Floats, work: Floats, rows: Floats, small: Floats, right: Floats
 ) -> int:
@@ -253,7 +127,7 @@ def _border(
     `work` becomes what the links answer to residual, s and force. Returns the negative pivots.
     """
     columns = work[:, 2:].copy()
-    negative = _eliminate(diagonal, below, work)
+    negative = eliminate(diagonal, below, work)
     for k in range(4):
         sliding = x = y = 0.0
         for i in range(rows.shape[0]):
@@ -267,7 +141,7 @@ def _border(
     return negative
 
 
-@compiled
+@brief_jit
 def _negative_eigenvalues(m: Floats) -> int:
     """Of a symmetric 3 x 3 matrix, by the signs of its leading minors."""
     first = m[0, 0]
@@ -282,7 +156,7 @@ def _negative_eigenvalues(m: Floats) -> int:
     return count
 
 
-@compiled
+@brief_jit
 def relax_touched(
     phi: Floats, contact: Floats, hinges: Hinges, roll: ContactPoint, end_m: float
 ) -> int:
@@ -297,10 +171,10 @@ def relax_touched(
     work, towards = np.empty((n, 4)), np.empty((n, 2))
     small = np.empty((3, 3))
     right = np.empty(3)
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         s, fx, fy = contact[0], contact[1], contact[2]
-        _directions(phi, towards)
-        _hinge_terms(phi, towards, hinges, work[:, 0], diagonal, below)
+        directions(phi, towards)
+        hinge_terms(phi, towards, hinges, work[:, 0], diagonal, below)
         _contact_terms(towards, contact, h, roll, diagonal, work, rows)
         x, y, x1, y1, x2, y2 = touch(towards, s, h, roll.offset_m)
         # The force has no component along the sheet, or, with friction, a given share there.
@@ -321,14 +195,14 @@ def relax_touched(
             )
             work[i, 0] = change
             largest = max(largest, abs(change))
-        if not largest < _LARGE_STEP_RAD:
+        if not largest < LARGE_STEP_RAD:
             return NO_SOLUTION
         for i in range(n):
             phi[i] -= work[i, 0]
         contact -= step
         if contact[0] > end_m or contact[0] < 4.0 * h:
             return OFF_THE_SHEET
-        if largest < _SMALL_STEP_RAD:
+        if largest < SMALL_STEP_RAD:
             # At a minimum under two constraints the bordered matrix has two negative eigenvalues.
             stable = roll.friction != 0.0 or negative + _negative_eigenvalues(small) == 2
             return SOLVED if stable else NOT_A_MINIMUM

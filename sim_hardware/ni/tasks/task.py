@@ -30,7 +30,7 @@ class TaskState(IntEnum):
     RUNNING = 4
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, kw_only=True)
 class Task:
     """What a client configures and runs. The engine moves it from state to state."""
 
@@ -115,7 +115,7 @@ class Task:
         if self.inputs and len(self.device_names) > 1:
             raise NotSimulatedError("a task of inputs of several boards is not simulated")
         for output in self.outputs:
-            output.verify()
+            output.verified_range()
         for channel in self.inputs:
             channel.verified_range()
         if self.timing.kind is TimingType.ON_DEMAND:
@@ -128,8 +128,10 @@ class Task:
         board = self.channels[0].device.board
         if self.inputs:
             return plan_input(self.timing, self.inputs[0].side, len(self.inputs))
-        if self.outputs and self.outputs[0].side.clocked:
+        if any(output.side.clocked for output in self.outputs):
             raise NotSimulatedError("the simulated boards write on demand only")
+        if all(channel.buffered for channel in self.digital) and self.digital:
+            raise NotSimulatedError("the simulated lines are read and written on demand only")
         raise StatusError(
             Code.INVALID_VALUE,
             f"Property: DAQmx_SampTimingType\nRequested: Sample Clock\n{board.product_type} has "

@@ -6,7 +6,8 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from sim_hardware.ni.boards.boards import BOARDS, BoardModel
+from sim_hardware.ni.boards import board_model
+from sim_hardware.ni.boards.contract import BoardModel, DigitalPort
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import split_device
 
@@ -46,8 +47,13 @@ class Device:
         return [
             f"{port}/line{line}"
             for port in self.ports(output=output)
-            for line in range(self.board.ports[int(port.rsplit("port", 1)[1])].lines)
+            for line in range(self.port_of(port.partition("/")[2]).lines)
         ]
+
+    def port_of(self, line: str) -> DigitalPort:
+        """Return the port of a line such as `port0/line3`."""
+        port, _, _ = line.partition("/")
+        return self.board.ports[int(port.removeprefix("port"))]
 
     def has(self, channel: str) -> bool:
         """Whether there is such a channel (`ai0`), whatever its type."""
@@ -60,9 +66,9 @@ class DeviceRegistry:
     """All boards, found by name without regard to case, as the driver does."""
 
     def __init__(self, models: Mapping[str, str]) -> None:
-        """`models` maps a device's name to its product type; KeyError for one not in the table."""
+        """`models` maps a device's name to its product type; UnknownPartError for another."""
         self._devices = {
-            name.lower(): Device(name, BOARDS[model]) for name, model in models.items()
+            name.lower(): Device(name, board_model(model)) for name, model in models.items()
         }
 
     def __iter__(self) -> Iterator[Device]:

@@ -17,9 +17,9 @@ class WhiteNoise:
     """Independent standard normal values, one for each microsecond."""
 
     def __init__(self, seed: int, stream: int) -> None:
-        from sim_hardware.world import signal_kernels
+        from sim_hardware.world.signals import kernels
 
-        self._white = signal_kernels.white
+        self._white = kernels.white
         self._key = np.random.SeedSequence((seed, stream)).generate_state(1, np.uint64)[0]
 
     def at(self, since_s: FloatArray) -> FloatArray:
@@ -34,9 +34,9 @@ class SlowWander:
     """
 
     def __init__(self, seed: int, stream: int, shortest_s: float, longest_s: float) -> None:
-        from sim_hardware.world import signal_kernels
+        from sim_hardware.world.signals import kernels
 
-        self._waves = signal_kernels.waves
+        self._waves = kernels.waves
         random = np.random.default_rng((seed, stream))
         octaves = random.uniform(math.log(shortest_s), math.log(longest_s), _WAVES)
         self._omega = 2 * math.pi / np.exp(octaves)
