@@ -38,7 +38,7 @@ def known_model(path: Path | None) -> SheetModel | None:
 
 def keep(session: Path, found: Diagnosis) -> None:
     """Store a diagnosis in the session; warn where the session cannot be written."""
-    from labrig.report.diagnosis.store import keep_diagnosis
+    from labrig.report.data.kept_diagnosis import keep_diagnosis
 
     try:
         keep_diagnosis(session, found)

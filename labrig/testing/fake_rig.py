@@ -33,7 +33,6 @@ from drivers.safe_shutdown import SafetyReport, make_safe
 from protocols import (
     Devices,
     Place,
-    PulseTrain,
     SafetyLimits,
     Schedule,
     Scheduler,
@@ -41,6 +40,7 @@ from protocols import (
     make_schedule,
 )
 from protocols.execution.events import Event
+from protocols.kinds.pulse_train import PulseTrain
 
 E = TypeVar("E", bound=Event)
 

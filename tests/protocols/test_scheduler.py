@@ -10,10 +10,8 @@ from drivers.interfaces import Prompt
 from labrig.testing.fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 from protocols import (
     Extras,
-    Hold,
     LoopTiming,
     Place,
-    PulseTrain,
     RecordedOperator,
     Rules,
     RunState,
@@ -37,6 +35,8 @@ from protocols.execution.events import (
     VoltageSet,
     Warned,
 )
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
 
 
 @pytest.fixture

@@ -87,7 +87,7 @@ def diagnose(
         save_model(found.model, output)
         written.append(output)
     if report is not None:
-        from labrig.report.diagnosis.page import write_diagnosis
+        from labrig.report.page.diagnosis import write_diagnosis
 
         written.append(write_diagnosis(found, report))
     if as_json:

@@ -21,7 +21,7 @@ def show(
     as_json: Json = False,
 ) -> None:
     """Show what a session holds: outcome, runs, readings, losses, lateness."""
-    from labrig.report.page.overview import overview
+    from labrig.report.tables.overview import overview
     from labrig.session import compare_sessions, open_session
 
     if compare is not None:

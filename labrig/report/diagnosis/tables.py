@@ -267,3 +267,9 @@ def further_sentences(found: Diagnosis) -> list[str]:
     """Outliers and remarks of the procedure."""
     said = [f"Left out as an outlier: {name}." for name in found.outliers]
     return [*said, *(note.rstrip(".") + "." for note in found.notes)]
+
+
+def limits_sentences(found: Diagnosis) -> list[str]:
+    """Return what these data can show, the scatter between set-ups, outliers and remarks."""
+    scatter = scatter_sentence(found)
+    return [*visibility(found), *([scatter] if scatter else []), *further_sentences(found)]

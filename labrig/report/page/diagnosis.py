@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.files import not_written
-from labrig.report.diagnosis.figures import draw_diagnosis
-from labrig.report.diagnosis.sections import sections_of
+from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.diagnosis.tables import VERDICTS, percent
+from labrig.report.page.diagnosis_sections import sections_of
 from labrig.report.page.page import render_page, write_page
 from labrig.report.page.summary import Card
+from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
 from model.discrepancy.verdict.messages import CLEARLY
 from model.discrepancy.verdict.result import Diagnosis
@@ -30,13 +30,12 @@ IN_TIME = (
 
 
 def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
-    """Write the page and its figures; returns the page's path."""
+    """Write the page and its figures and return the page's path."""
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
-    try:
-        drawn = draw_diagnosis(found, folder / "figures")
-    except OSError as error:
-        raise not_written(folder, error) from None
+    figures = FigureFolder(folder / "figures")
+    drawn = draw_diagnosis(found, figures)
+    figures.remove_others(FIGURES)
     text = render_page(
         "diagnosis.html.j2",
         title=_title(found),

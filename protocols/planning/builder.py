@@ -1,8 +1,6 @@
-"""What every kind of protocol has in common: it turns into steps and readings."""
+"""Build the steps and readings of one run, and check that they fit into it."""
 
 from __future__ import annotations
-
-from typing import Protocol
 
 from protocols.errors import ScheduleError
 from protocols.planning.schedule import PlannedReading, ReadingKind, VoltageStep
@@ -14,27 +12,17 @@ DECIMALS = 9
 LARGEST_HALF_WINDOW_S = 0.02
 
 # More readings than this in one step are a slip of the pen; the raw signals are recorded anyway.
-MOST_READINGS = 10_000
+MAX_READINGS_IN_STEP = 10_000
 
 # A session of so many steps and readings would take most of a day at the rig.
-MOST_IN_SESSION = 100_000
+MAX_STEPS_AND_READINGS = 100_000
 
+# Steps, readings and duration (s) of one run.
 StepsAndReadings = tuple[tuple[VoltageStep, ...], tuple[PlannedReading, ...], float]
 
 
-class Definition(Protocol):
-    """A protocol as the user defines it: a frozen dataclass that checks itself when made."""
-
-    @property
-    def name(self) -> str:
-        """As in protocol.toml: pulse_train, step_response, ..."""
-
-    def steps_and_readings(self) -> StepsAndReadings:
-        """Steps, readings and duration (s) of one run; ends at 0 V."""
-
-
 class Builder:
-    """Puts steps one after another and counts readings."""
+    """Put steps one after another and count readings."""
 
     def __init__(self) -> None:
         self._steps: list[VoltageStep] = []
@@ -45,7 +33,7 @@ class Builder:
         """Hold a voltage for a time, after all that has been added before."""
         self._steps.append(VoltageStep(self._end_s, voltage_V))
         self._end_s = round(self._end_s + lasts_s, DECIMALS)
-        require_measure(len(self._steps) + len(self._readings))
+        require_size(len(self._steps) + len(self._readings))
 
     def reading(self, delay_s: float, half_window_s: float, kind: ReadingKind) -> None:
         """Take a reading in the step added last."""
@@ -60,14 +48,14 @@ class Builder:
                 kind=kind,
             )
         )
-        require_measure(len(self._steps) + len(self._readings))
+        require_size(len(self._steps) + len(self._readings))
 
     def readings_every(self, every_s: float, lasts_s: float, kind: ReadingKind) -> None:
         """Take readings at every multiple of `every_s` whose window fits into the last step."""
-        if lasts_s / every_s > MOST_READINGS:
+        if lasts_s / every_s > MAX_READINGS_IN_STEP:
             raise ScheduleError(
-                f"sample_every_s = {every_s:g} s makes more than {MOST_READINGS} readings in "
-                f"{lasts_s:g} s; the raw signals are recorded at the full rate anyway"
+                f"sample_every_s = {every_s:g} s makes more than {MAX_READINGS_IN_STEP} "
+                f"readings in {lasts_s:g} s; the raw signals are recorded at the full rate anyway"
             )
         half_window_s = min(every_s / 2, LARGEST_HALF_WINDOW_S)
         count = 1
@@ -82,12 +70,12 @@ class Builder:
         return tuple(self._steps), tuple(self._readings), self._end_s
 
 
-def require_measure(count: int) -> None:
+def require_size(count: int) -> None:
     """Raise ScheduleError when there are too many steps and readings to be meant."""
-    if count > MOST_IN_SESSION:
+    if count > MAX_STEPS_AND_READINGS:
         raise ScheduleError(
-            f"there are more than {MOST_IN_SESSION} steps and readings; ask for fewer voltages, "
-            "readings, positions or cycles"
+            f"there are more than {MAX_STEPS_AND_READINGS} steps and readings; ask for fewer "
+            "voltages, readings, positions or cycles"
         )
 
 
@@ -96,12 +84,19 @@ def fits(time_s: float, into_s: float) -> bool:
     return time_s <= into_s + 10.0**-DECIMALS
 
 
-def require_window(
-    what: str, sample_at_s: float, half_window_s: float, lasts_s: float, lasts: str
-) -> None:
+def require_window(sample_at_s: float, half_window_s: float, lasts_s: float, lasts: str) -> None:
     """Raise ScheduleError unless sample_at_s ± half_window_s lies between 0 and `lasts_s`."""
     if not (fits(half_window_s, sample_at_s) and fits(sample_at_s + half_window_s, lasts_s)):
         raise ScheduleError(
-            f"{what}: sample_at_s ± half_window_s = {sample_at_s:g} ± {half_window_s:g} s must lie "
+            f"sample_at_s ± half_window_s = {sample_at_s:g} ± {half_window_s:g} s must lie "
             f"between 0 and {lasts} = {lasts_s:g} s"
+        )
+
+
+def require_kept(parts: StepsAndReadings, hold_s: float, sample_every_s: float) -> None:
+    """Raise ScheduleError unless at least one reading is kept."""
+    if not any(reading.kind is ReadingKind.KEPT for reading in parts[1]):
+        raise ScheduleError(
+            f"no reading fits into hold_s = {hold_s:g} s; "
+            f"make sample_every_s = {sample_every_s:g} s smaller"
         )
