@@ -38,7 +38,7 @@ _NO_EXTRAS = {
 def with_protocol(
     found: Diagnosis, measurements: Measurements, session: Path | None = None
 ) -> Diagnosis:
-    """The same diagnosis, its next measurement with the whole protocol.toml as tables."""
+    """Return the diagnosis with the whole protocol.toml of its next measurement, as tables."""
     if found.next_measurement is None:
         return found
     text = protocol_text(found.next_measurement, measurements, session)
@@ -47,7 +47,7 @@ def with_protocol(
 
 
 def protocol_text(found: Next, measurements: Measurements, session: Path | None = None) -> str:
-    """The text of protocol.toml; it has passed the loader's own checks.
+    """Return the text of protocol.toml; it has passed the loader's own checks.
 
     The protocol is that of `session`, where one is given and holds its protocol.
     """
@@ -110,7 +110,7 @@ def _standard_protocol(voltages_V: Sequence[float]) -> ProtocolKind:
 
 
 def _places(measurements: Measurements) -> dict[str, list[float]]:
-    """The positions measured, in mm, by configuration."""
+    """Return the positions measured, in mm, by configuration."""
     result: dict[str, list[float]] = {}
     for condition in measurements.conditions:
         own = result.setdefault(condition.configuration, [])
@@ -123,7 +123,7 @@ def _places(measurements: Measurements) -> dict[str, list[float]]:
 
 
 def _same(base: _Base, _places: Places, _extras: Tables) -> _Base:
-    """The same once more."""
+    """Return the base unchanged: the same measurement again."""
     return base
 
 
