@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of, turns_of
 from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, Progress, measure_curves

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field, model_validator
 
-from drivers.force_sensors.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
+from drivers.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError, LoadCellCalibration
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
+from drivers.load_cell import CalibrationError, LoadCellCalibration
 from drivers.interfaces import Prompt
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.load_cell import LoadCellCalibration
 from labrig.config import (
     ProtocolConfig,
     ReplayConfig,

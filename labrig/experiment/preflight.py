@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadState
+from drivers.load_cell import LoadState
 from drivers.interfaces import Camera, DeviceError, Frame
 from labrig.check import Check
 from labrig.config.templates import NOT_CALIBRATED, template_path

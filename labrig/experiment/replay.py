@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from drivers.boards.ni.connection import NiConnection
-from drivers.cameras.opencv import OpenCvCamera
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
@@ -59,7 +59,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
     output, signals = boards(plan.rig, connection, clock)
     camera = None
     if session.frame_shape is not None:
-        camera = OpenCvCamera(
+        camera = CaptureCamera(
             "replay", clock, capture_factory=lambda _source: RecordedCapture(director, clock)
         )
     rig = Rig(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from drivers.amplifier import Amplifier
 from drivers.boards.ni.connection import NiConnection
-from drivers.boards.ni.take_over import OutputPlace, take_over
+from drivers.boards.ni.rescue import OutputPlace, take_over
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.config import ReplayConfig, RigConfig, load_rig

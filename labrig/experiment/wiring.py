@@ -7,7 +7,7 @@ from typing import Any
 
 from drivers.boards.ni.connection import NiConnection
 from drivers.cameras.choice import camera_for
-from drivers.cameras.opencv import OpenCvCamera
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock
 from drivers.positioners.manual import ManualStage
 from drivers.positioners.zaber import ZaberStage
@@ -122,7 +122,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     person = RecordedOperator(SimulatedPerson(world), clock, emit)
     camera = None
     if config.camera is not None:
-        camera = OpenCvCamera(
+        camera = CaptureCamera(
             SIMULATED,
             clock,
             lambda _source: SimulatedCapture(world, clock, faults=faulty.camera),

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
+from drivers.load_cell import CalibrationError
 from drivers.interfaces import RealClock
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.load_cell_calibration import weigh, write_calibration

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCell
+from drivers.load_cell import LoadCell
 from drivers.interfaces import Frame
 from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
