@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.load_cell_fit import CalibrationFit, fit_calibration
-from drivers.load_cell import CalibrationError, LoadCellCalibration
 from drivers.interfaces import Prompt
+from drivers.load_cell import CalibrationError, LoadCellCalibration
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import Rig, opened

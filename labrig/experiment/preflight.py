@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.load_cell import LoadState
 from drivers.interfaces import Camera, DeviceError, Frame
+from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import NOT_CALIBRATED, template_path
 from labrig.errors import NotReadyError

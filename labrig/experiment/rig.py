@@ -11,8 +11,8 @@ from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from drivers.boards.ni.analog_output import NiVoltageOutput
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.interlock import NiInterlock
-from drivers.load_cell import LoadCell, LoadCellCalibration
 from drivers.interfaces import Camera, Clock, DeviceError, Operator, Positioner
+from drivers.load_cell import LoadCell, LoadCellCalibration
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
 from protocols.execution.devices import Devices

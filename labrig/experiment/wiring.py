@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from drivers.boards.ni.connection import NiConnection
 from drivers.cameras.choice import camera_for
+
+from drivers.boards.ni.connection import NiConnection
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock
 from drivers.positioners.manual import ManualStage

@@ -10,7 +10,7 @@ import pytest
 from pydantic import Field
 
 from labrig.config.base import ClosedModel, validate
-from labrig.config.derived import by_kind, extended, model_of
+from labrig.config.derived import SettingsModel, by_kind, model_of, model_with
 from labrig.errors import BadInputError
 
 
@@ -119,6 +119,10 @@ def test_everything_chosen_is_written_out():
     }
 
 
+class WithOptics(SettingsModel):
+    optics: str
+
+
 def test_further_keys_are_not_among_the_settings():
-    model = extended(model_of(Hand, "hand"), {"optics": (str, ...)})
+    model = model_with(WithOptics, Hand, "hand")
     assert model.model_validate({"optics": "o.json"}).settings() == Hand()

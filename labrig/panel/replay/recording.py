@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drivers.load_cell import LoadCell
 from drivers.interfaces import Frame
+from drivers.load_cell import LoadCell
 from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
 from labrig.experiment.rig import DRIVE
