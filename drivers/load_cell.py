@@ -6,7 +6,7 @@ Pure: no device is touched. The force is the component along the tangent of the 
 from __future__ import annotations
 
 import datetime as dt
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -58,6 +58,16 @@ class LoadCellCalibration:
                 raise CalibrationError(f"load cell: {name} = {value} must be 0 or above")
         if not np.isfinite(self.offset_V):
             raise CalibrationError(f"load cell: offset_V = {self.offset_V} must be a number")
+
+    def in_newtons(self) -> LoadCellCalibration:
+        """Return the same cell as a meter reads it: what is called volts are newtons already."""
+        return replace(
+            self,
+            sensitivity_V_per_N=1.0,
+            offset_V=0.0,
+            sensitivity_sigma_V_per_N=0.0,
+            offset_sigma_V=0.0,
+        )
 
     def newtons(self, volts: FloatArray) -> FloatArray:
         """Force in N of each voltage; not tared."""

@@ -6,6 +6,7 @@ from drivers.boards.contract import (
     BoardConnection,
     BoardFamily,
     BoardFinding,
+    BoardInput,
     OutputRescue,
 )
 
@@ -15,5 +16,6 @@ __all__ = [
     "BoardConnection",
     "BoardFamily",
     "BoardFinding",
+    "BoardInput",
     "OutputRescue",
 ]

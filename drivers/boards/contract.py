@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from drivers.amplifier import BoardOutput
 from drivers.interfaces import Clock, Interlock, SignalInput
@@ -19,6 +19,14 @@ from drivers.safe_shutdown import SafetyReport
 
 DEFAULT = "ni"  # the family of a rig.toml that has no table of boards
 FORCE, CURRENT, DRIVE = "force", "current", "drive"  # channels; drive: the sheet's voltage
+
+
+class BoardInput(NamedTuple):
+    """An input: the channel's name, where it is wired, and the largest voltage expected there."""
+
+    name: str
+    terminal: str  # in the family's own words, such as PCI6034E/ai0
+    range_V: float  # either sign; the board takes the next larger range that it has
 
 
 @dataclass(frozen=True)
@@ -51,8 +59,8 @@ class BoardConnection(Protocol):
         LimitError.
         """
 
-    def signal_input(self, channels: Sequence[str]) -> SignalInput:
-        """Return the inputs with these channels, of force, current and drive; not open yet."""
+    def signal_input(self, inputs: Sequence[BoardInput]) -> SignalInput:
+        """Return these inputs, wired differentially, as one acquisition; not open yet."""
 
     def interlock(self, line: str) -> Interlock:
         """Return the line that is toggled while a run is under way, not open yet."""
@@ -104,6 +112,8 @@ class BoardFamily:
     # Make a connection, not open yet, from the settings and a clock; the transport, where there is
     # one, stands for what `address` names: the simulator's hook. Touches no device.
     connect: Callable[[Any, Clock, Transport | None], BoardConnection]
+    # Return the channels force, current and drive as the settings wire them.
+    inputs: Callable[[Any], tuple[BoardInput, ...]]
     # What another process needs to make the output safe, as plain data (JSON): from the settings,
     # the limit at the board in V, the voltage that counts as 0 V, whether there is an interlock.
     output_place: Callable[[Any, float, float, bool], dict[str, Any]]
@@ -116,7 +126,7 @@ class BoardFamily:
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a family of boards, a sentence each."""
-    calls = ("connect", "output_place", "rescue", "check_line")
+    calls = ("connect", "inputs", "output_place", "rescue", "check_line")
     return list(kind_faults(part, BoardFamily, calls, needed=("address", "sample_rate_hz")))
 
 

@@ -11,7 +11,7 @@ from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
-from labrig.config import parse_load_cell, parse_sheet
+from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.session import RecordedSession, open_session, store_measurements
 from model.measurements import Measurements, SheetGeometry, TimeSeries
@@ -40,8 +40,8 @@ def measure(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
         )
     sheets = parse_sheet(_text(session, "sheet.toml"), f"{session.path}: sheet.toml")
-    calibration = parse_load_cell(
-        _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml"
+    calibration = recorded_calibration(
+        _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml", session.resolved
     )
     _check_configurations(session, sheets)
     forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}

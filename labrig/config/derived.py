@@ -101,9 +101,7 @@ def _model_of(settings: type, kind: str | None, base: type[SettingsModel]) -> ty
         fields[field.name] = (_annotation(hints[field.name], field.metadata), _field(field))
         if "formerly" in field.metadata:
             former[field.metadata["formerly"]] = field.name
-    model = create_model(
-        settings.__name__, __base__=base, __doc__=_doc(settings), **fields
-    )
+    model = create_model(settings.__name__, __base__=base, __doc__=_doc(settings), **fields)
     model.settings_type = settings
     model.former_names = former
     return model

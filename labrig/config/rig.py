@@ -135,11 +135,14 @@ class RigConfig(ClosedModel):
         """Whether the boards are the ones simulated in this process, on the virtual clock."""
         return self.boards.address == SIMULATED
 
-    def changed(self, **tables: Mapping[str, Any]) -> Self:
-        """Return the configuration with other values of some keys, by table and key."""
+    def changed(self, **tables: Mapping[str, Any] | None) -> Self:
+        """Return the configuration with other values of some keys, by table and key.
+
+        None removes a table.
+        """
         data = self.model_dump()
         for name, keys in tables.items():
-            data[name] = {**(data[name] or {}), **keys}
+            data[name] = None if keys is None else {**(data[name] or {}), **keys}
         return type(self).model_validate(data)
 
 

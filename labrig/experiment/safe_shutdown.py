@@ -24,7 +24,7 @@ class SafeShutdown:
         """Never raises."""
         rig = self._rig
         below_V = rig.config.limits.safe_below_V
-        report = make_safe(rig.output, rig.signals, rig.clock, DRIVE, below_V)
+        report = make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V)
         if not report.is_safe:
             report = self._by_the_watch(report)
         self.report = report
@@ -35,7 +35,7 @@ class SafeShutdown:
         if isinstance(self.watch, NoWatchdog):
             return own
         rig = self._rig
-        for let_go in (rig.output.abandon, rig.signals.close, rig.connection.close):
+        for let_go in (rig.output.abandon, rig.read_back.close, rig.boards.close):
             with suppress(DeviceError):
                 in_time(rig.clock, "letting go of the boards", let_go, DEVICE_S)
         found = self.watch.act()

@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivers.boards.contract import BoardFamily, BoardFinding
+from drivers.boards.contract import (
+    CURRENT,
+    DRIVE,
+    FORCE,
+    BoardFamily,
+    BoardFinding,
+    BoardInput,
+)
 from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from drivers.boards.ni.analog_output import NiVoltageOutput
 from drivers.boards.ni.connection import NiConnection
@@ -39,14 +46,11 @@ class NiBoards:
         channel = self.settings.drive
         return NiVoltageOutput(self.connection, self._clock, channel, limit_V, names.output)
 
-    def signal_input(self, channels: Sequence[str]) -> NiSignalInput:
+    def signal_input(self, inputs: Sequence[BoardInput]) -> NiSignalInput:
         """See `BoardConnection.signal_input`."""
         rate_hz, name = self.settings.sample_rate_hz, self.settings.task_names.input
-        inputs = [
-            InputChannel(channel, *self.settings.input_of(channel), "differential")
-            for channel in channels
-        ]
-        return NiSignalInput(self.connection, self._clock, inputs, rate_hz, name)
+        channels = [InputChannel(*each, "differential") for each in inputs]
+        return NiSignalInput(self.connection, self._clock, channels, rate_hz, name)
 
     def interlock(self, line: str) -> NiInterlock:
         """See `BoardConnection.interlock`."""
@@ -67,6 +71,15 @@ def _finding(name: str, channel: str, types: Mapping[str, str]) -> BoardFinding:
 def _connect(settings: NiSettings, clock: Clock, channel: Any) -> NiBoards:
     """`channel`: a ready grpc.Channel, or None."""
     return NiBoards(settings, NiConnection(settings.address, channel=channel), clock)
+
+
+def _inputs(settings: NiSettings) -> tuple[BoardInput, ...]:
+    ranges_V = settings.ranges_V
+    return (
+        BoardInput(FORCE, settings.force, ranges_V.force),
+        BoardInput(CURRENT, settings.current, ranges_V.current),
+        BoardInput(DRIVE, settings.drive_readback, ranges_V.drive),
+    )
 
 
 def _output_place(
@@ -99,6 +112,7 @@ BOARDS = BoardFamily(
     help="National Instruments boards: local, or host:port of an NI gRPC Device Server",
     settings=NiSettings,
     connect=_connect,
+    inputs=_inputs,
     output_place=_output_place,
     rescue=_rescue,
     check_line=check_line,

@@ -82,8 +82,3 @@ class NiSettings:
     )
     task_names: TaskNames = field(default=TaskNames(), metadata={"description": "of the NI tasks"})
     ranges_V: InputRanges = field(default=InputRanges(), metadata={"description": "of the inputs"})
-
-    def input_of(self, channel: str) -> tuple[str, float]:
-        """Return the terminal that a channel (force, current, drive) is wired to, and its range."""
-        terminals = {"force": self.force, "current": self.current, "drive": self.drive_readback}
-        return terminals[channel], getattr(self.ranges_V, channel)
