@@ -22,13 +22,13 @@ from tests.end_to_end.small_rig import make_rig
 SCRIPT = """
 import atexit, os, sys
 from pathlib import Path
-from labrig.experiment.operator import NobodyAsked
+from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig import opened
 from labrig.experiment.safe_shutdown import way_out
 from labrig.experiment.wiring import wire
 
-rig = wire(plan_of(Path(sys.argv[1])), NobodyAsked(print))
+rig = wire(plan_of(Path(sys.argv[1])), NoOperator(print))
 held = [opened(rig)]
 held[0].__enter__()
 
