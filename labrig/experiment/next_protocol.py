@@ -6,8 +6,10 @@ together, and each session is a mounting of its own.
 
 from __future__ import annotations
 
+import dataclasses
 import textwrap
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -16,11 +18,17 @@ import tomlkit
 
 from labrig.config import parse_protocol
 from labrig.config.base import parse_toml
+from labrig.config.templates import template_text
 from labrig.errors import BadInputError
 from model.discrepancy import Diagnosis, Next
 from model.discrepancy.next_measurement.candidate_measurements import LONGER
 from model.measurements import Measurements
-from protocols import PulseTrain
+from protocols import ProtocolKind, ScheduleError
+
+Tables = dict[str, Any]
+Places = dict[str, list[float]]
+
+_KEPT = ("moisten", "camera", "rules")  # keys of the session's own protocol.toml
 
 _NO_EXTRAS = {
     "random_order": False, "no_touch_zero": False, "free_shapes": False, "reversed_approach": False,
@@ -41,12 +49,12 @@ def with_protocol(
 def protocol_text(found: Next, measurements: Measurements, session: Path | None = None) -> str:
     """The text of protocol.toml; it has passed the loader's own checks.
 
-    Pulses are those of `session`, where one is given and holds its protocol.
+    The protocol is that of `session`, where one is given and holds its protocol.
     """
-    tables = _pulses(session, measurements)
+    base = _base(session, measurements)
     places = _places(measurements)
     extras: dict[str, Any] = {"mode": "default", **_NO_EXTRAS}
-    _MAKERS.get(found.extra, _everything)(tables, places, extras)
+    tables = _MAKERS.get(found.extra, _same)(base, places, extras).as_tables()
     document = tomlkit.document()
     for line in textwrap.wrap(f"To tell effects apart: {found.why}", 96):
         document.add(tomlkit.comment(line))
@@ -62,8 +70,22 @@ def protocol_text(found: Next, measurements: Measurements, session: Path | None 
     return text
 
 
-def _pulses(session: Path | None, measurements: Measurements) -> dict[str, Any]:
-    """The tables of the pulse train that was run, or of the paper's at the voltages measured."""
+@dataclass(frozen=True)
+class _Base:
+    """What the next measurement is a variation of."""
+
+    protocol: ProtocolKind
+    tables: Tables  # moisten, camera, rules
+
+    def as_tables(self) -> Tables:
+        """Return the tables of protocol.toml, the protocol's own among them."""
+        values = dataclasses.asdict(self.protocol)
+        plain = {key: list(v) if isinstance(v, tuple) else v for key, v in values.items()}
+        return {**self.tables, self.protocol.name: plain}
+
+
+def _base(session: Path | None, measurements: Measurements) -> _Base:
+    """Return the protocol that was run, or the standard one at the voltages measured."""
     if session is not None:
         from labrig.session import open_session
 
@@ -71,15 +93,20 @@ def _pulses(session: Path | None, measurements: Measurements) -> dict[str, Any]:
             text = opened.texts.get("protocol.toml")
         if text is not None:
             known = parse_protocol(text, f"{session}: protocol.toml")
-            if known.pulse_train is not None:
-                plain = known.model_dump(mode="json")
-                return {key: plain[key] for key in ("moisten", "pulse_train", "camera", "rules")}
+            plain = known.model_dump(mode="json")
+            return _Base(known.protocol(), {key: plain[key] for key in _KEPT})
     driven = sorted({c.voltage_V for c in measurements.conditions} - {0.0}, reverse=True)
     if not driven:
         raise BadInputError(
-            "nothing was measured under voltage, so there is nothing to go on from."
+            "nothing was measured under voltage, so there is nothing to start from."
         )
-    return {"moisten": True, "pulse_train": {"voltages_V": driven}}
+    return _Base(_standard_protocol(driven), {"moisten": True})
+
+
+def _standard_protocol(voltages_V: Sequence[float]) -> ProtocolKind:
+    """Return the protocol that `labrig init` writes, at other voltages."""
+    standard = parse_protocol(template_text("protocol.toml"), "protocol.toml").protocol()
+    return standard.at_voltages(tuple(voltages_V))
 
 
 def _places(measurements: Measurements) -> dict[str, list[float]]:
@@ -92,65 +119,71 @@ def _places(measurements: Measurements) -> dict[str, list[float]]:
     return {name: sorted(set(own)) for name, own in result.items()}
 
 
-# -- entries of the menu: each changes tables, places and extras
-
-Tables = dict[str, Any]
-Places = dict[str, list[float]]
+# -- candidate measurements: each changes the base, the places and the extras
 
 
-def _everything(_tables: Tables, _places: Places, _extras: Tables) -> None:
+def _same(base: _Base, _places: Places, _extras: Tables) -> _Base:
     """The same once more."""
+    return base
 
 
-def _free_shapes(_tables: Tables, places: Places, extras: Tables) -> None:
+def _free_shapes(base: _Base, places: Places, extras: Tables) -> _Base:
     extras["free_shapes"] = True
     for name in places:
         places[name] = []
+    return base
 
 
-def _remount(_tables: Tables, places: Places, _extras: Tables) -> None:
+def _remount(base: _Base, places: Places, _extras: Tables) -> _Base:
     for name, own in places.items():
         places[name] = [own[i] for i in sorted({0, len(own) // 2, len(own) - 1})] if own else own
+    return base
 
 
-def _long_runs(tables: Tables, places: Places, extras: Tables) -> None:
-    _remount(tables, places, extras)
-    train = tables["pulse_train"]
-    usual = train.get("readings_per_voltage", PulseTrain.readings_per_voltage)
-    train["readings_per_voltage"] = LONGER * usual
+def _long_runs(base: _Base, places: Places, extras: Tables) -> _Base:
+    _remount(base, places, extras)
+    try:
+        longer = base.protocol.longer(LONGER)
+    except ScheduleError:  # a kind that reads each voltage once
+        longer = _standard_protocol(base.protocol.driven_V).longer(LONGER)
+    return replace(base, protocol=longer)
 
 
-def _reversed(_tables: Tables, places: Places, extras: Tables) -> None:
+def _reversed(base: _Base, places: Places, extras: Tables) -> _Base:
     extras["approach"] = "down"
     for own in places.values():
         own.reverse()  # on the way down, as it is approached
+    return base
 
 
-def _between(_tables: Tables, places: Places, _extras: Tables) -> None:
+def _between(base: _Base, places: Places, _extras: Tables) -> _Base:
     for name, own in places.items():
         places[name] = [round(0.5 * (a + b), 6) for a, b in pairwise(own)] or own
+    return base
 
 
-def _half_voltage(tables: Tables, _places: Places, _extras: Tables) -> None:
-    train = tables["pulse_train"]
-    train["voltages_V"] = [0.5 * v for v in train["voltages_V"]]
+def _half_voltage(base: _Base, _places: Places, _extras: Tables) -> _Base:
+    return replace(base, protocol=base.protocol.scaled(0.5))
 
 
-def _random_order(_tables: Tables, _places: Places, extras: Tables) -> None:
+def _random_order(base: _Base, _places: Places, extras: Tables) -> _Base:
     extras["random_order"] = True
+    return base
 
 
-def _no_touch_zero(_tables: Tables, _places: Places, extras: Tables) -> None:
+def _no_touch_zero(base: _Base, _places: Places, extras: Tables) -> _Base:
     extras["no_touch_zero"] = True
+    return base
 
 
-def _turned_over(_tables: Tables, _places: Places, extras: Tables) -> None:
+def _turned_over(base: _Base, _places: Places, extras: Tables) -> _Base:
     extras["tilt_deg"] = 180.0
+    return base
 
 
 _MAKERS = {
     "free_shapes": _free_shapes, "remount": _remount, "reversed_approach": _reversed,
     "between": _between, "half_voltage": _half_voltage, "random_order": _random_order,
     "long_runs": _long_runs, "turned_over": _turned_over, "no_touch_zero": _no_touch_zero,
-    "more_repeats": _everything,
+    "more_repeats": _same,
 }  # fmt: skip

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from drivers.boards.contract import CURRENT, DRIVE, FORCE, BoardConnection
 from drivers.force_sensors.metered_input import MeteredInput
@@ -41,7 +41,6 @@ class Rig:
     calibration: LoadCellCalibration  # of the channel `force`: its unit may be the newton itself
     interlock: Interlock | None  # opened only while a run is watched over
     threaded: bool  # False on a virtual clock: whatever follows the run is called at once
-    plugins: Mapping[str, str] = field(default_factory=dict)  # other distributions' parts in use
 
     @property
     def read_back(self) -> SignalInput:

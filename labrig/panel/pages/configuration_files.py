@@ -14,6 +14,7 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import Item
 
 from labrig.config import (
+    PROTOCOLS,
     parse_json,
     parse_load_cell,
     parse_protocol,
@@ -30,7 +31,6 @@ Values = dict[str, Any]
 KINDS = ("rig", "sheet", "protocol", "load_cell", "optics", "model", "world")
 WRITABLE = ("sheet", "protocol")
 _MOST_FILES = 500
-_PROTOCOLS = {"places", "pulse_train", "step_response", "staircase", "hold"}
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def kind_of(text: str, suffix: str) -> str:
         return "model"
     if values.keys() & {"ni", "replay", "amplifier"}:
         return "rig"
-    if values.keys() & _PROTOCOLS:
+    if values.keys() & {"places", *PROTOCOLS.parts()}:
         return "protocol"
     if "sensitivity_V_per_N" in values:
         return "load_cell"
