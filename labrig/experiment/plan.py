@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.force_sensors import FORCE_SENSORS
+from drivers.load_cell import LoadCellCalibration
 from labrig.config import (
     ProtocolConfig,
     ReplayConfig,
@@ -20,6 +21,7 @@ from labrig.config import (
     parse_sheet,
     read_text,
 )
+from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
@@ -52,6 +54,7 @@ class Plan:
             "protocol": self.protocol.model_dump(mode="json"),
             "sheet": {name: _plain(sheet) for name, sheet in self.sheets.items()},
             "load_cell": _plain(self.calibration),
+            FORCE_UNIT: "N" if _reads_newtons(self.rig) else "V",
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
         }
 
@@ -86,13 +89,23 @@ def make_plan(
         rig=rig,
         protocol=protocol,
         sheets=sheets,
-        calibration=parse_load_cell(texts["load_cell.toml"], called["load_cell.toml"]),
+        calibration=_calibration(rig, texts["load_cell.toml"], called["load_cell.toml"]),
         optics=optics,
         schedule=protocol.schedule(called["protocol.toml"]),
         texts=dict(texts),
     )
     _check_against_rig(plan, called)
     return plan
+
+
+def _reads_newtons(rig: RigConfig) -> bool:
+    """Whether a meter reads the load cell, whose values are newtons already."""
+    return FORCE_SENSORS.get(rig.force_sensor.kind).make is not None
+
+
+def _calibration(rig: RigConfig, text: str, name: str) -> LoadCellCalibration:
+    calibration = parse_load_cell(text, name)
+    return calibration.in_newtons() if _reads_newtons(rig) else calibration
 
 
 def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:

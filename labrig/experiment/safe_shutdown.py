@@ -24,7 +24,7 @@ class SafeShutdown:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
         rig = self._rig
         below_V = rig.config.limits.safe_below_V
-        report = make_safe(rig.output, rig.signals, rig.clock, DRIVE, below_V)
+        report = make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V)
         if not report.is_safe:
             report = self._by_the_watchdog(report)
         self.report = report
@@ -35,7 +35,7 @@ class SafeShutdown:
         if isinstance(self.watchdog, NoWatchdog):
             return own
         rig = self._rig
-        for release in (rig.output.abandon, rig.signals.close, rig.connection.close):
+        for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
             with suppress(DeviceError):
                 in_time(rig.clock, "releasing the boards", release, DEVICE_S)
         found = self.watchdog.act()

@@ -7,9 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Protocol
 
-from drivers.boards.ni.interlock import NiInterlock
 from drivers.guard import Guard, GuardSettings
-from drivers.interfaces import DeviceError
+from drivers.interfaces import DeviceError, Interlock
 from drivers.safe_shutdown import SafetyReport
 from labrig.errors import NotReadyError
 from labrig.experiment.rig import Rig
@@ -55,7 +54,7 @@ class NoWatchdog:
 class InterlockWatchdog:
     """Another watchdog, and a line that is toggled with each of its beats."""
 
-    def __init__(self, watch: Watchdog, interlock: NiInterlock) -> None:
+    def __init__(self, watch: Watchdog, interlock: Interlock) -> None:
         self._watch = watch
         self._interlock = interlock
         self.new_run = watch.new_run
@@ -98,7 +97,12 @@ def _guard_of(rig: Rig, session: Path) -> Iterator[Watchdog]:
         return
     limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
     report = str(guard_report_path(session).absolute())
-    settings = GuardSettings(output_place(rig.config), limit_s, report_path=report)
+    settings = GuardSettings(
+        boards=rig.config.boards_kind,
+        place=output_place(rig.config),
+        time_under_voltage_s=limit_s,
+        report_path=report,
+    )
     try:
         guard = Guard.start(settings)
     except DeviceError as fault:

@@ -139,6 +139,9 @@ class FakeOutput:
         """Write 0 V."""
         self.write(0.0)
 
+    def abandon(self) -> None:
+        """See `VoltageOutput.abandon`: nothing is held."""
+
     @property
     def last_V(self) -> float:
         """Return the voltage that was written last."""

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.iidc import IidcCapture, iidc_guid
-from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import DeviceError, DeviceNotFoundError
 
 SOURCE = Path(__file__).with_name("fake_dc1394.c")
@@ -123,7 +123,7 @@ def test_a_camera_that_another_program_uses_is_said_so(library):
 @pytest.mark.system_package("gcc")
 def test_the_driver_reads_it_like_any_other_camera(library):
     clock = SteppingClock()
-    camera = OpenCvCamera(
+    camera = CaptureCamera(
         "iidc:00b09d0100112233", clock, lambda _: IidcCapture(GUID, clock, library=library)
     )
     camera.open()

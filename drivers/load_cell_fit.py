@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import CalibrationError, LoadCellCalibration
 from drivers.interfaces import FloatArray
+from drivers.load_cell import CalibrationError, LoadCellCalibration
 
 _ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below +1 sigma
 

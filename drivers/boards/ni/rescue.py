@@ -1,14 +1,16 @@
 """Make the output safe from another process than the one that drove it.
 
-The guard and `labrig safe` do this. Boards know their tasks by name: they are attached to, the
-output set to 0 V and freed, the input stopped and freed. Then the output is taken anew and 0 V
-written again: the old process, should it wake, holds a task that no longer exists.
+The guard and `labrig safe` do this. NI knows tasks by their names, and another process can attach
+to them: it sets the output to 0 V and frees it, stops the input and frees it. Then it opens the
+output itself and writes 0 V again: the old process, should it wake, holds a task that is gone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +25,7 @@ _RETRY_S = 0.01
 _RATE_HZ = 1000.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class OutputPlace:
     """Where the output and its read-back are, and what counts as 0 V."""
 
@@ -38,28 +40,55 @@ class OutputPlace:
     input_task: str = INPUT_TASK
     interlock_task: str | None = None  # None: the rig has no interlock
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return asdict(self)
+
+
+class NiRescue:
+    """An `OutputRescue` with a connection of its own."""
+
+    def __init__(self, place: OutputPlace, clock: Clock) -> None:
+        self._place = place
+        self._clock = clock
+        self._connection = NiConnection(place.address)
+
+    def open(self) -> None:
+        """See `OutputRescue.open`."""
+        self._connection.open()
+        for module in ("nidaqmx.constants", "nidaqmx.stream_readers"):
+            import_module(module)  # there is no time for it when it is needed
+
+    def make_safe(self, patience_s: float, on_held: Callable[[], None]) -> SafetyReport:
+        """See `OutputRescue.make_safe`."""
+        return shut_down(self._connection, self._clock, self._place, patience_s, on_held)
+
+    def close(self) -> None:
+        """See `OutputRescue.close`."""
+        self._connection.close()
+
 
 def _wait() -> None:
     """Whoever holds a device lets go of it without our help."""
 
 
-def take_over(
+def shut_down(
     connection: NiConnection,
     clock: Clock,
     place: OutputPlace,
     patience_s: float = 5.0,
     on_held: Callable[[], None] = _wait,
 ) -> SafetyReport:
-    """Free both named tasks, write 0 V, read it back, let go. Never raises.
+    """Free the named tasks, write 0 V, read it back, let go. Never raises.
 
     `patience_s`: how long to wait for a device that somebody still holds; `on_held` is called each
-    time it is found so. A task that belongs to its process, as with a local driver, cannot be
-    attached to: it holds its device until that process ends.
+    time. A task that belongs to its process, as with a local driver, cannot be attached to: it
+    holds its device until that process ends.
     """
     failures: list[str] = []
     until_s = clock.now() + patience_s
 
-    def patiently(open_it: Callable[[], None]) -> None:
+    def retried(open_it: Callable[[], None]) -> None:
         while True:
             try:
                 return open_it()
@@ -75,8 +104,8 @@ def take_over(
     output = NiVoltageOutput(
         connection, clock, place.output_channel, place.limit_board_V, place.output_task
     )
-    written = attempt(failures, lambda: patiently(output.open))
-    seen_V = _read_back(connection, clock, place, patiently, failures)
+    written = attempt(failures, lambda: retried(output.open))
+    seen_V = _read_back(connection, clock, place, retried, failures)
     attempt(failures, output.close)
     return judge(written, seen_V, place.safe_below_V, failures)
 
@@ -117,19 +146,19 @@ def _read_back(
     connection: NiConnection,
     clock: Clock,
     place: OutputPlace,
-    patiently: Callable[[Callable[[], None]], None],
+    retried: Callable[[Callable[[], None]], None],
     failures: list[str],
 ) -> float | None:
     drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
     signals = NiSignalInput(connection, clock, [drive], _RATE_HZ, place.input_task)
     seen: list[float] = []
 
-    def look() -> None:
-        patiently(signals.open)
+    def read() -> None:
+        retried(signals.open)
         seen.append(
             mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S))), place.safe_below_V)
         )
 
-    attempt(failures, look)
+    attempt(failures, read)
     attempt(failures, signals.close)
     return seen[0] if seen else None
