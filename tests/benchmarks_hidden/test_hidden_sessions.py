@@ -215,7 +215,7 @@ def test_where_nothing_is_hidden_the_moment_goes_with_the_voltage_at_the_sheet()
 
 def chi2_per_number(found: Fit) -> float:
     """Of what the fit leaves, with the scatter that it found, over the numbers it is made of."""
-    data, solution = found.joint.data, found.joint.solution
+    data, solution = found.joint.fitted.linear.data, found.joint.fitted.solution
     left = data.y - data.X @ solution.beta
     chi2 = float(np.einsum("ri,rij,rj", left, solution.weights, left))
     there = data.fixed < 0.5  # rows that a run does not have have the variance one
