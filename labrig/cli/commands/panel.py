@@ -89,7 +89,7 @@ def _settings(
 
 
 def _require_readable(session: Path | None, model: Path | None) -> None:
-    """Raises BadInputError, in the words of whoever would meet the file later."""
+    """Raise BadInputError, as reading the file later would, if it cannot be read."""
     if session is not None:
         from labrig.session import open_session
 

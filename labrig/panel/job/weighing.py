@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError
 from drivers.interfaces import RealClock
+from drivers.load_cell import CalibrationError
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.load_cell_calibration import weigh, write_calibration
 from labrig.experiment.preflight import plan_of

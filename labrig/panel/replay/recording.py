@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCell
 from drivers.interfaces import Frame
-from labrig.config import parse_load_cell, parse_sheet
+from drivers.load_cell import LoadCell
+from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.experiment.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
@@ -176,8 +176,9 @@ def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
 
 
 def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
-    """All signals of a run, in mN, mA and V."""
-    calibration = parse_load_cell(session.texts["load_cell.toml"], "load_cell.toml")
+    """Return all signals of a run, in mN, mA and V."""
+    text = session.texts["load_cell.toml"]
+    calibration = recorded_calibration(text, "load_cell.toml", session.resolved)
     cell = LoadCell(calibration, run.ranges_V["force"])
     shunt_ohm = float(session.resolved["rig"]["current_sense"]["shunt_ohm"])
     samples = np.stack(

@@ -16,6 +16,7 @@ _SCATTER = {
     "stiffness": ("bending stiffness, %", 100.0),
     "eibm": ("EIBM, %", 100.0),
     "eibm_condition": ("EIBM within a set-up, %", 100.0),
+    "eibm_free": ("EIBM of a free shape, %", 100.0),
     "position": ("position on the arc, mm", 1e3),
     "clamp_tilt": ("tilt of the clamp, mrad", 1e3),
     "registration": ("registration of the camera, µm", 1e6),

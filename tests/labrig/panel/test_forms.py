@@ -194,7 +194,7 @@ def test_a_board_that_is_seen_calibrates_the_camera():
     from labrig.panel.calibration.camera_calibration import CameraCalibrationRun
 
     board = CalibrationBoard(12, 9, 5.0, 3.6)
-    picture = np.pad(board.picture(8), 40, constant_values=255)
+    picture = np.pad(board.image(8), 40, constant_values=255)
     making = CameraCalibrationRun()
     view = making.add_view(picture, board)
     assert len(view["corners_px"]) == 11 * 8
