@@ -238,7 +238,7 @@ def next_sentences(found: Diagnosis) -> list[str]:
     """Return what to measure to be sure."""
     if found.next_measurement is None:
         return []
-    said = [next_told(found.next_measurement)]
+    said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
     if pair is not None:
         said.append(
@@ -248,7 +248,7 @@ def next_sentences(found: Diagnosis) -> list[str]:
     return said
 
 
-def next_told(one: Next) -> str:
+def next_sentence(one: Next) -> str:
     """Why to measure something next."""
     text = f"Measure next: {one.why.rstrip('.')}."
     if np.isfinite(one.separation) and np.isfinite(one.expected):
