@@ -29,11 +29,13 @@ RISE_S = 0.1  # of the voltage, where pictures are taken
 _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"])[0])
 
 
-def faults(effect: Effect) -> list[str]:
-    """What is wrong with an effect, one sentence each without its full stop; none: it is good.
+def faults(effect: object) -> list[str]:
+    """Return what is wrong with an effect, a sentence each without its full stop; none: it is good.
 
     What is checked later may rest on what was checked before, so the first faults end it.
     """
+    if not isinstance(effect, Effect):
+        return [f"it is of type {type(effect).__name__}, not a model.effects.Effect"]
     for check in (faults_of_form, *_CHECKS):
         if found := list(check(effect)):
             return found
