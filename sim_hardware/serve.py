@@ -1,7 +1,7 @@
-"""`python -m sim_hardware serve`: a whole simulated rig on this computer, until it is told to end.
+"""`python -m sim_hardware serve`: a whole simulated rig on this computer, until a signal ends it.
 
-Prints one line for each thing that can be connected to, then `ready`. Exit codes: 0 told to end,
-2 bad arguments or a bad world, 3 a port is taken.
+Prints one line for each address, then `ready`. Exit codes: 0 ended by a signal, 2 bad arguments or
+a bad world, 3 a port is taken.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 from drivers.interfaces import Clock, RealClock
-from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
+from sim_hardware.ni import LoopbackWires, NiDeviceServer, PortTakenError
 
 if TYPE_CHECKING:
     from sim_hardware.faults import FaultyRig
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
-_LOOK_S = 0.2  # Windows wakes no thread for Ctrl-C: look now and then
+_POLL_S = 0.2  # Windows wakes no thread for Ctrl-C: poll
 
 
 class ArgumentFaultError(Exception):
-    """Arguments that cannot be followed; one sentence."""
+    """Arguments that make no sense; one sentence."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str]) -> int:
             for line in _start(options, RealClock(), stack):
                 _say(line)
             _say("ready")
-            while not end.wait(_LOOK_S):
+            while not end.wait(_POLL_S):
                 pass
     except ArgumentFaultError as fault:
         return _complain(str(fault), BAD_ARGUMENTS)
@@ -140,7 +140,7 @@ def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[
 def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDeviceServer:
     try:
         return NiDeviceServer(
-            LoopbackBench(options.wire),
+            LoopbackWires(options.wire),
             clock,
             _devices(options),
             options.driver_version,

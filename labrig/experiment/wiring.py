@@ -100,7 +100,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     from sim_hardware.camera import SimulatedCapture
     from sim_hardware.clock import VirtualClock
     from sim_hardware.faults import FaultyRig
-    from sim_hardware.operator import SimulatedPerson
+    from sim_hardware.operator import SimulatedOperator
     from sim_hardware.rig_boards import boards_of
     from sim_hardware.serial_devices import InMemorySerial
     from sim_hardware.serial_devices import SimulatedZaberStage as SimulatedStage
@@ -125,7 +125,7 @@ def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
     faulty.begin()
     connection = NiConnection(SIMULATED, channel=server.in_process_channel())
     output, signals = boards(config, connection, clock)
-    person = RecordedOperator(SimulatedPerson(world), clock, emit)
+    person = RecordedOperator(SimulatedOperator(world), clock, emit)
     camera = None
     if config.camera is not None:
         camera = OpenCvCamera(

@@ -36,7 +36,7 @@ class Arc(Protocol):
         """Its radius."""
 
 
-class ArcSettings(Protocol):
+class SettingsWithArc(Protocol):
     """The settings of a world, as far as devices use them."""
 
     @property
@@ -55,7 +55,7 @@ class ArcWorld(Protocol):
     """A world whose load cell can be moved along an arc."""
 
     @property
-    def settings(self) -> ArcSettings:
+    def settings(self) -> SettingsWithArc:
         """The world's settings."""
 
     def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:

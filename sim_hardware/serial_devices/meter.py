@@ -67,14 +67,14 @@ class SimulatedDpm3Meter:
         return b"".join(self._execute(line) for line in lines)
 
     def poll(self) -> bytes:
-        """The readings of continuous mode that are due."""
-        said = b""
+        """Return the readings of continuous mode that are due."""
+        sent = b""
         now = self._clock.now()
         while self._next_s is not None and self._next_s <= now:
             if self._next_s > now - _STALE_S:
-                said += self._reading(self._next_s)
+                sent += self._reading(self._next_s)
             self._next_s += self._period_s
-        return said
+        return sent
 
     def _execute(self, line: bytes) -> bytes:
         match = _COMMAND.fullmatch(line)

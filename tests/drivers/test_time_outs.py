@@ -13,14 +13,14 @@ import pytest
 from drivers import Guard, GuardSettings, NiConnection, OpenCvCamera, OutputPlace
 from drivers.interfaces import DeviceTimeoutError, RealClock
 from drivers.safe_shutdown import Safety
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
 CLOCK = RealClock()
 
 
 @pytest.fixture
 def place():
-    server = NiDeviceServer(LoopbackBench({"ao0": "ai2"}), CLOCK)
+    server = NiDeviceServer(LoopbackWires({"ao0": "ai2"}), CLOCK)
     yield OutputPlace(f"127.0.0.1:{server.listen(0)}", "PCI6703/ao0", "PCI6034E/ai2")
     server.stop()
 
