@@ -85,8 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--serial",
         action="append",
-        metavar="NAME",
-        help="a serial device, such as stage (repeatable; default: all)",
+        metavar="KIND",
+        help="a serial device, such as zaber (repeatable; default: all)",
     )
     add("--driver-version", default="26.0", help="that the server reports (default: 26.0)")
     add(
@@ -206,17 +206,18 @@ def _serve_serial(rig: FaultyRig, names: Sequence[str] | None, stack: ExitStack)
 
     lines = []
     try:
-        makers = {name: FOLDER.get(name) for name in names or FOLDER.parts()}
+        kinds = [FOLDER.get(name) for name in names or FOLDER.parts()]
     except UnknownPartError as fault:
         raise ArgumentFaultError(f"--serial: {fault}") from fault
-    for name, make in makers.items():
+    for kind in kinds:
         try:
-            port = PtyPort(make(rig.world, rig.clock), rig.serial)
+            device = kind.make(rig.world, rig.clock, rig.world.settings.seed)
+            port = PtyPort(device, rig.serial)
         except OSError as fault:
-            sys.stderr.write(f"no {name}: {fault}\n")
+            sys.stderr.write(f"no {kind.role}: {fault}\n")
             continue
         stack.callback(port.stop)
-        lines.append(f"{name}={port.path}")
+        lines.append(f"{kind.role}={port.path}")
     return lines
 
 

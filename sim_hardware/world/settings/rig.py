@@ -135,7 +135,7 @@ class InterlockSettings(ClosedSettings):
     """After the last edge the relay opens."""
 
 
-class LoadCellSettings(ClosedSettings):
+class CellSettings(ClosedSettings):
     """The load cell and its wiring."""
 
     sensitivity_V_per_N: float

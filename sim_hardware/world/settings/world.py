@@ -18,10 +18,10 @@ from sim_hardware.world.settings.faults import FaultSettings
 from sim_hardware.world.settings.rig import (
     AmplifierSettings,
     ArcSettings,
+    CellSettings,
     ClampSettings,
     ElectricalSettings,
     InterlockSettings,
-    LoadCellSettings,
     RollsSettings,
     ViewSettings,
     WiringSettings,
@@ -70,7 +70,7 @@ class WorldSettings(ClosedSettings):
     water: WaterSettings
     amplifier: AmplifierSettings
     electrical: ElectricalSettings
-    load_cell: LoadCellSettings
+    load_cell: CellSettings
     clamp: ClampSettings
     rolls: RollsSettings
     gravity_N_per_m: float

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.settings import LoadCellSettings
+from sim_hardware.world.settings import CellSettings
 from sim_hardware.world.signals.noise import SlowWander, WhiteNoise
 
 FloatArray = npt.NDArray[np.float64]
@@ -36,7 +36,7 @@ class CellFault(StrEnum):
 class SimulatedLoadCell:
     """Volts of a force; noise is a function of the time since the world's beginning."""
 
-    def __init__(self, settings: LoadCellSettings, seed: int) -> None:
+    def __init__(self, settings: CellSettings, seed: int) -> None:
         from sim_hardware.world.signals import kernels
 
         self._approach, self._waves = kernels.approach, kernels.waves

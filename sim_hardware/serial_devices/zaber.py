@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from drivers.interfaces import Clock
 from sim_hardware.serial_devices.axis import MICROSTEP_RAD, Axis
-from sim_hardware.serial_devices.contract import ArcWorld, SerialDevice, SerialWorld
+from sim_hardware.serial_devices.contract import ArcWorld, SimulatedSerial
 from sim_hardware.serial_devices.zaber_settings import SPEED_UNIT, Settings
 from sim_hardware.serial_devices.zaber_text import ZaberCommand, message, number
 
@@ -229,6 +229,7 @@ def _device_only(command: ZaberCommand) -> None:
         raise RejectedError("DEVICEONLY")
 
 
-def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
-    """Return the stage of a simulated rig; it has been homed, else it would refuse to move."""
-    return SimulatedZaberStage(world, clock, homed=True)
+# It has been homed: an unhomed one refuses to move.
+SERIAL_DEVICE = SimulatedSerial(
+    "stage", lambda world, clock, _seed: SimulatedZaberStage(world, clock, homed=True)
+)

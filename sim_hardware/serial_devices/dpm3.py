@@ -13,7 +13,7 @@ import re
 import numpy as np
 
 from drivers.interfaces import Clock
-from sim_hardware.serial_devices.contract import ForceWorld, SerialDevice, SerialWorld
+from sim_hardware.serial_devices.contract import ForceWorld, SimulatedSerial
 
 GRAM_FORCE_N = 9.80665e-3
 _COMMAND = re.compile(rb"\*([0-9A-V])(B1|CA|CB|A0|A1)")
@@ -117,6 +117,6 @@ class SimulatedDpm3Meter:
         return "ABCDEFGH"[on[0] + 2 * on[1] + 4 * overload]
 
 
-def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
-    """Return the meter of a simulated rig."""
-    return SimulatedDpm3Meter(world, clock)
+SERIAL_DEVICE = SimulatedSerial(
+    "meter", lambda world, clock, seed: SimulatedDpm3Meter(world, clock, seed=seed)
+)
