@@ -13,11 +13,12 @@ from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
     from labrig.testing.conformance import command_faults as command_faults
+    from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.fake_rig import FakeRig as FakeRig
     from labrig.testing.fake_rig import short_schedule as short_schedule
 
 _HOMES = {
-    "labrig.testing.conformance": ("command_faults",),
+    "labrig.testing.conformance": ("command_faults", "curve_extractor_faults"),
     "labrig.testing.fake_rig": ("FakeRig", "short_schedule"),
 }
 __getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)

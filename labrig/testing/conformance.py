@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from labrig.cli.command import faults as command_faults
+from labrig.extractors.conformance import faults as curve_extractor_faults
 
-__all__ = ["command_faults"]
+__all__ = ["command_faults", "curve_extractor_faults"]
