@@ -107,7 +107,7 @@ def camera(
             clamp_px=(clamp_u, clamp_v),
             along_px=None if along is None else (along[0], along[1]),
         )
-    _tell(found, output)
+    _report(found, output)
     picture = output.with_suffix(".png")
     write_calibration_image(picture, images[0], found.optics)
     say(f"wrote {picture}: look whether its lines run along the board's")
@@ -143,7 +143,7 @@ def _numbers(text: str, option: str, count: int) -> list[float]:
     return values
 
 
-def _tell(found: Calibration, output: Path) -> None:
+def _report(found: Calibration, output: Path) -> None:
     optics = found.optics
     say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
     if found.residual_px:
