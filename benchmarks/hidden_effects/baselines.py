@@ -16,7 +16,6 @@ import numpy as np
 from benchmarks.hidden_effects.baseline_gp import gaussian_process
 from benchmarks.hidden_effects.run import Made, options_of
 from benchmarks.hidden_effects.visible import known
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.discrepancy.prepare import Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.search.forward_selection import search
@@ -25,7 +24,8 @@ from model.discrepancy.search.signatures import forms
 from model.discrepancy.verdict.posterior import choices
 from model.discrepancy.verdict.prediction_error import variance
 from model.effects.interface import Effect
-from model.identification.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import FloatArray
 
 NOT_THERE = -30.0  # ln of a scatter that is taken not to be there

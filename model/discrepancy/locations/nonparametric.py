@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.form_error import FORM, cosine, waves_along
-from model.discrepancy.likelihood.forward_model import Perturbation
-from model.discrepancy.likelihood.linearisation import with_columns
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.slots import TIMES, BasisShape, force_range_N, shapes, unit_of
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
 from model.effects.interface import Location
-from model.identification.mixed_model import weigh
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.form_error import FORM, cosine, waves_along
+from model.identification.likelihood.forward_model import Perturbation
+from model.identification.likelihood.linearisation import with_columns
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
 

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.periodic_terms import PHASES
-from model.discrepancy.likelihood.form_error import unit
-from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState, Perturbation
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate
 from model.effects.interface import LOCATIONS, Location
+from model.identification.data.periodic_terms import PHASES
+from model.identification.likelihood.form_error import unit
+from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 WAVES = 9

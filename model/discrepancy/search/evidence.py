@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import atoms
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import Linearisation
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.effects.interface import Effect, Values
-from model.identification.mixed_model import Solution, deviance, estimate
+from model.identification.likelihood.form_error import atoms
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Linearisation
+from model.identification.likelihood.mixed_model import Solution, deviance, estimate
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
@@ -161,7 +161,7 @@ def surprise(one: Score) -> float:
 
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     """Evidence with the noise estimated beside the candidate, which it would else hide in."""
-    from model.discrepancy.likelihood.linearisation import with_columns
+    from model.identification.likelihood.linearisation import with_columns
 
     study = fitted.problem.study
     q = one.candidate.columns.shape[1]

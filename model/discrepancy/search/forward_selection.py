@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found, whole_step
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, fit_mixed_model
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import MOST_FORM, form_share
@@ -16,7 +14,13 @@ from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import ALIKE, RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
-from model.identification.mixed_model import weigh
+from model.identification.likelihood.form_error import Found, whole_step
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import (
+    FitProblem,
+    MixedModelFit,
+    fit_mixed_model,
+)
 from model.measurements import FloatArray
 
 MOST_OUTLIERS = 2

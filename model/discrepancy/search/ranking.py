@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search.evidence import (
     Candidate,
@@ -22,7 +21,8 @@ from model.discrepancy.search.evidence import (
 )
 from model.discrepancy.search.outliers import outlier_candidates
 from model.effects.interface import Effect
-from model.identification.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good

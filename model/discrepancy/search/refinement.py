@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
-from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.search.evidence import Candidate, Score, unit_values
 from model.discrepancy.search.form_share import MOST_FORM, form_share
 from model.discrepancy.search.ranking import BENT, RankedCandidate, best_scores, usual_scatter
 from model.effects.interface import Effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
 CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.nonparametric import unknown_effect
 from model.discrepancy.prepare import Options
 from model.discrepancy.verdict.result import Gap, Unknown
 from model.effects.interface import EffectParameter
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import ActiveEffect

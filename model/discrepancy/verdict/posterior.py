@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.discrepancy.search.forward_selection import FURTHER, SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
 HARDLY = 0.02  # posterior below which an alternative is not kept

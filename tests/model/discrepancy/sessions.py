@@ -7,8 +7,8 @@ from functools import cache
 
 from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.discrepancy.prepare import Options, prepare
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import Measurements
 
 NOTHING = case(seed=1)

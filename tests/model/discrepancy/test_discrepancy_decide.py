@@ -8,8 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import fit_mixed_model
 from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
@@ -35,6 +33,8 @@ from model.discrepancy.verdict.posterior import (
     with_shapes,
 )
 from model.effects import catalogue, effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 

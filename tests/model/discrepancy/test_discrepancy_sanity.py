@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.discrepancy.data.data_checks import remarks
 from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.verdict.data_checks import remarks
 from tests.model.discrepancy.sessions import base_fit, session
 
 

@@ -21,7 +21,7 @@ from model.discrepancy.search.evidence import (
     unit_values,
 )
 from model.effects import catalogue, effect
-from model.identification.mixed_model import Data, weigh
+from model.identification.likelihood.mixed_model import Data, weigh
 from tests.model.discrepancy.sessions import base_fit
 
 

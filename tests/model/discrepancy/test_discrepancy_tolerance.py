@@ -7,7 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.form_error import (
+from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
+from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.search import ranking
+from model.discrepancy.search.evidence import Score
+from model.discrepancy.search.ranking import RankedCandidate
+from model.effects import LOCATIONS, catalogue, effect
+from model.effects.conformance import plausible
+from model.identification.likelihood.form_error import (
     FORM,
     OWN,
     SIGN,
@@ -20,15 +28,7 @@ from model.discrepancy.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.discrepancy.likelihood.forward_model import Perturbation
-from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
-from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
-from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.search import ranking
-from model.discrepancy.search.evidence import Score
-from model.discrepancy.search.ranking import RankedCandidate
-from model.effects import LOCATIONS, catalogue, effect
-from model.effects.conformance import plausible
+from model.identification.likelihood.forward_model import Perturbation
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.data.data_vector import look
-from model.discrepancy.data.periodic_terms import PeriodicTerm, wave_in
+from model.identification.data.data_vector import look
+from model.identification.data.periodic_terms import PeriodicTerm, wave_in
 from model.measurements import Measurements
 from tests.model.discrepancy.sessions import NOTHING, Case, Hiding, diagnosed, session
 

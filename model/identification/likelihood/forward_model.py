@@ -7,19 +7,19 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import DataVector
-from model.discrepancy.data.periodic_terms import wave_in
-from model.discrepancy.data.row_index import RowBlock, RowIndex
-from model.discrepancy.likelihood.contact_solution import (
+from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
+from model.effects.rise import rise_left
+from model.effects.roll_friction import slid
+from model.identification.data.data_vector import DataVector
+from model.identification.data.periodic_terms import wave_in
+from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
     Sensitivities,
     SolvedConditions,
 )
-from model.discrepancy.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
-from model.discrepancy.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
-from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
-from model.effects.rise import rise_left
-from model.effects.roll_friction import slid
+from model.identification.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
+from model.identification.likelihood.row_index import RowBlock, RowIndex
+from model.identification.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
 from model.measurements import Curve, FloatArray
 from model.mechanics.field import Field
 

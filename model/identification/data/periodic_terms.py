@@ -14,8 +14,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import TRENDS, ConditionData, DataVector, trends
 from model.effects.interface import AcquisitionTimes
+from model.identification.data.data_vector import TRENDS, ConditionData, DataVector, trends
 from model.measurements import Curve, FloatArray
 
 What = Literal["force", "EIBM"]

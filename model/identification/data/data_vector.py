@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.acquisition_times import (
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.acquisition_times import (
     ReadingTimes,
     RunKey,
     SessionTimes,
@@ -24,8 +25,7 @@ from model.discrepancy.data.acquisition_times import (
     opposite_ratio,
     run_key,
 )
-from model.discrepancy.data.pulses import BINS_S, parts_of_pulses
-from model.effects.interface import AcquisitionTimes
+from model.identification.data.pulses import BINS_S, parts_of_pulses
 from model.identification.observations import check_sheet, checked_curve
 from model.measurements import (
     Condition,

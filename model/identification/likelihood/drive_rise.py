@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
 from model.effects.interface import AcquisitionTimes
 from model.effects.rise import rise_left, through_zero
+from model.identification.likelihood.forward_model import ForwardModel, ModelState
 from model.measurements import FloatArray
 
 LATE, LONGER, STRAIGHT = 2.0, 0.03, (0.5, 0.5)

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.data.pulses import SAMPLE_S
 from model.effects.interface import AcquisitionTimes
+from model.identification.data.pulses import SAMPLE_S
 from model.measurements import Condition, FloatArray, Reading, TimeSeries
 
 PULSE_S = 0.6

@@ -12,7 +12,7 @@ from model.effects.rise import rise_left
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
-    from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
+    from model.identification.likelihood.forward_model import ForwardModel, ModelState
 
 LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
 MOST_LOST = 0.95  # of EIBM and stiffness

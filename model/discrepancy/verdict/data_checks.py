@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from model.discrepancy.data.acquisition_times import run_key
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.fitted_model import base_parameters
+from model.identification.data.acquisition_times import run_key
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
 
 SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, steel

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import DataVector, Index
-from model.discrepancy.data.row_index import RowBlock
-from model.discrepancy.likelihood.contact_solution import ConfigurationModel
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.random_effects import ASSUMED, constant_groups
+from model.identification.data.data_vector import DataVector, Index
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.random_effects import ASSUMED, constant_groups
+from model.identification.likelihood.row_index import RowBlock
 from model.measurements import FloatArray
 
 LEAST_MODE_M = 1e-7

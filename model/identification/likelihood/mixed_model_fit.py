@@ -6,11 +6,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found, effect_columns, moved
-from model.discrepancy.likelihood.forward_model import AppliedEffect, ForwardModel
-from model.discrepancy.likelihood.linearisation import Bases, Linearisation, linearise, with_columns
-from model.discrepancy.likelihood.row_noise import RowNoise, guess_of
-from model.identification.mixed_model import Solution, deviance, estimate, inverse_symmetric, weigh
+from model.identification.likelihood.form_error import Found, effect_columns, moved
+from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.identification.likelihood.linearisation import (
+    Bases,
+    Linearisation,
+    linearise,
+    with_columns,
+)
+from model.identification.likelihood.mixed_model import (
+    Solution,
+    deviance,
+    estimate,
+    inverse_symmetric,
+    weigh,
+)
+from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12

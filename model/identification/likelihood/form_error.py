@@ -12,14 +12,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import (
+from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
+from model.identification.likelihood.forward_model import (
     AppliedEffect,
     ForwardModel,
     ModelState,
     Perturbation,
 )
-from model.discrepancy.likelihood.linearisation import Linearisation
-from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
+from model.identification.likelihood.linearisation import Linearisation
 from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on

@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.drive_rise import RISE, rise_columns
-from model.discrepancy.likelihood.forward_model import (
+from model.effects.interface import BeamProblem
+from model.identification.likelihood.drive_rise import RISE, rise_columns
+from model.identification.likelihood.forward_model import (
     AppliedEffect,
     ForwardModel,
     ModelState,
     Perturbation,
 )
-from model.discrepancy.likelihood.random_effects import Columns, groups_of, scatter_columns
-from model.discrepancy.likelihood.row_noise import RowNoise, width_of
-from model.effects.interface import BeamProblem
-from model.identification.mixed_model import Data
+from model.identification.likelihood.mixed_model import Data
+from model.identification.likelihood.random_effects import Columns, groups_of, scatter_columns
+from model.identification.likelihood.row_noise import RowNoise, width_of
 from model.measurements import FloatArray
 
 WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters

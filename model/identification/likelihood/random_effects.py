@@ -1,7 +1,7 @@
 """What differs from one set-up to the next: columns by which each run may be off by itself.
 
-Packed as in `model.identification.mixed_model`: each random effect has a matrix Z (R, n, q), the
-rows of R runs by q numbers.
+Packed as in `mixed_model`: each random effect has a matrix Z (R, n, q), the rows of R runs by q
+numbers.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState, Perturbation
 from model.effects.rise import rise_left
+from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).

@@ -11,7 +11,7 @@ from model.effects.interface import BeamProblem, Effect, Values
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
-    from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState
+    from model.identification.likelihood.forward_model import ForwardModel, ModelState
 
 
 def pictured(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.discrepancy.likelihood.drive_rise import RISE
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import BaseParameters, Bases
+from model.identification.likelihood.drive_rise import RISE
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.observations import observe
 from model.identification.options import FitOptions
 from model.identification.residual_vector import System, legendre_field

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.data_vector import DataVector, Index, shares
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
+from model.identification.data.data_vector import DataVector, Index, shares
 from model.identification.residual_vector import STEEPEST_PER_M, legendre_field
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.data.acquisition_times import RunKey
-from model.discrepancy.data.data_vector import (
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.acquisition_times import RunKey
+from model.identification.data.data_vector import (
     ConditionData,
     DataVector,
     Index,
@@ -16,9 +17,8 @@ from model.discrepancy.data.data_vector import (
     shares,
     trends,
 )
-from model.discrepancy.data.pulses import SAMPLE_S, WINDOW_S
-from model.discrepancy.likelihood.contact_solution import ConfigurationModel
-from model.effects.interface import AcquisitionTimes
+from model.identification.data.pulses import SAMPLE_S, WINDOW_S
+from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.measurements import FloatArray
 
 WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
