@@ -13,6 +13,7 @@ import numpy as np
 
 from model.effects import Effect, catalogue
 from model.effects.interface import BeamProblem, ContactSolution
+from model.locations import Location, location
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
@@ -54,10 +55,10 @@ def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
     return result
 
 
-def unknowns(effects: Sequence[ActiveEffect], configuration: str) -> list[ActiveEffect]:
-    """What is in no catalogue but in the model."""
+def terms(effects: Sequence[ActiveEffect], configuration: str) -> list[tuple[Location, Profile]]:
+    """Return the nonparametric terms of a configuration, each with its location."""
     return [
-        one for one in effects
+        (location(one.location), one.profile) for one in effects
         if one.name == UNKNOWN and one.values(configuration) is not None and one.profile is not None
     ]  # fmt: skip
 
@@ -88,12 +89,12 @@ def with_effects(
     Friction and the like look at the other voltages of the same position among the setups.
     """
     name = setups[0].sheet.configuration
-    named, strange = acting(effects, name), unknowns(effects, name)
+    named, free = acting(effects, name), terms(effects, name)
     plain = _beam(setups, positions_m)
     base = _in_course(plain, named)
     beam, found = base, solved(_setups(setups, plain, base))
     for turn in range(MOST_ROUNDS):
-        new = _applied(base, _contact_solution(found, beam), named, strange)
+        new = _applied(base, _contact_solution(found, beam), named, free)
         if turn >= DAMPED_AFTER:
             new = _halfway(beam, new)
         if _same(beam, new):
@@ -221,14 +222,14 @@ def _applied(
     base: BeamProblem,
     contact: ContactSolution,
     named: Sequence[Acting],
-    strange: Sequence[ActiveEffect],
+    free: Sequence[tuple[Location, Profile]],
 ) -> BeamProblem:
     beam = base
     for one in named:
         changed = one.effect.beam(beam, contact, one.values)
         beam = changed if one.profile is None else _formed(beam, changed, one.profile)
-    for other in strange:
-        beam = _with_unknown(beam, other)
+    for where, term in free:
+        beam = where.beam(beam, term)
     return beam
 
 
@@ -244,33 +245,6 @@ def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamPr
         wide = factor if by_place or old.ndim == 1 else factor[:, None]
         changed[name] = old + (new - old) * wide
     return replace(after, **changed)
-
-
-def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
-    """The term of an unknown effect, added at its location."""
-    profile = one.profile
-    assert profile is not None  # noqa: S101 - see `unknowns`
-    share = profile.share(beam.voltage_V)
-    if profile.along == "position":
-        on_arc = share * profile(np.nan_to_num(beam.stated_m))
-        if one.location == "position":
-            return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
-        if one.location == "eibm":
-            return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
-    if profile.along != "s":
-        return beam
-    term = share[:, None] * profile(beam.s_m)
-    if one.location == "rest_curvature":
-        return replace(beam, rest=beam.rest + term)
-    if one.location == "eibm":
-        return replace(beam, eibm=beam.eibm * (1.0 + term))
-    if one.location == "compliance":
-        return replace(beam, soft=beam.soft * (1.0 + term))
-    if one.location == "even_moment":
-        driven = beam.voltage_V != 0.0
-        typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
-        return replace(beam, bend=beam.bend + typical * driven[:, None] * term)
-    return beam
 
 
 def _same(one: BeamProblem, other: BeamProblem) -> bool:

@@ -14,7 +14,7 @@ import numpy as np
 from model.effects.interface import ImagePoints, LoadCellInput
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
-from model.sheet.applied_effects import acting, unknowns
+from model.sheet.applied_effects import acting, terms
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
 from model.sheet.solution import SolvedProblems
 from model.sheet.typical_run import TypicalRun, mean_over, typical_run
@@ -35,26 +35,17 @@ def load_cell_N(
     others = [v for v in rows if v not in (0.0, voltage_V)]
     run = typical_run(voltage_V, others[0] if others else 0.0)
     name, total = found.setups[0].sheet.configuration, 0.0
+    weighed = _weighed(found, rows, run, position_m)
     for one in acting(effects, name):
-        weighed = _weighed(found, rows, run, position_m)
         added = one.effect.force(weighed, one.values)
         if added is not None:
             mean = mean_over(np.asarray(added), run.at(voltage_V))
             total += mean * _factor(one.profile, position_m)
-    for other in unknowns(effects, name):
-        if other.location == "load_cell" and other.profile is not None:
-            total += _strange_N(
-                other.profile, position_m, found.force_N[rows[voltage_V]], voltage_V
-            )
+    for where, term in terms(effects, name):
+        added = where.force(weighed, term)
+        if added is not None:
+            total += mean_over(added, run.at(voltage_V))
     return total
-
-
-def _strange_N(profile: Profile, position_m: float, force_N: float, voltage_V: float) -> float:
-    """What an unknown effect of the load cell adds; what goes with time is not known here."""
-    if profile.along not in ("position", "force"):
-        return 0.0
-    at = np.array([position_m if profile.along == "position" else force_N])
-    return 1e-3 * float(profile(at)[0] * profile.share(np.array([voltage_V]))[0])
 
 
 def _factor(profile: Profile | None, position_m: float) -> float:
@@ -69,9 +60,10 @@ def _weighed(
     of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
     ones = np.ones(len(of))
     return LoadCellInput(
-        np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
-        np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
-        run.clock.wetted_s,
+        force_N=np.nan_to_num(found.force_N[of]), normal_N=np.nan_to_num(found.normal_N[of]),
+        gamma_rad=np.nan_to_num(found.gamma_rad[of]), position_m=position_m * ones,
+        voltage_V=run.clock.voltage_V, session=run.clock.session, touching=ones,
+        wetted_s=run.clock.wetted_s,
     )  # fmt: skip
 
 
@@ -87,14 +79,12 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
         for one in inner
         if (change := one.effect.pictured(run.clock, one.values)) is not None
     ]
-    use = run.at(setup.voltage_V)
-    more = sum(mean_over(one, use) for one in seen)
-    at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
-    on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
-    for other in unknowns(effects, name):
-        along = None if other.profile is None else other.profile.along
-        if other.location == "camera" and along == "position" and setup.touches:
-            more += on_its_way * _factor(other.profile, at_m)
+    if setup.touches:
+        at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
+        position_m = np.full(len(run.clock.voltage_V), at_m)
+        found = (w.pictured(run.clock, position_m, term) for w, term in terms(effects, name))
+        seen += [change for change in found if change is not None]
+    more = sum(mean_over(one, run.at(setup.voltage_V)) for one in seen)
     return replace(setup, eibm=setup.eibm * (1.0 + more))
 
 
@@ -105,15 +95,18 @@ def camera_m(
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
     dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
     name = setup.sheet.configuration
-    points = ImagePoints(x_m[None], y_m[None], setup.sheet.free_length_m)
+    points = ImagePoints(
+        s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
+        normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
+    )  # fmt: skip
     for one in acting(effects, name):
         added = one.effect.curve(points, one.values)
         if added is not None:
             along = one.profile is not None and one.profile.along == "s"
             share = one.profile(s_m) if one.profile is not None and along else 1.0
             dx, dy = dx + share * added[0][0], dy + share * added[1][0]
-    for other in unknowns(effects, name):
-        if other.location == "camera" and other.profile is not None and other.profile.along == "s":
-            off = 1e-3 * other.profile(s_m)
-            dx, dy = dx - off * np.sin(phi_rad), dy + off * np.cos(phi_rad)
+    for where, term in terms(effects, name):
+        added = where.curve(points, term)
+        if added is not None:
+            dx, dy = dx + added[0][0], dy + added[1][0]
     return dx, dy

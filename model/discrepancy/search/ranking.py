@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search.evidence import (
     Candidate,
     Projected,
@@ -19,6 +18,7 @@ from model.discrepancy.search.evidence import (
     score,
     surprise,
 )
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.outliers import outlier_candidates
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model import Solution, weigh

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from model.discrepancy.locations.nonparametric import form_of, unknown_of, with_free_form
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
@@ -20,6 +19,7 @@ from model.discrepancy.search.signatures import class_of, classes, forms, invisi
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
+from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
 from model.discrepancy.verdict.posterior import (

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from model.effects.interface import Location
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
@@ -24,7 +23,7 @@ class Named:
     """An effect that the model now includes."""
 
     name: str
-    location: Location
+    location: str
     parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
     by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
     confidence: float
@@ -50,7 +49,7 @@ class FormCurve:
 class Unknown:
     """Something that no effect of the catalogue explains."""
 
-    location: Location
+    location: str
     configuration: str
     s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
     profile: FloatArray

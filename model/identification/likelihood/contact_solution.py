@@ -145,10 +145,12 @@ class ConfigurationModel:
         none = np.zeros(K)
         change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
         return BeamProblem(
-            self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
-            change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
-            none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
-            self.share, self.upright,
+            sheet=self.sheet, s_m=self.s_m, voltage_V=self.voltage_V, stated_m=self.stated_m,
+            up=self.up, stiffness=np.full(K, stiffness), rest=change,
+            eibm=np.repeat(level[:, None], G, axis=1), bend=np.zeros((K, G)), soft=np.ones((K, G)),
+            elongation_soft=none, shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(),
+            piece_m=self.piece_m, clock=self.clock, reading_of=self.reading_of, share=self.share,
+            upright=self.upright,
         )  # fmt: skip
 
     # -- solving
@@ -372,8 +374,9 @@ class ConfigurationModel:
 def _nothing_held(K: int, G: int) -> ContactSolution:
     nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
     return ContactSolution(
-        nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
-        along.copy(), along.copy(), zero,
+        force_N=nan, normal_N=nan.copy(), gamma_rad=nan.copy(), s_hat_m=nan.copy(), lever=along,
+        offset=along.copy(), x_m=along.copy(), y_m=along.copy(), phi_rad=along.copy(),
+        curvature=along.copy(), end_phi_rad=zero,
     )  # fmt: skip
 
 

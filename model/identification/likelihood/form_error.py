@@ -17,9 +17,9 @@ from model.identification.likelihood.forward_model import (
     AppliedEffect,
     ForwardModel,
     ModelState,
-    Perturbation,
 )
 from model.identification.likelihood.linearisation import Linearisation
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
@@ -188,9 +188,10 @@ def _weighed(study: ForwardModel, c: int, step: Perturbation, wave: FloatArray) 
     part = study.part(c)
     of, bin_of = part.reading_of, part.bin_of
     return Perturbation(
-        step.beam * wave[:, None], step.eibm * wave[of], step.stiffness * wave[of],
-        step.force_N * wave[of], step.bin_eibm * wave[bin_of], step.bin_stiffness * wave[bin_of],
-        step.points_m * wave[:, None], step.frame_eibm * wave[of],
+        beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
+        stiffness=step.stiffness * wave[of], force_N=step.force_N * wave[of],
+        bin_eibm=step.bin_eibm * wave[bin_of], bin_stiffness=step.bin_stiffness * wave[bin_of],
+        points_m=step.points_m * wave[:, None], frame_eibm=step.frame_eibm * wave[of],
     )  # fmt: skip
 
 

@@ -7,7 +7,13 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from model.effects.interface import BeamProblem, Effect, ImagePoints, LoadCellInput, Values
+from model.effects.interface import (
+    BeamProblem,
+    Effect,
+    ImagePoints,
+    LoadCellInput,
+    Values,
+)
 from model.effects.rise import rise_left
 from model.effects.roll_friction import slid
 from model.identification.data.data_vector import DataVector
@@ -20,6 +26,7 @@ from model.identification.likelihood.contact_solution import (
 from model.identification.likelihood.image_lag import bent, free_course, modes_in_pictures, pictured
 from model.identification.likelihood.row_index import RowBlock, RowIndex
 from model.identification.likelihood.second_order import LEVELS, MOST_LOST, beyond_first_order
+from model.locations.quantities import Perturbation
 from model.measurements import Curve, FloatArray
 from model.mechanics.field import Field
 
@@ -35,20 +42,6 @@ class AppliedEffect:
 
     effect: Effect
     values: Mapping[str, Mapping[str, float]]  # configuration -> parameter -> value
-
-
-@dataclass
-class Perturbation:
-    """A change of one configuration's prediction, to first order."""
-
-    beam: FloatArray  # (K, Q) columns of `ConfigurationModel.answers`
-    eibm: FloatArray  # (n,) relative, of each reading
-    stiffness: FloatArray  # (n,)
-    force_N: FloatArray  # (n,) of each reading
-    bin_eibm: FloatArray  # (b,) relative to the sampling point
-    bin_stiffness: FloatArray
-    points_m: FloatArray  # (K, S) of the predicted points along the normal
-    frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older
 
 
 @dataclass(frozen=True)
@@ -159,9 +152,11 @@ class ForwardModel:
         contact, scene = solved.contact, self.scenes[c]
         touching = np.isfinite(contact.force_N[of]).astype(float)
         return LoadCellInput(
-            np.nan_to_num(contact.force_N[of]), np.nan_to_num(contact.normal_N[of]),
-            np.nan_to_num(contact.gamma_rad[of]), scene.stated_m[of], part.clock.session, touching,
-            part.clock.wetted_s, slid(beam, contact)[of],
+            force_N=np.nan_to_num(contact.force_N[of]),
+            normal_N=np.nan_to_num(contact.normal_N[of]),
+            gamma_rad=np.nan_to_num(contact.gamma_rad[of]), position_m=scene.stated_m[of],
+            voltage_V=part.clock.voltage_V, session=part.clock.session, touching=touching,
+            wetted_s=part.clock.wetted_s, slid=slid(beam, contact)[of],
         )  # fmt: skip
 
     def _residual(
@@ -217,8 +212,9 @@ class ForwardModel:
         scene, part = self.scenes[c], self.part(c)
         n, b = len(part.reading_of), len(part.bin_of)
         return Perturbation(
-            np.zeros((scene.K, scene.columns)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(b),
-            np.zeros(b), np.zeros(scene.curve_s.shape), np.zeros(n),
+            beam=np.zeros((scene.K, scene.columns)), eibm=np.zeros(n), stiffness=np.zeros(n),
+            force_N=np.zeros(n), bin_eibm=np.zeros(b), bin_stiffness=np.zeros(b),
+            points_m=np.zeros(scene.curve_s.shape), frame_eibm=np.zeros(n),
         )  # fmt: skip
 
     def step(self, c: int, state: ModelState, effect: Effect, values: Values) -> Perturbation:
@@ -228,11 +224,19 @@ class ForwardModel:
         step = replace(self.no_step(c), beam=change)
         return self.outer_step(c, state, effect, values, step)
 
+    def points(self, c: int, solved: SolvedConditions) -> ImagePoints:
+        """Return the points of all curves."""
+        scene = self.scenes[c]
+        return ImagePoints(
+            s_m=scene.curve_s, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx,
+            normal_y=solved.ny, scale_m=scene.length,
+        )  # fmt: skip
+
     def outer_step(
         self, c: int, state: ModelState, effect: Effect, values: Values, step: Perturbation
     ) -> Perturbation:
         """`step` with the part of an effect that is not in the beam problem."""
-        part, scene = self.part(c), self.scenes[c]
+        part = self.part(c)
         course = effect.course(part.clock, values)
         if course is not None:
             within, at_sample = self.bin_courses(c, effect, values)
@@ -252,8 +256,7 @@ class ForwardModel:
         if type(effect).force is not Effect.force:
             force = step.force_N + self._added_force(c, state, effect, values)
             step = replace(step, force_N=force)
-        points = ImagePoints(state.solved.x_m, state.solved.y_m, scene.length)
-        moved = effect.curve(points, values)
+        moved = effect.curve(self.points(c, state.solved), values)
         if moved is not None:
             normal = moved[0] * state.solved.nx + moved[1] * state.solved.ny
             step = replace(step, points_m=normal)
@@ -287,7 +290,7 @@ class ForwardModel:
     def _added_force(self, c: int, state: ModelState, effect: Effect, values: Values) -> FloatArray:
         """What the load cell adds to each reading; it is given them in the order of time."""
         order, w = self.part(c).in_time, state.weighed
-        sorted_ = LoadCellInput(*(getattr(w, f.name)[order] for f in fields(LoadCellInput)))
+        sorted_ = LoadCellInput(**{f.name: getattr(w, f.name)[order] for f in fields(w)})
         result = np.zeros(len(order))
         added = effect.force(sorted_, values)
         if added is not None:

@@ -12,11 +12,11 @@ from model.identification.likelihood.forward_model import (
     AppliedEffect,
     ForwardModel,
     ModelState,
-    Perturbation,
 )
 from model.identification.likelihood.mixed_model import Data
 from model.identification.likelihood.random_effects import Columns, groups_of, scatter_columns
 from model.identification.likelihood.row_noise import RowNoise, width_of
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters

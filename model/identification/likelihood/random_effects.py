@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from model.effects.rise import rise_left
-from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.identification.likelihood.forward_model import ForwardModel, ModelState
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
 from model.discrepancy.search.forward_selection import SelectionStep, search
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.search.outliers import (
     condition_name,

@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from model.effects import LOCATIONS, Effect, EffectParameter, catalogue
+from model.effects import Effect, EffectParameter, catalogue
 from model.effects.conformance import acts, faults, faults_of_form, neutral, plausible
+from model.locations import locations
 
 # name: location, parameters people are told, further parameters that are only tried
 TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -235,7 +236,7 @@ def test_neutral_and_plausible_values_name_every_parameter():
         for values in (neutral(effect), plausible(effect)):
             assert set(values) == {parameter.name for parameter in effect.parameters}
         assert neutral(effect)[effect.amplitude.name] == effect.amplitude.neutral
-        assert effect.location in LOCATIONS
+        assert effect.location in locations()
 
 
 def test_an_effect_is_a_value_that_can_be_changed_into_another():
