@@ -49,7 +49,15 @@ def diagnose(
             ready.problem, ready.theta, effects, limit, options.most_effects, ready.found
         )
     say("judging", 0.8)
-    finding = Finding(measurements, options, ready, outcome, effects, limit, limit_from)
+    finding = Finding(
+        measurements=measurements,
+        options=options,
+        ready=ready,
+        outcome=outcome,
+        effects=effects,
+        threshold=limit,
+        threshold_from=limit_from,
+    )
     result = finding.diagnosis
     say("done", 1.0)
     return replace(result, seconds=time.perf_counter() - began)

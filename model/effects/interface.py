@@ -46,7 +46,7 @@ __all__ = [
 Along = Literal["s", "curvature", "position", "voltage", "time", "place", "run"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectParameter:
     """A parameter of an effect, in the unit of its name."""
 
@@ -63,7 +63,7 @@ class EffectParameter:
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Effect:
     """An entry of the catalogue."""
 

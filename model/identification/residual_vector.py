@@ -167,7 +167,14 @@ class System:
         reach = self.length + sheet.elongation_m
         rows = np.array(self.touching)
         angles = self._angles + shift.position_m[rows] / sheet.arc_radius_m - shift.tilt_rad[rows]
-        batch = Problems(self.breaks, kappa, none, sheet.arc_radius_m, reach, angles)
+        batch = Problems(
+            breaks_m=self.breaks,
+            kappa=kappa,
+            softness=none,
+            radius_m=sheet.arc_radius_m,
+            reach_m=reach,
+            angle_rad=angles,
+        )
         found = solve(batch, self._last)
         if np.any(
             found.status != SolverStatus.SOLVED

@@ -25,7 +25,7 @@ def faults(location: object) -> list[str]:
     """Return what is wrong with a location, a sentence each without its full stop."""
     if not isinstance(location, Location):
         return [f"it is of type {type(location).__name__}, not a model.locations.Location"]
-    for check in (_description, _bases, _terms):
+    for check in (_description, _terms, _bases):
         if found := list(check(location)):
             return found
     return []

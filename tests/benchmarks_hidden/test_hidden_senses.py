@@ -12,6 +12,7 @@ import pytest
 from benchmarks.hidden_effects import CATALOGUE, OUTSIDE, Form, Hidden, case, forms_of
 from benchmarks.hidden_effects import hidden_session as session
 from model import Measurements
+from model.effects import catalogue
 from tests.benchmarks_hidden.senses import SENSES
 
 SEED = 11
@@ -38,7 +39,7 @@ def a_few(cases: Sequence[Any]) -> list[Any]:
 
 
 def test_the_catalogue_is_whole_and_every_effect_has_a_sense() -> None:
-    assert len(CATALOGUE) == 28
+    assert set(CATALOGUE) <= set(catalogue())
     assert len(OUTSIDE) >= 8
     assert set(SENSES) == {*CATALOGUE, *OUTSIDE}
     slots = {form.slot for effect in OUTSIDE for form in forms_of(effect)}

@@ -74,7 +74,15 @@ def unknowns(fitted: MixedModelFit) -> list[Candidate]:
             if found:
                 columns = np.stack([s.rows for s in found], axis=1)
                 result.append(
-                    Candidate(f"unknown:{name}", {}, columns, AMPLITUDES, None, name, part)
+                    Candidate(
+                        name=f"unknown:{name}",
+                        values={},
+                        columns=columns,
+                        sizes=AMPLITUDES,
+                        effect=None,
+                        location=name,
+                        part=part,
+                    )
                 )
     return result
 

@@ -51,8 +51,9 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     start, end, at_unit = own[0].span
     configuration, part, along = key
     return Unknown(
-        name, configuration, start + t * (end - start), by @ beta[use], band, own[0].unit, along,
-        _depends(name, part, along), at_unit, UNDER.get(part, ""),
+        location=name, configuration=configuration, s_mm=start + t * (end - start),
+        profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
+        depends=_depends(name, part, along), at_unit=at_unit, under=UNDER.get(part, ""),
     )  # fmt: skip
 
 
@@ -91,8 +92,9 @@ def _seen_wrong(
     s, keep = np.unique(scene.curve_s[k], return_index=True)
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
-        location_name, name, s * 1e3, moved[k][keep] * 1e3, band * 1e3, "mm", "s",
-        _depends(location_name, found[moving[0]].part, "s"),
+        location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
+        band=band * 1e3, unit="mm", along="s",
+        depends=_depends(location_name, found[moving[0]].part, "s"),
     )  # fmt: skip
 
 
@@ -161,6 +163,7 @@ def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index
     sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))
     scale = np.max(np.abs(values)) or 1.0
     return FormCurve(
-        "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
-        np.abs(values) * sigma / scale, "what the effect adds, relative",
+        along="s", unit="mm", at=scene.s_m * 1e3, catalogue=values / scale,
+        inferred=values * factor / scale, band=np.abs(values) * sigma / scale,
+        what="what the effect adds, relative",
     )  # fmt: skip

@@ -28,8 +28,8 @@ from model.identification.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.identification.likelihood.forward_model import Perturbation
 from model.locations import locations
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 
@@ -255,7 +255,13 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
 def test_whatever_is_unknown_can_be_told():
     base = base_fit()
     for one in unknowns(base):
-        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(
+            base,
+            RankedCandidate(
+                score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+                gain=9.0,
+            ),
+        )
         assert told.location == one.location
         assert np.all(np.isfinite(told.profile)), (one.location, one.part)
         assert np.any(told.band > 0.0), (one.location, one.part)
@@ -273,7 +279,13 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         found = shapes(base, one.location, one.part)
         keys = {(s.configuration, s.part, s.along) for s in found}
         assert len(keys) == 1
-        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(
+            base,
+            RankedCandidate(
+                score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+                gain=9.0,
+            ),
+        )
         assert told.along == found[0].along
         during = one.part.rpartition(", ")[2]
         if during in ends:
@@ -288,7 +300,13 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
 def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
     base = base_fit()
     one = next(c for c in unknowns(base) if (c.location, c.part) == ("load_cell", "force"))
-    told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+    told = unknown_of(
+        base,
+        RankedCandidate(
+            score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+            gain=9.0,
+        ),
+    )
     measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])

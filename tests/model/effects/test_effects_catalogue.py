@@ -13,6 +13,7 @@ import model.effects as effects
 from model import ModelError
 from model.effects import catalogue, effect, origins
 from model.locations import locations
+from tests.model.distributions import install as install_distribution
 
 GOOD = """
 from dataclasses import dataclass, replace
@@ -26,7 +27,7 @@ class Doubled(Effect):
 EFFECT = Doubled(
     name="moon", meaning="m", form="f", location="load_cell", signature="s", isolates="i",
     source="s",
-    parameters=(EffectParameter("force_mN", "pull", "mN", 0.1),),
+    parameters=(EffectParameter(name="force_mN", meaning="pull", unit="mN", prior_scale=0.1),),
 )
 OURS = replace(EFFECT, name="gravity")
 WORDLESS = replace(EFFECT, name="wordless", meaning="")
@@ -36,14 +37,7 @@ NUMBER = 3
 
 
 def install(folder: Path, name: str, points: str, module: str = GOOD) -> None:
-    """A distribution as an installer leaves it."""
-    (folder / f"{name}.py").write_text(module, encoding="utf-8")
-    info = folder / f"{name}-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", encoding="utf-8"
-    )
-    (info / "entry_points.txt").write_text(f"[labrig.effects]\n{points}\n", encoding="utf-8")
+    install_distribution(folder, name, f"[labrig.effects]\n{points}\n", module)
 
 
 def test_the_order_is_by_slot_then_by_name():
@@ -137,7 +131,9 @@ def test_of_two_strangers_with_one_name_the_first_stays(tmp_path, monkeypatch):
     install(tmp_path, "moonlight_a", "moon = moonlight_a:EFFECT")
     install(tmp_path, "moonlight_b", "moon = moonlight_b:EFFECT")
     monkeypatch.syspath_prepend(tmp_path)
-    with pytest.warns(UserWarning, match=r"'moon' of moonlight_b .* there is an effect of that name already"):
+    with pytest.warns(
+        UserWarning, match=r"'moon' of moonlight_b .* there is an effect of that name already"
+    ):
         found = catalogue()
     assert type(found["moon"]).__module__ == "moonlight_a"
     with warnings.catch_warnings():
