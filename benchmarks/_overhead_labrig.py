@@ -28,12 +28,13 @@ from drivers.interfaces import (
     VoltageWrite,
 )
 from drivers.safe_shutdown import Safety, SafetyReport
-from protocols import PulseTrain, SafetyLimits
+from protocols import SafetyLimits
 from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.stop import StopRequest
+from protocols.kinds.pulse_train import PulseTrain
 from protocols.planning.schedule import PlannedRun, Purpose, Schedule
 
 CHANNELS = ("force", "current", "drive")

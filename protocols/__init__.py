@@ -9,10 +9,7 @@ from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import StopLevel, StopRequest
-from protocols.kinds.hold import Hold
-from protocols.kinds.pulse_train import PulseTrain
-from protocols.kinds.staircase import Staircase
-from protocols.kinds.step_response import StepResponse
+from protocols.kinds.contract import ProtocolKind
 from protocols.planning.description import (
     PlanRow,
     ScheduleDescription,
@@ -42,14 +39,13 @@ __all__ = [
     "EventBus",
     "Extras",
     "FinishReason",
-    "Hold",
     "Lateness",
     "LoopTiming",
     "Place",
     "PlanRow",
     "PlannedReading",
     "PlannedRun",
-    "PulseTrain",
+    "ProtocolKind",
     "Purpose",
     "ReadingKind",
     "RecordedOperator",
@@ -60,9 +56,7 @@ __all__ = [
     "ScheduleDescription",
     "ScheduleError",
     "Scheduler",
-    "Staircase",
     "Status",
-    "StepResponse",
     "StopLevel",
     "StopRequest",
     "SubscriberError",

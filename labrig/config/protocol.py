@@ -2,87 +2,27 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, create_model, field_validator, model_validator
 
+from drivers.plugins import PluginFolder
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.derived import model_of
 from labrig.errors import BadInputError
-from protocols import (
-    Extras,
-    Hold,
-    Place,
-    PulseTrain,
-    Schedule,
-    ScheduleError,
-    Staircase,
-    StepResponse,
-    make_schedule,
+from protocols import Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
+from protocols.kinds.conformance import faults
+
+# The kinds of protocol: files of `protocols/kinds`, and those of other distributions.
+PROTOCOLS: PluginFolder[type[ProtocolKind]] = PluginFolder(
+    what="protocol",
+    package="protocols.kinds",
+    constant="PROTOCOL",
+    group="labrig.protocols",
+    faults=faults,
 )
-
-Seconds = Annotated[float, Field(gt=0, le=3600.0)]
-Voltage = Annotated[float, Field(ge=-30.0, le=30.0)]
-
-
-class PulseTrainConfig(ClosedModel):
-    """Readings at 0 V, then pulses of alternating voltages, as in the paper."""
-
-    voltages_V: list[Voltage] = Field([2.0, -2.0], min_length=1, max_length=1000)
-    zero_readings: int = Field(10, ge=0, le=1000)
-    pulses_discarded: int = Field(2, ge=0, le=1000, description="recorded and marked, not used")
-    readings_per_voltage: int = Field(10, ge=1, le=1000)
-    pulse_s: Seconds = 0.6
-    sample_at_s: Seconds = Field(0.5, description="after the edge, as written")
-    half_window_s: Seconds = Field(0.1, description="the filter's reach on either side")
-    rest_s: float = Field(0.0, ge=0, le=3600.0, description="at 0 V between two pulses")
-
-    def protocol(self) -> PulseTrain:
-        """As `protocols` takes it."""
-        return PulseTrain(**{**self.model_dump(), "voltages_V": tuple(self.voltages_V)})
-
-
-class StepResponseConfig(ClosedModel):
-    """One step of the voltage, held and watched."""
-
-    voltage_V: Voltage = 2.0
-    hold_s: Seconds = 10.0
-    sample_every_s: Seconds = 0.5
-    before_s: Seconds = 2.0
-    after_s: Seconds = 5.0
-
-    def protocol(self) -> StepResponse:
-        """As `protocols` takes it."""
-        return StepResponse(**self.model_dump())
-
-
-class StaircaseConfig(ClosedModel):
-    """A sweep over voltages, each held for the same time."""
-
-    voltages_V: list[Voltage] = Field(
-        [0.5, 1.0, 1.5, 2.0, 1.5, 1.0, 0.5], min_length=1, max_length=1000
-    )
-    dwell_s: Seconds = 1.0
-    sample_at_s: Seconds = 0.8
-    half_window_s: Seconds = 0.1
-
-    def protocol(self) -> Staircase:
-        """As `protocols` takes it."""
-        return Staircase(**{**self.model_dump(), "voltages_V": tuple(self.voltages_V)})
-
-
-class HoldConfig(ClosedModel):
-    """Hold a voltage, let go, again and again: creep and relaxation."""
-
-    voltage_V: Voltage = 2.0
-    hold_s: Seconds = 5.0
-    relax_s: Seconds = 5.0
-    cycles: int = Field(3, ge=1, le=1000)
-    sample_every_s: Seconds = 0.5
-
-    def protocol(self) -> Hold:
-        """As `protocols` takes it."""
-        return Hold(**self.model_dump())
 
 
 class PlaceConfig(ClosedModel):
@@ -166,16 +106,17 @@ class ExtrasConfig(ClosedModel):
 class RulesConfig(ClosedModel):
     """When a reading is invalid without anybody saying so."""
 
-    late_edge_s: Seconds = Field(0.005, description="an edge written later spoils its reading")
+    late_edge_s: float = Field(
+        0.005, gt=0, le=3600.0, description="an edge written later spoils its reading"
+    )
 
 
 class ProtocolConfig(ClosedModel):
-    """The whole of protocol.toml: one kind of protocol, run at each position of each place."""
+    """The whole of protocol.toml: one kind of protocol, run at each position of each place.
 
-    pulse_train: PulseTrainConfig | None = None
-    step_response: StepResponseConfig | None = None
-    staircase: StaircaseConfig | None = None
-    hold: HoldConfig | None = None
+    The tables of the kinds, such as [pulse_train], are added by `protocol_model`.
+    """
+
     places: list[PlaceConfig] = Field(min_length=1, max_length=1000)
     moisten: bool = Field(default=True, description="ask for it before each run")
     camera: CameraUse = CameraUse()
@@ -184,21 +125,26 @@ class ProtocolConfig(ClosedModel):
 
     @model_validator(mode="after")
     def _one_kind(self) -> ProtocolConfig:
-        named = [kind for kind in KINDS if getattr(self, kind) is not None]
+        named = self._named()
         if len(named) != 1:
             found = " and ".join(f"[{kind}]" for kind in named) or "none"
             raise ValueError(
-                f"exactly one of {', '.join(f'[{kind}]' for kind in KINDS)} is needed; "
+                f"exactly one of {', '.join(f'[{kind}]' for kind in PROTOCOLS.parts())} is needed; "
                 f"there is {found}"
             )
         return self
 
+    def protocol(self) -> ProtocolKind:
+        """Return the protocol that the file's one table defines."""
+        table = getattr(self, self._named()[0])
+        made: ProtocolKind = table.settings()
+        return made
+
     def schedule(self, name: str) -> Schedule:
-        """The schedule of the whole session; `name` is the file's name for the error."""
-        config = next(getattr(self, kind) for kind in KINDS if getattr(self, kind) is not None)
+        """Return the schedule of the whole session; `name` is the file's name for the error."""
         try:
             return make_schedule(
-                config.protocol(),
+                self.protocol(),
                 [_place(place) for place in self.places],
                 extras=self.extras.extras(),
                 moisten=self.moisten,
@@ -207,17 +153,31 @@ class ProtocolConfig(ClosedModel):
         except ScheduleError as error:
             raise BadInputError(f"{name}: {error}.") from None
 
+    def _named(self) -> list[str]:
+        return [kind for kind in PROTOCOLS.parts() if getattr(self, kind, None) is not None]
+
+
+def protocol_model() -> type[ProtocolConfig]:
+    """Return the model of protocol.toml with a table for each kind of protocol there is now."""
+    return _model_of(tuple((name, part.part) for name, part in PROTOCOLS.parts().items()))
+
+
+@lru_cache(maxsize=8)
+def _model_of(kinds: tuple[tuple[str, type[ProtocolKind]], ...]) -> type[ProtocolConfig]:
+    tables: dict[str, Any] = {name: (model_of(kind) | None, None) for name, kind in kinds}
+    made: type[ProtocolConfig] = create_model(
+        "ProtocolConfig", __base__=ProtocolConfig, __doc__=ProtocolConfig.__doc__, **tables
+    )
+    return made
+
 
 def _place(place: PlaceConfig) -> Place:
     return Place(place.configuration, tuple(p / 1000 for p in place.positions_mm))
 
 
-KINDS = ("pulse_train", "step_response", "staircase", "hold")
-
-
 def parse_protocol(text: str, name: str) -> ProtocolConfig:
     """protocol.toml's text as a configuration."""
-    return validate(ProtocolConfig, parse_toml(text, name), name)
+    return validate(protocol_model(), parse_toml(text, name), name)
 
 
 def load_protocol(path: Path) -> ProtocolConfig:

@@ -23,14 +23,27 @@ _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headl
 
 
 def present_versions() -> dict[str, str]:
-    """Versions of labrig, of the packages it works with, of Python and of the platform."""
+    """Return versions of labrig, its packages and plug-ins, Python and the platform."""
     found = {"python": platform.python_version(), "platform": platform.platform()}
+    found |= _plugin_versions()
     for package in _PACKAGES:
         try:
             found[package] = importlib.metadata.version(package)
         except importlib.metadata.PackageNotFoundError:
             found[package] = "absent"
     return found
+
+
+def _plugin_versions() -> dict[str, str]:
+    """Return the version of each distribution that adds parts to labrig's plug-in folders."""
+    found = importlib.metadata.entry_points()
+    own = [
+        entry
+        for group in found.groups
+        if group.startswith("labrig.")
+        for entry in found.select(group=group)
+    ]
+    return {entry.dist.name: entry.dist.version for entry in own if entry.dist is not None}
 
 
 def schedule_back(plain: Any) -> Schedule:

@@ -1,4 +1,4 @@
-"""`labrig curves`: pictures, folders and videos in, curves with their uncertainty out."""
+"""`labrig curves`: images, folders and videos in, curves with their uncertainty out."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
-from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.extract import neutral_curve
+from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
+from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.image.files import (
     PICTURES,
     VIDEOS,
@@ -29,20 +29,21 @@ Progress = Callable[[str, NeutralCurve], None]
 NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BatchOptions:
-    """What `extract_curves` uses where a picture has no files of its own beside it."""
+    """What `extract_curves` uses where a image has no files of its own beside it."""
 
     optics: Path | None = None
     sheet: Path | None = None
     configuration: str | None = None  # which table of the sheet.toml
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of what optics.json says
+    find: FindCurve = neutral_curve
 
 
 @dataclass
 class BatchResult:
-    """What came of a batch: the curves by name, in the order of the pictures."""
+    """What came of a batch: the curves by name, in the order of the images."""
 
     curves: dict[str, NeutralCurve] = field(default_factory=dict)
 
@@ -59,11 +60,11 @@ def extract_curves(
     *,
     progress: Progress | None = None,
 ) -> BatchResult:
-    """Curves of all pictures and videos in `sources`, written into the folder `output`.
+    """Curves of all images and videos in `sources`, written into the folder `output`.
 
-    A picture NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
+    A image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each picture (NAME_000012 for a video's frame), and curves.csv. A picture that cannot be
+    for each image (NAME_000012 for a video's frame), and curves.csv. A image that cannot be
     read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
@@ -82,7 +83,7 @@ def extract_curves(
 
 
 def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
-    """Name, picture (None: unreadable) and curve of each picture and frame, one after the other.
+    """Name, image (None: unreadable) and curve of each image and frame, one after the other.
 
     Raises BadInputError at once when there is none, or two of the same name, or where a file that
     serves several is at fault.
@@ -90,7 +91,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedC
     files = list(_files(sources))
     if not files:
         raise BadInputError(
-            "no picture or video was found; give files or a folder with "
+            "no image or video was found; give files or a folder with "
             f"{', '.join(PICTURES)} files in it."
         )
     _refuse_twins(files)
@@ -121,7 +122,7 @@ def _refuse_twins(files: list[Path]) -> None:
 
 
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
-    """A fault in a picture's own files costs that picture; one in what serves several, the run."""
+    """A fault in a image's own files costs that image; one in what serves several, the run."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
         ("optics.json", options.optics, load_optics),
         ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
@@ -140,19 +141,19 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
     try:
         optics, strip = _known(path, options)
         if path.suffix.lower() in VIDEOS:
-            tracker = Tracker(optics, strip)
+            tracker = Tracker(optics, strip, options.find)
             for number, frame in enumerate(read_video(path)):
                 yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
             return
         image = read_image(path)
-        curve = neutral_curve(image, optics, strip)
+        curve = options.find(image, optics, strip)
     except BadInputError as error:
         curve = NeutralCurve(ok=False, why=str(error))
     yield path.stem, image, curve
 
 
 def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    """What is known of a picture from the files beside it, or those for all."""
+    """What is known of a image from the files beside it, or those for all."""
     optics = _beside(path, "optics.json", options.optics)
     sheet = _beside(path, "sheet.toml", options.sheet)
     if optics is None or sheet is None:
@@ -164,7 +165,7 @@ def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
 
 
 def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
-    """The file of a kind that a picture uses; None where there is none."""
+    """The file of a kind that a image uses; None where there is none."""
     for candidate in (_own(path, kind), given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate
@@ -177,4 +178,4 @@ def _own(path: Path, kind: str) -> Path:
 
 def _missing(path: Path, kind: str) -> str:
     own = _own(path, kind).name
-    return f"{path}: there is neither {own} nor {kind} beside it; name one for all pictures."
+    return f"{path}: there is neither {own} nor {kind} beside it; name one for all images."

@@ -11,13 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.effects.interface import ImagePoints, LoadCellInput
+from model.effects.interface import ImagePoints
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
-from model.sheet.applied_effects import acting, terms
-from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.applied_effects import acting, beam_problem, contact_solution, terms
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem
+from model.sheet.effect_hooks import (
+    added_force_N,
+    image_change,
+    image_displacement_m,
+    load_cell_input,
+)
 from model.sheet.solution import SolvedProblems
-from model.sheet.typical_run import TypicalRun, mean_over, typical_run
+from model.sheet.typical_run import mean_over, typical_run
 
 
 def load_cell_N(
@@ -34,37 +40,17 @@ def load_cell_N(
     """
     others = [v for v in rows if v not in (0.0, voltage_V)]
     run = typical_run(voltage_V, others[0] if others else 0.0)
-    name, total = found.setups[0].sheet.configuration, 0.0
-    weighed = _weighed(found, rows, run, position_m)
-    for one in acting(effects, name):
-        added = one.effect.force(weighed, one.values)
-        if added is not None:
-            mean = mean_over(np.asarray(added), run.at(voltage_V))
-            total += mean * _factor(one.profile, position_m)
+    name = found.setups[0].sheet.configuration
+    beam = beam_problem(found.setups, [position_m] * len(found.setups))
+    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
+    weighed = load_cell_input(beam, contact_solution(found, beam), run.clock, of)
+    added_N = added_force_N(acting(effects, name), weighed, np.arange(len(of)))
+    total = mean_over(added_N, run.at(voltage_V))
     for where, term in terms(effects, name):
         added = where.force(weighed, term)
         if added is not None:
             total += mean_over(added, run.at(voltage_V))
     return total
-
-
-def _factor(profile: Profile | None, position_m: float) -> float:
-    if profile is None or profile.along != "position":
-        return 1.0
-    return float(profile(np.array([position_m]))[0])
-
-
-def _weighed(
-    found: SolvedProblems, rows: Mapping[float, int], run: TypicalRun, position_m: float
-) -> LoadCellInput:
-    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
-    ones = np.ones(len(of))
-    return LoadCellInput(
-        force_N=np.nan_to_num(found.force_N[of]), normal_N=np.nan_to_num(found.normal_N[of]),
-        gamma_rad=np.nan_to_num(found.gamma_rad[of]), position_m=position_m * ones,
-        voltage_V=run.clock.voltage_V, session=run.clock.session, touching=ones,
-        wetted_s=run.clock.wetted_s,
-    )  # fmt: skip
 
 
 def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> ConditionProblem:
@@ -74,17 +60,14 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
     if setup.voltage_V == 0.0:
         return setup
     run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s)
-    seen = [
-        change
-        for one in inner
-        if (change := one.effect.pictured(run.clock, one.values)) is not None
-    ]
-    if setup.touches:
-        at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
-        position_m = np.full(len(run.clock.voltage_V), at_m)
-        found = (w.pictured(run.clock, position_m, term) for w, term in terms(effects, name))
-        seen += [change for change in found if change is not None]
-    more = sum(mean_over(one, run.at(setup.voltage_V)) for one in seen)
+    seen, use = image_change(inner, run.clock), run.at(setup.voltage_V)
+    more = 0.0 if seen is None else mean_over(seen, use)
+    at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
+    position_m = np.full(len(run.clock.voltage_V), at_m)
+    for where, term in terms(effects, name) if setup.touches else ():
+        changed = where.pictured(run.clock, position_m, term)
+        if changed is not None:
+            more += mean_over(changed, use)
     return replace(setup, eibm=setup.eibm * (1.0 + more))
 
 
@@ -93,18 +76,12 @@ def camera_m(
 ) -> tuple[FloatArray, FloatArray]:
     """What the camera adds to the points of one curve, the first of `curve`."""
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
-    dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
     name = setup.sheet.configuration
     points = ImagePoints(
         s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
         normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
     )  # fmt: skip
-    for one in acting(effects, name):
-        added = one.effect.curve(points, one.values)
-        if added is not None:
-            along = one.profile is not None and one.profile.along == "s"
-            share = one.profile(s_m) if one.profile is not None and along else 1.0
-            dx, dy = dx + share * added[0][0], dy + share * added[1][0]
+    (dx,), (dy,) = image_displacement_m(acting(effects, name), points)
     for where, term in terms(effects, name):
         added = where.curve(points, term)
         if added is not None:

@@ -1,1 +1,1 @@
-"""Kinds of protocol: how a definition becomes voltage steps and readings."""
+"""Kinds of protocol, a file each: how a table of protocol.toml becomes steps and readings."""

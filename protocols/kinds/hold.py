@@ -1,47 +1,40 @@
-"""Hold a voltage, let go, again and again: creep and relaxation."""
+"""Hold a voltage and return to 0 V, several times: creep and relaxation."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from protocols.errors import ScheduleError, require_count, require_number
-from protocols.kinds.definition import Builder, StepsAndReadings
+from protocols.errors import ScheduleError
+from protocols.kinds.contract import ProtocolKind
+from protocols.kinds.fields import count, duration, voltage
+from protocols.planning.builder import Builder, StepsAndReadings, require_kept
 from protocols.planning.schedule import ReadingKind
 
 
-@dataclass(frozen=True)
-class Hold:
-    """`relax_s` at 0 V to begin with, then `cycles` times the voltage for `hold_s` and 0 V again.
+@dataclass(frozen=True, kw_only=True)
+class Hold(ProtocolKind):
+    """Hold a voltage and return to 0 V, several times: creep and relaxation.
 
     Readings are of kind zero before the first hold, kept while held, discarded while relaxing.
     """
 
-    voltage_V: float = 2.0
-    hold_s: float = 5.0
-    relax_s: float = 5.0
-    cycles: int = 3
-    sample_every_s: float = 0.5
+    name: ClassVar[str] = "hold"
 
-    def __post_init__(self) -> None:
-        require_number(f"{self.name}: voltage_V", self.voltage_V)
-        for key in ("hold_s", "relax_s", "sample_every_s"):
-            require_number(f"{self.name}: {key}", getattr(self, key), above=0.0)
-        require_count(f"{self.name}: cycles", self.cycles, least=1)
+    voltage_V: float = voltage(2.0, "that is held")
+    hold_s: float = duration(5.0, "at the voltage")
+    relax_s: float = duration(5.0, "at 0 V, first and after each hold")
+    cycles: int = count(3, "holds, each with its relaxation", at_least=1, repeats=True)
+    sample_every_s: float = duration(0.5, "from one reading to the next")
+
+    def check(self) -> None:
+        """Raise ScheduleError unless there is a voltage to hold, and a reading while it is held."""
         if self.voltage_V == 0:
-            raise ScheduleError(f"{self.name}: voltage_V = 0 holds nothing")
-        if not any(r.kind is ReadingKind.KEPT for r in self.steps_and_readings()[1]):
-            raise ScheduleError(
-                f"{self.name}: no reading fits into hold_s = {self.hold_s:g} s; "
-                f"make sample_every_s = {self.sample_every_s:g} s smaller"
-            )
-
-    @property
-    def name(self) -> str:
-        """See `Definition.name`."""
-        return "hold"
+            raise ScheduleError("voltage_V = 0 holds nothing")
+        require_kept(self.steps_and_readings(), self.hold_s, self.sample_every_s)
 
     def steps_and_readings(self) -> StepsAndReadings:
-        """See `Definition.steps_and_readings`."""
+        """See `ProtocolKind.steps_and_readings`."""
         run = Builder()
         run.step(0.0, self.relax_s)
         run.readings_every(self.sample_every_s, self.relax_s, ReadingKind.ZERO)
@@ -51,3 +44,6 @@ class Hold:
             run.step(0.0, self.relax_s)
             run.readings_every(self.sample_every_s, self.relax_s, ReadingKind.DISCARDED)
         return run.finish()
+
+
+PROTOCOL = Hold

@@ -2,81 +2,54 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import ClassVar
 
-from protocols.errors import ScheduleError, require_count, require_number
-from protocols.kinds.definition import Builder, StepsAndReadings, require_window
-from protocols.planning.schedule import ReadingKind
+from protocols.errors import ScheduleError
+from protocols.kinds.contract import ProtocolKind
+from protocols.kinds.fields import count, duration, voltages
+from protocols.planning.builder import StepsAndReadings, require_window
+from protocols.planning.pulses import Pulses
 
 
-@dataclass(frozen=True)
-class PulseTrain:
-    """Zero readings, one a slot of `pulse_s`, then one reading a pulse; voltages take turns.
+@dataclass(frozen=True, kw_only=True)
+class PulseTrain(ProtocolKind):
+    """Readings at 0 V, then pulses of alternating voltages, as in the paper.
 
-    The first `pulses_discarded` pulses are recorded and marked; so many follow that every voltage
-    is read `readings_per_voltage` times.
+    Zero readings come first, one in each `pulse_s`; then one reading in each pulse. The first
+    `pulses_discarded` pulses are recorded and marked; every voltage is read
+    `readings_per_voltage` times after them.
     """
 
-    voltages_V: tuple[float, ...] = (2.0, -2.0)
-    zero_readings: int = 10
-    pulses_discarded: int = 2
-    readings_per_voltage: int = 10
-    pulse_s: float = 0.6
-    sample_at_s: float = 0.5  # after the edge, as written
-    half_window_s: float = 0.1  # the filter's reach on either side
-    rest_s: float = 0.0  # at 0 V after each pulse
+    name: ClassVar[str] = "pulse_train"
 
-    def __post_init__(self) -> None:
-        what = self.name
-        if not self.voltages_V:
-            raise ScheduleError(f"{what}: voltages_V is empty")
-        for voltage_V in self.voltages_V:
-            require_number(f"{what}: a voltage", voltage_V)
-        require_count(f"{what}: zero_readings", self.zero_readings, least=0)
-        require_count(f"{what}: pulses_discarded", self.pulses_discarded, least=0)
-        require_count(f"{what}: readings_per_voltage", self.readings_per_voltage, least=1)
-        require_number(f"{what}: pulse_s", self.pulse_s, above=0.0)
-        require_number(f"{what}: sample_at_s", self.sample_at_s, above=0.0)
-        require_number(f"{what}: half_window_s", self.half_window_s, above=0.0)
-        require_number(f"{what}: rest_s", self.rest_s)
-        if self.rest_s < 0:
-            raise ScheduleError(f"{what}: rest_s = {self.rest_s:g} must not be negative")
-        require_window(what, self.sample_at_s, self.half_window_s, self.pulse_s, "pulse_s")
-        self._require_edges()
+    voltages_V: tuple[float, ...] = voltages((2.0, -2.0), "of the pulses, in turn")
+    zero_readings: int = count(10, "at 0 V, before the first pulse", at_least=0)
+    pulses_discarded: int = count(2, "recorded and marked, not used", at_least=0)
+    readings_per_voltage: int = count(10, "one in each pulse", at_least=1, repeats=True)
+    pulse_s: float = duration(0.6, "length of a pulse")
+    sample_at_s: float = duration(0.5, "after the edge, as written")
+    half_window_s: float = duration(0.1, "half width of the filter")
+    rest_s: float = duration(0.0, "at 0 V between two pulses", may_be_0=True)
 
-    @property
-    def name(self) -> str:
-        """See `Definition.name`."""
-        return "pulse_train"
-
-    @property
-    def pulses(self) -> int:
-        """All pulses, the discarded ones too."""
-        return self.pulses_discarded + self.readings_per_voltage * len(self.voltages_V)
-
-    def steps_and_readings(self) -> StepsAndReadings:
-        """See `Definition.steps_and_readings`."""
-        run = Builder()
-        if self.zero_readings:
-            run.step(0.0, self.zero_readings * self.pulse_s)
-        for slot in range(self.zero_readings):
-            delay_s = slot * self.pulse_s + self.sample_at_s
-            run.reading(delay_s, self.half_window_s, ReadingKind.ZERO)
-        for pulse in range(self.pulses):
-            run.step(self.voltages_V[pulse % len(self.voltages_V)], self.pulse_s)
-            kept = pulse >= self.pulses_discarded
-            kind = ReadingKind.KEPT if kept else ReadingKind.DISCARDED
-            run.reading(self.sample_at_s, self.half_window_s, kind)
-            if self.rest_s:
-                run.step(0.0, self.rest_s)
-        return run.finish()
-
-    def _require_edges(self) -> None:
-        """A pulse needs an edge at its start; without one it has no sampling point."""
+    def check(self) -> None:
+        """Raise ScheduleError unless the window lies in the pulse and each pulse has an edge."""
+        require_window(self.sample_at_s, self.half_window_s, self.pulse_s, "pulse_s")
         following = self.voltages_V[1:] + self.voltages_V[:1]
         for voltage_V, after_V in zip(self.voltages_V, following, strict=True):
             if self.rest_s == 0 and voltage_V == after_V:
                 raise ScheduleError(
-                    f"{self.name}: {voltage_V:g} V follows {voltage_V:g} V without an edge between "
+                    f"{voltage_V:g} V follows {voltage_V:g} V without an edge between "
                     "them; set rest_s or change voltages_V"
                 )
+
+    def pulses(self) -> Pulses:
+        """Return its own pulses."""
+        return Pulses(**{field.name: getattr(self, field.name) for field in fields(self)})
+
+    def steps_and_readings(self) -> StepsAndReadings:
+        """See `ProtocolKind.steps_and_readings`."""
+        return self.pulses().steps_and_readings()
+
+
+PROTOCOL = PulseTrain

@@ -4,43 +4,44 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
-from protocols.errors import ScheduleError, require_number
-from protocols.kinds.definition import Builder, StepsAndReadings, require_window
+from protocols.errors import ScheduleError
+from protocols.kinds.contract import ProtocolKind
+from protocols.kinds.fields import duration, voltages
+from protocols.planning.builder import Builder, StepsAndReadings, require_window
 from protocols.planning.schedule import ReadingKind
 
 
-@dataclass(frozen=True)
-class Staircase:
-    """One reading on each stair; a stair at 0 V before the first voltage is a zero reading."""
+@dataclass(frozen=True, kw_only=True)
+class Staircase(ProtocolKind):
+    """A sweep over voltages, each held for the same time, with one reading at each.
 
-    voltages_V: tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 1.5, 1.0, 0.5)
-    dwell_s: float = 1.0
-    sample_at_s: float = 0.8  # after the edge, as written
-    half_window_s: float = 0.1
+    A stair at 0 V before the first voltage is a zero reading.
+    """
 
-    def __post_init__(self) -> None:
-        what = self.name
+    name: ClassVar[str] = "staircase"
+
+    voltages_V: tuple[float, ...] = voltages(
+        (0.5, 1.0, 1.5, 2.0, 1.5, 1.0, 0.5), "of the stairs, in their order"
+    )
+    dwell_s: float = duration(1.0, "on each stair")
+    sample_at_s: float = duration(0.8, "after the edge, as written")
+    half_window_s: float = duration(0.1, "half width of the filter")
+
+    def check(self) -> None:
+        """Raise ScheduleError unless there is a voltage, and an edge before each reading."""
         if not any(self.voltages_V):
-            raise ScheduleError(f"{what}: voltages_V holds no voltage but 0")
-        for voltage_V in self.voltages_V:
-            require_number(f"{what}: a voltage", voltage_V)
-        for key in ("dwell_s", "sample_at_s", "half_window_s"):
-            require_number(f"{what}: {key}", getattr(self, key), above=0.0)
-        require_window(what, self.sample_at_s, self.half_window_s, self.dwell_s, "dwell_s")
+            raise ScheduleError("voltages_V holds no voltage but 0")
+        require_window(self.sample_at_s, self.half_window_s, self.dwell_s, "dwell_s")
         for voltage_V, after_V in pairwise(self.voltages_V):
             if voltage_V == after_V:
                 raise ScheduleError(
-                    f"{what}: {voltage_V:g} V follows {voltage_V:g} V without an edge between them"
+                    f"{voltage_V:g} V follows {voltage_V:g} V without an edge between them"
                 )
 
-    @property
-    def name(self) -> str:
-        """See `Definition.name`."""
-        return "staircase"
-
     def steps_and_readings(self) -> StepsAndReadings:
-        """See `Definition.steps_and_readings`."""
+        """See `ProtocolKind.steps_and_readings`."""
         run = Builder()
         for stair, voltage_V in enumerate(self.voltages_V):
             run.step(voltage_V, self.dwell_s)
@@ -48,3 +49,6 @@ class Staircase:
             kind = ReadingKind.ZERO if at_rest else ReadingKind.KEPT
             run.reading(self.sample_at_s, self.half_window_s, kind)
         return run.finish()
+
+
+PROTOCOL = Staircase

@@ -1,47 +1,41 @@
-"""One step of the voltage, held and watched."""
+"""One step of the voltage: the response before, during and after it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from protocols.errors import ScheduleError, require_number
-from protocols.kinds.definition import Builder, StepsAndReadings
+from protocols.errors import ScheduleError
+from protocols.kinds.contract import ProtocolKind
+from protocols.kinds.fields import duration, voltage
+from protocols.planning.builder import Builder, StepsAndReadings, require_kept
 from protocols.planning.schedule import ReadingKind
 
 
-@dataclass(frozen=True)
-class StepResponse:
-    """0 V for `before_s`, the voltage for `hold_s`, 0 V again for `after_s`.
+@dataclass(frozen=True, kw_only=True)
+class StepResponse(ProtocolKind):
+    """One step of the voltage, with readings before, during and after it.
 
     Readings are of kind zero before, kept during, and discarded after the step: the sheet is at
     0 V again, but its water has not settled. The raw signals hold everything in between.
     """
 
-    voltage_V: float = 2.0
-    hold_s: float = 10.0
-    sample_every_s: float = 0.5
-    before_s: float = 2.0
-    after_s: float = 5.0
+    name: ClassVar[str] = "step_response"
 
-    def __post_init__(self) -> None:
-        require_number(f"{self.name}: voltage_V", self.voltage_V)
-        for key in ("hold_s", "sample_every_s", "before_s", "after_s"):
-            require_number(f"{self.name}: {key}", getattr(self, key), above=0.0)
+    voltage_V: float = voltage(2.0, "of the step")
+    hold_s: float = duration(10.0, "length of the step")
+    sample_every_s: float = duration(0.5, "from one reading to the next")
+    before_s: float = duration(2.0, "at 0 V before the step")
+    after_s: float = duration(5.0, "at 0 V after the step")
+
+    def check(self) -> None:
+        """Raise ScheduleError unless there is a step, and a reading in it."""
         if self.voltage_V == 0:
-            raise ScheduleError(f"{self.name}: voltage_V = 0 is no step")
-        if not any(r.kind is ReadingKind.KEPT for r in self.steps_and_readings()[1]):
-            raise ScheduleError(
-                f"{self.name}: no reading fits into hold_s = {self.hold_s:g} s; "
-                f"make sample_every_s = {self.sample_every_s:g} s smaller"
-            )
-
-    @property
-    def name(self) -> str:
-        """See `Definition.name`."""
-        return "step_response"
+            raise ScheduleError("voltage_V = 0 is no step")
+        require_kept(self.steps_and_readings(), self.hold_s, self.sample_every_s)
 
     def steps_and_readings(self) -> StepsAndReadings:
-        """See `Definition.steps_and_readings`."""
+        """See `ProtocolKind.steps_and_readings`."""
         run = Builder()
         for voltage_V, lasts_s, kind in (
             (0.0, self.before_s, ReadingKind.ZERO),
@@ -51,3 +45,6 @@ class StepResponse:
             run.step(voltage_V, lasts_s)
             run.readings_every(self.sample_every_s, lasts_s, kind)
         return run.finish()
+
+
+PROTOCOL = StepResponse

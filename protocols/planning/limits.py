@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import isfinite, pi
 
 from protocols.errors import ScheduleError
-from protocols.kinds.definition import fits
+from protocols.planning.builder import fits
 from protocols.planning.schedule import PlannedReading, PlannedRun, Schedule
 
 

@@ -9,9 +9,9 @@ from math import pi
 from typing import Literal
 
 from protocols.errors import ScheduleError, require_count, require_number
-from protocols.kinds.definition import Builder, Definition, StepsAndReadings, require_measure
-from protocols.kinds.pulse_train import PulseTrain
-from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule, VoltageStep
+from protocols.kinds.contract import ZERO_READINGS, ProtocolKind
+from protocols.planning.builder import StepsAndReadings, require_size
+from protocols.planning.schedule import PlannedRun, Purpose, Schedule
 
 FREE_SHAPES_EACH = 2  # of every voltage and of 0 V: six for a train of two voltages
 
@@ -59,7 +59,7 @@ class Extras:
 
 
 def make_schedule(
-    protocol: Definition,
+    protocol: ProtocolKind,
     places: Sequence[Place],
     *,
     extras: Extras | None = None,
@@ -92,7 +92,7 @@ def make_schedule(
 
 
 class _Planner:
-    def __init__(self, protocol: Definition, extras: Extras, moisten: bool) -> None:
+    def __init__(self, protocol: ProtocolKind, extras: Extras, moisten: bool) -> None:
         self.runs: list[PlannedRun] = []
         self._size = 0  # steps and readings of all of them
         self._protocol = protocol
@@ -103,23 +103,22 @@ class _Planner:
         # by it instead of shuffled.
         self._random = random.Random(extras.random_order_seed)  # noqa: S311 - no secret
         self._parts = protocol.steps_and_readings()
-        self._quiet = _quiet(protocol)
+        self._load_cell_zero = _load_cell_zero(protocol)
 
     def weigh(self, configuration: str) -> None:
         """The dead weights, after a reading without any."""
         loads_N = self._extras.dead_weights_N
         for load_N in (0.0, *loads_N) if loads_N else ():
-            self._add(configuration, None, Purpose.DEAD_WEIGHT, self._quiet, load_N=load_N)
+            self._add(configuration, None, Purpose.DEAD_WEIGHT, self._load_cell_zero, load_N=load_N)
 
     def visit(self, place: Place) -> None:
         """Everything in one configuration."""
         name, positions_m = place.configuration, self._ordered(place.positions_m)
         if self._extras.free_shapes:
-            parts = _free_train(self._protocol).steps_and_readings()
-            self._add(name, None, Purpose.FREE_SHAPE, parts)
+            self._add(name, None, Purpose.FREE_SHAPE, _free_shapes(self._protocol))
         for position_m in positions_m:
             if self._extras.no_touch_zero:
-                self._add(name, position_m, Purpose.NO_TOUCH_ZERO, self._quiet)
+                self._add(name, position_m, Purpose.NO_TOUCH_ZERO, self._load_cell_zero)
             self._measure(name, position_m)
         if self._extras.reversed_approach and positions_m:
             middle_m = sorted(positions_m)[len(positions_m) // 2]
@@ -186,7 +185,7 @@ class _Planner:
     ) -> None:
         steps, readings, duration_s = parts
         self._size += len(steps) + len(readings)
-        require_measure(self._size)
+        require_size(self._size)
         driven = any(step.voltage_V for step in steps)
         self.runs.append(
             PlannedRun(
@@ -219,31 +218,16 @@ def _spread(positions_m: Sequence[float], count: int) -> list[float]:
     return [rising[round(i * (len(rising) - 1) / (count - 1))] for i in range(count)]
 
 
-def _train_like(protocol: Definition) -> PulseTrain:
-    """The protocol itself when it is a pulse train, or one at the protocol's voltages."""
-    if isinstance(protocol, PulseTrain):
-        return protocol
-    steps: tuple[VoltageStep, ...] = protocol.steps_and_readings()[0]
-    voltages_V = tuple(dict.fromkeys(step.voltage_V for step in steps if step.voltage_V))
-    single = len(voltages_V) == 1
-    return PulseTrain(voltages_V=voltages_V, rest_s=PulseTrain.pulse_s if single else 0.0)
-
-
-def _free_train(protocol: Definition) -> PulseTrain:
+def _free_shapes(protocol: ProtocolKind) -> StepsAndReadings:
+    """Return the pulses of a run that records the sheet's shapes without the load cell."""
     return replace(
-        _train_like(protocol),
+        protocol.pulses(),
         zero_readings=FREE_SHAPES_EACH,
         readings_per_voltage=FREE_SHAPES_EACH,
-    )
+    ).steps_and_readings()
 
 
-def _quiet(protocol: Definition) -> StepsAndReadings:
-    """The load cell alone: as many readings at 0 V as the protocol begins with, or ten."""
-    train = _train_like(protocol)
-    count = train.zero_readings or PulseTrain.zero_readings
-    run = Builder()
-    run.step(0.0, count * train.pulse_s)
-    for slot in range(count):
-        delay_s = slot * train.pulse_s + train.sample_at_s
-        run.reading(delay_s, train.half_window_s, ReadingKind.NO_CONTACT)
-    return run.finish()
+def _load_cell_zero(protocol: ProtocolKind) -> StepsAndReadings:
+    """Return as many readings of the load cell alone as the protocol begins with at 0 V."""
+    pulses = protocol.pulses()
+    return pulses.zero_of_load_cell(pulses.zero_readings or ZERO_READINGS)

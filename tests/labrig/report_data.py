@@ -22,8 +22,9 @@ from model import (
     TimeSeries,
     predict,
 )
-from protocols import Place, PulseTrain, Schedule, make_schedule
+from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
+from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.session.session_recording import record, session_events, settings
 
 POSITIONS_M = (0.0, 0.01, 0.02, 0.03)

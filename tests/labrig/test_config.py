@@ -107,7 +107,7 @@ def test_all_faults_of_a_file_are_told_together_a_line_each() -> None:
     ("text", "said"),
     [
         (PLACES, r"exactly one of .* is needed; there is none"),
-        ("[hold]\n[staircase]\n" + PLACES, r"there is \[staircase\] and \[hold\]"),
+        ("[hold]\n[staircase]\n" + PLACES, r"there is \[hold\] and \[staircase\]"),
         ("[pulse_train]\npulse_s = 0.4\n" + PLACES, r"sample_at_s .* must lie between"),
         ("[pulse_train]\nvoltages_V = []\n" + PLACES, r"voltages_V"),
         ("[pulse_train]\n", r"places is missing"),

@@ -76,7 +76,7 @@ def test_a_value_beyond_its_limit_is_refused_with_the_limit(fake, visit):
 
 def test_the_limit_is_the_schemas_own(fake, visit):
     schemas = copy.deepcopy(fake.answers["GET", "/api/schemas"])
-    schemas["protocol"]["$defs"]["PulseTrainConfig"]["properties"]["pulse_s"]["maximum"] = 0.55
+    schemas["protocol"]["$defs"]["PulseTrain"]["properties"]["pulse_s"]["maximum"] = 0.55
     fake.answers["GET", "/api/schemas"] = schemas
     page = visit(f"{fake.url}#/new")
     field(page, "pulse_s").fill("0.6")

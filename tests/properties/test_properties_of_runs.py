@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 from protocols import (
     Extras,
-    Hold,
     Place,
-    PulseTrain,
     Schedule,
     ScheduleError,
-    Staircase,
-    StepResponse,
     make_schedule,
 )
 from protocols.execution.events import Outcome, OutputState
 from protocols.execution.stop import StopLevel
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.staircase import Staircase
+from protocols.kinds.step_response import StepResponse
 from tests.properties.witness import HALF_STEP_V, LIMITS, WitnessedRig
 
 RUN = settings(

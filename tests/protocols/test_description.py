@@ -6,7 +6,6 @@ from drivers.interfaces import VoltageWrite
 from protocols import (
     Extras,
     Place,
-    PulseTrain,
     Purpose,
     ReadingKind,
     describe,
@@ -15,6 +14,7 @@ from protocols import (
     timeline,
 )
 from protocols.execution.events import VoltageSet, Warned
+from protocols.kinds.pulse_train import PulseTrain
 
 
 def test_the_papers_position_in_numbers():

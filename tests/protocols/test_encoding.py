@@ -9,7 +9,6 @@ import pytest
 from protocols import (
     Extras,
     Place,
-    PulseTrain,
     ScheduleError,
     make_schedule,
     run_from_dict,
@@ -17,6 +16,7 @@ from protocols import (
     schedule_from_dict,
     schedule_to_dict,
 )
+from protocols.kinds.pulse_train import PulseTrain
 
 EXTRAS = Extras(3, 1, no_touch_zero=True, free_shapes=True, dead_weights_N=(0.02,))
 SCHEDULE = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=EXTRAS)

@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
-from fake_rig import FakeRig, short_schedule
 
 from drivers.interfaces import OverloadError
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import EventBus, FinishReason, LoopTiming, RunState
 from protocols.execution.events import (
     Outcome,

@@ -1,10 +1,20 @@
-"""The four kinds of protocol, and what each refuses."""
+"""Kinds of protocol: their runs, what each refuses, and the conformance test of all of them."""
 
 import math
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import pytest
 
-from protocols import Hold, PulseTrain, ReadingKind, ScheduleError, Staircase, StepResponse
+from labrig.config import PROTOCOLS
+from protocols import ProtocolKind, ReadingKind, ScheduleError
+from protocols.kinds.conformance import faults
+from protocols.kinds.fields import duration, voltage
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.staircase import Staircase
+from protocols.kinds.step_response import StepResponse
+from protocols.planning.builder import Builder
 
 KEPT, ZERO, DISCARDED = ReadingKind.KEPT, ReadingKind.ZERO, ReadingKind.DISCARDED
 
@@ -55,18 +65,22 @@ def test_a_hold_begins_relaxed_and_alternates():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: PulseTrain(voltages_V=()), "voltages_V is empty"),
+        (lambda: PulseTrain(voltages_V=()), "voltages_V has 0 entries; must be at least 1"),
         (lambda: PulseTrain(voltages_V=(2.0, math.nan)), "not a finite number"),
         (lambda: PulseTrain(voltages_V=(2.0,)), "without an edge"),
         (lambda: PulseTrain(voltages_V=(2.0, 1.0, 2.0)), "without an edge"),
+        (
+            lambda: PulseTrain(voltages_V=(31.0, -2.0)),
+            "an entry of voltages_V = 31 must be at most",
+        ),
         (lambda: PulseTrain(pulse_s=0.0), "pulse_s = 0 must be larger than 0"),
         (lambda: PulseTrain(sample_at_s=0.55), "0.55 ± 0.1 s must lie between 0 and pulse_s"),
         (lambda: PulseTrain(sample_at_s=0.05), "must lie between"),
-        (lambda: PulseTrain(rest_s=-0.1), "rest_s = -0.1 must not be negative"),
-        (lambda: PulseTrain(zero_readings=-1), "zero_readings = -1 must be a whole number"),
-        (lambda: PulseTrain(readings_per_voltage=0), "readings_per_voltage = 0 must be"),
-        (lambda: PulseTrain(pulses_discarded=1.5), "pulses_discarded = 1.5 must be"),
-        (lambda: PulseTrain(zero_readings=True), "zero_readings = True must be"),
+        (lambda: PulseTrain(rest_s=-0.1), "rest_s = -0.1 must be at least 0"),
+        (lambda: PulseTrain(zero_readings=-1), "zero_readings = -1 must be at least 0"),
+        (lambda: PulseTrain(readings_per_voltage=0), "readings_per_voltage = 0 must be at least 1"),
+        (lambda: PulseTrain(pulses_discarded=1.5), "pulses_discarded = 1.5 must be a whole number"),
+        (lambda: PulseTrain(zero_readings=True), "zero_readings = True must be a whole number"),
         (lambda: StepResponse(voltage_V=0.0), "voltage_V = 0 is no step"),
         (lambda: StepResponse(hold_s=0.5, sample_every_s=0.5), "no reading fits"),
         (lambda: StepResponse(sample_every_s=1e-6), "more than 10000 readings"),
@@ -74,7 +88,7 @@ def test_a_hold_begins_relaxed_and_alternates():
         (lambda: Staircase(voltages_V=(0.0,)), "no voltage but 0"),
         (lambda: Staircase(voltages_V=(1.0, 1.0)), "without an edge"),
         (lambda: Staircase(dwell_s=0.5), "between 0 and dwell_s = 0.5 s"),
-        (lambda: Hold(cycles=0), "cycles = 0 must be a whole number, 1 or more"),
+        (lambda: Hold(cycles=0), "cycles = 0 must be at least 1"),
         (lambda: Hold(voltage_V=0.0), "holds nothing"),
         (lambda: Hold(relax_s=0.0), "relax_s = 0 must be larger than 0"),
     ],
@@ -84,3 +98,90 @@ def test_nonsense_is_refused_with_one_sentence_that_names_the_key(make, says):
         make()
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("name", sorted(PROTOCOLS.parts()))
+def test_every_kind_of_the_folder_conforms_and_is_called_after_its_module(name):
+    kind = PROTOCOLS.get(name)
+    assert faults(kind) == []
+    assert kind.name == name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flash(ProtocolKind):
+    """One short pulse."""
+
+    name: ClassVar[str] = "flash"
+    voltage_V: float = voltage(1.0, "of the pulse")
+    pulse_s: float = duration(0.2, "length of the pulse")
+
+    def steps_and_readings(self):
+        run = Builder()
+        run.step(self.voltage_V, self.pulse_s)
+        run.reading(self.pulse_s / 2, 0.01, KEPT)
+        return run.finish()
+
+
+def test_a_kind_of_ones_own_needs_nothing_but_steps_and_readings():
+    assert faults(Flash) == []
+    assert Flash().scaled(0.5).driven_V == (0.5,)
+    assert Flash().at_voltages((-2.0,)) == Flash(voltage_V=-2.0)
+    assert Flash().pulses().voltages_V == (1.0,)
+    with pytest.raises(ScheduleError, match="no key makes it take more readings"):
+        Flash().longer(3)
+    with pytest.raises(ScheduleError, match="2 voltages do not fit"):
+        Flash().at_voltages((1.0, 2.0))
+
+
+def test_a_longer_protocol_takes_more_readings_of_each_voltage():
+    assert PulseTrain().longer(3).readings_per_voltage == 30
+    assert Hold().longer(2).cycles == 6
+
+
+def left_energised(self):
+    steps, readings, duration_s = Flash.steps_and_readings(self)
+    return steps[:1], readings, duration_s
+
+
+def read_too_late(self):
+    run = Builder()
+    run.step(self.voltage_V, self.pulse_s)
+    run.reading(self.pulse_s, 0.01, KEPT)
+    return run.finish()
+
+
+def other_kind(**members):
+    return dataclass(frozen=True, kw_only=True)(
+        type("Other", (Flash,), {"__doc__": "x", **members})
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [
+        (3, "no subclass of"),
+        (PulseTrain(), "no subclass of"),
+        (other_kind(steps_and_readings=left_energised), "leaves 1 V at the sheet"),
+        (other_kind(steps_and_readings=read_too_late), "is not over when its step is"),
+        (other_kind(name="Not a name"), "small letters"),
+        (other_kind(__annotations__={"more": "float"}, more=1.0), "more has no description"),
+        (
+            other_kind(
+                __annotations__={"more": "float"},
+                more=field(default=1.0, metadata={"description": "x"}),
+            ),
+            "more has no lower or no upper bound",
+        ),
+        (other_kind(__post_init__=lambda _: None), "accepts voltage_V = -31"),
+        (other_kind(check=lambda _: (_ for _ in ()).throw(ScheduleError("x"))), "are refused: x"),
+        (
+            other_kind(
+                __annotations__={"voltage_V": "float"},
+                voltage_V=field(default=1.0, metadata={**voltage(1.0, "x").metadata, "unit": ""}),
+            ),
+            "does not halve its voltages",
+        ),
+    ],
+)
+def test_a_bad_kind_is_told_what_is_wrong(kind, says):
+    assert says in "; ".join(faults(kind))

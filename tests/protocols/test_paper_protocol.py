@@ -3,11 +3,10 @@
 from collections import Counter
 
 import pytest
-from fake_rig import LIMITS, FakeRig
 
+from labrig.testing.fake_rig import LIMITS, FakeRig
 from protocols import (
     Place,
-    PulseTrain,
     Purpose,
     ReadingKind,
     check_schedule,
@@ -15,6 +14,7 @@ from protocols import (
     time_under_voltage_s,
 )
 from protocols.execution.events import Outcome, ReadingTaken, VoltageSet
+from protocols.kinds.pulse_train import PulseTrain
 
 POSITIONS_M = (0.0, 0.005, 0.010, 0.015, 0.020, 0.025, 0.030)
 PLACES = [Place("long", POSITIONS_M), Place("short", POSITIONS_M)]

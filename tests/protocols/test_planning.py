@@ -6,15 +6,15 @@ import pytest
 
 from protocols import (
     Extras,
-    Hold,
     Place,
-    PulseTrain,
     Purpose,
     ReadingKind,
     ScheduleError,
-    Staircase,
     make_schedule,
 )
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.staircase import Staircase
 
 POSITIONS_M = (0.0, 0.005, 0.010, 0.015, 0.020, 0.025, 0.030)
 LONG = Place("long", POSITIONS_M)

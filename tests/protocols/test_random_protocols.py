@@ -3,19 +3,15 @@
 import json
 
 import pytest
-from fake_rig import FakeRig
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from labrig.testing.fake_rig import FakeRig
 from protocols import (
     Extras,
-    Hold,
     Place,
-    PulseTrain,
     SafetyLimits,
     ScheduleError,
-    Staircase,
-    StepResponse,
     check_schedule,
     describe,
     make_schedule,
@@ -25,6 +21,10 @@ from protocols import (
     timeline,
 )
 from protocols.execution.events import Outcome, ReadingTaken, VoltageSet
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.staircase import Staircase
+from protocols.kinds.step_response import StepResponse
 
 volts = st.floats(-2.5, 2.5).map(lambda v: round(v, 3))
 counts = st.integers(0, 4)

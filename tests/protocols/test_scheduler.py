@@ -5,15 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 
 from drivers.interfaces import Prompt
+from labrig.testing.fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 from protocols import (
     Extras,
-    Hold,
     LoopTiming,
     Place,
-    PulseTrain,
     RecordedOperator,
     Rules,
     RunState,
@@ -37,6 +35,8 @@ from protocols.execution.events import (
     VoltageSet,
     Warned,
 )
+from protocols.kinds.hold import Hold
+from protocols.kinds.pulse_train import PulseTrain
 
 
 @pytest.fixture

@@ -1,9 +1,9 @@
 """Ending a session early."""
 
 import pytest
-from fake_rig import FakeRig, short_schedule
 
-from protocols import FinishReason, Place, PulseTrain, RunState, StopLevel, make_schedule
+from labrig.testing.fake_rig import FakeRig, short_schedule
+from protocols import FinishReason, Place, RunState, StopLevel, make_schedule
 from protocols.execution.events import (
     Outcome,
     OutputState,
@@ -14,6 +14,7 @@ from protocols.execution.events import (
     SignalsArrived,
     VoltageSet,
 )
+from protocols.kinds.pulse_train import PulseTrain
 
 TRAIN = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))])
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
 from labrig.files import write_text
@@ -18,15 +19,6 @@ Columns = Annotated[int, typer.Option(help="squares across the board")]
 Rows = Annotated[int, typer.Option(help="squares down the board")]
 SquareMm = Annotated[float, typer.Option("--square-mm", help="side of a square, as printed")]
 MarkerMm = Annotated[float, typer.Option("--marker-mm", help="side of a marker; 0: checkerboard")]
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    room = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
-    room.command(name="load-cell")(load_cell)
-    room.command()(camera)
-    room.command()(board)
-    app.add_typer(room, name="calibrate")
 
 
 def load_cell(
@@ -99,7 +91,7 @@ def camera(
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
-    from labrig.vision.calibration.drawing import write_calibration_picture
+    from labrig.vision.calibration.drawing import write_calibration_image
 
     images = [read_image(path) for path in pictures]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
@@ -115,9 +107,9 @@ def camera(
             clamp_px=(clamp_u, clamp_v),
             along_px=None if along is None else (along[0], along[1]),
         )
-    _tell(found, output)
+    _report(found, output)
     picture = output.with_suffix(".png")
-    write_calibration_picture(picture, images[0], found.optics)
+    write_calibration_image(picture, images[0], found.optics)
     say(f"wrote {picture}: look whether its lines run along the board's")
 
 
@@ -151,7 +143,7 @@ def _numbers(text: str, option: str, count: int) -> list[float]:
     return values
 
 
-def _tell(found: Calibration, output: Path) -> None:
+def _report(found: Calibration, output: Path) -> None:
     optics = found.optics
     say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
     if found.residual_px:
@@ -163,3 +155,10 @@ def _tell(found: Calibration, output: Path) -> None:
         warn(f"warning: {text}")
     write_text(output, optics.model_dump_json(indent=2, exclude_none=True) + "\n")
     say(f"wrote {output}")
+
+
+_app = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
+_app.command(name="load-cell")(load_cell)
+_app.command()(camera)
+_app.command()(board)
+COMMAND = Command("calibrate", _app, order=260)

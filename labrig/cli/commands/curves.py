@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import finite, say, warn
 from labrig.errors import BadInputError
 
@@ -16,11 +17,6 @@ if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
     from model import Curve
     from model.measurements import Condition, Contact
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(curves)
 
 
 def curves(
@@ -48,16 +44,26 @@ def curves(
     as_json: Annotated[
         bool, typer.Option("--json", help="print one JSON object for each picture, a line each")
     ] = False,
+    extractor: Annotated[
+        str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
+    ] = None,
 ) -> None:
     """Find the neutral curve of a clamped strip in pictures.
 
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
-    what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
+    what --optics and --sheet name. A picture without a curve is no error: its reason is printed.
     """
+    from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
 
-    chosen = None if look is None else SheetAppearance(look)
-    options = BatchOptions(optics, sheet, configuration, look=chosen)
+    name = extractor or BUILT_IN
+    options = BatchOptions(
+        optics=optics,
+        sheet=sheet,
+        configuration=configuration,
+        look=None if look is None else SheetAppearance(look),
+        find=chosen_extractor(name).curve,
+    )
     if batch is not None:
         if sources or output is None:
             raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
@@ -71,7 +77,7 @@ def curves(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
                 "--look and --overlay are for pictures."
             )
-        _session(sources[0], output, as_json=as_json)
+        _session(sources[0], output, name, as_json=as_json)
         return
     _pictures(sources, options, output, overlay, as_json=as_json)
 
@@ -107,11 +113,11 @@ def _pictures(
 def _summary(curve: NeutralCurve) -> str:
     if not curve.ok:
         return f"no curve: {curve.why}"
-    told = "; ".join(curve.warnings)
+    warnings = "; ".join(curve.warnings)
     return (
         f"{1e3 * curve.s_m[-1]:.1f} mm, tip at ({1e3 * curve.x_m[-1]:+.2f}, "
         f"{1e3 * curve.y_m[-1]:+.2f}) mm, covered {curve.covered:.0%}, "
-        f"residual {curve.residual_px:.3f} px{'; ' + told if told else ''}"
+        f"residual {curve.residual_px:.3f} px{'; ' + warnings if warnings else ''}"
     )
 
 
@@ -131,14 +137,14 @@ def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
     say(f"{len(result.curves)} pictures, {len(result.failed)} without a curve; wrote {output}")
 
 
-def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
+def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) -> None:
     from labrig.analysis import measure
     from labrig.cli.screen import progress
     from labrig.session import open_session
     from labrig.session.tables_out import write_curves
 
     with open_session(path) as session, progress("curves") as advance:
-        measurements = measure(session, advance)
+        measurements = measure(session, advance, extractor=extractor)
     for c in measurements.conditions:
         where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
         name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
@@ -149,7 +155,7 @@ def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
             sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
         else:
             points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
-            say(f"{name}: {points}{_by_frame_told(c)}{_contact_told(c.contact)}")
+            say(f"{name}: {points}{_by_frame_text(c)}{_contact_text(c.contact)}")
     for text in measurements.warnings:
         warn(f"warning: {text}")
     if output is not None:
@@ -158,7 +164,7 @@ def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
 
 
 def _by_frame(condition: Condition) -> FrameAverage | None:
-    """The other way to a condition's curve: that of each frame, averaged."""
+    """Average the curves of a condition's frames: the other path to its curve."""
     from labrig.analysis.curves import MEAN_OF
     from labrig.vision import average_of_frames
 
@@ -166,14 +172,14 @@ def _by_frame(condition: Condition) -> FrameAverage | None:
     return average_of_frames([r.curve for r in counts if r.curve is not None])
 
 
-def _by_frame_told(condition: Condition) -> str:
+def _by_frame_text(condition: Condition) -> str:
     average = _by_frame(condition)
     if average is None:
         return ""
-    told = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
+    text = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
     if condition.curve is not None:
-        told += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
-    return told
+        text += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
+    return text
 
 
 def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
@@ -191,7 +197,7 @@ def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
     }
 
 
-def _contact_told(contact: Contact | None) -> str:
+def _contact_text(contact: Contact | None) -> str:
     if contact is None:
         return ""
     how = "" if contact.rolls_m else " (no rolls seen; where it crosses the arc)"
@@ -225,3 +231,6 @@ def _curve_json(curve: Curve | None) -> dict[str, Any]:
         "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
         "curvature_sigma_per_m": curve.curvature_sigma_per_m,
     }
+
+
+COMMAND = Command("curves", curves, order=210)

@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
+from labrig.cli.measurements import fitted_of
+from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
     from labrig.report.tables.mountings import Run
-    from model import Fit, FitOptions, Measurements
+    from model import Fit, Measurements
 
 FEWEST_REPEATS = 20  # with fewer a standard deviation says little
 
@@ -71,7 +74,7 @@ def fit(
         int, typer.Option(min=0, max=10_000, help="simulated repeats that check the uncertainties")
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
 
@@ -95,8 +98,8 @@ def fit(
     )  # fmt: skip
     if figures is not None:
         make_folder(figures)
-    taken = _take(sessions, apart)
-    measurements = only(taken.measurements, configuration or [])
+    measured = _measured(sessions, apart)
+    measurements = only(measured.measurements, configuration or [])
     options = replace(options, held_out=_held_out(hold_out or [], measurements))
     found = fitted_of(", ".join(map(str, sessions)), measurements, options)
     written = []
@@ -108,22 +111,22 @@ def fit(
     if as_json:
         print_json(found.to_json())
         return
-    _print(found, measurements, taken.sessions if by_run else None)
+    _print(found, measurements, measured.sessions if by_run else None)
     for path in written:
         say(f"wrote {path}")
 
 
 @dataclass(frozen=True)
-class _Taken:
-    """What was measured in all sessions, and which of several each run is from."""
+class _Measured:
+    """The measurements of all sessions, and which of several sessions each run is from."""
 
     measurements: Measurements
     sessions: dict[Run, str]
 
 
-def _take(paths: list[Path], apart: bool) -> _Taken:
+def _measured(paths: list[Path], apart: bool) -> _Measured:
     from labrig.analysis.together import together
-    from labrig.report.data.findings import measured
+    from labrig.report.data.findings import measured as of_session
     from labrig.report.data.separate_sessions import apart as taken_apart
     from labrig.report.data.separate_sessions import labels
     from labrig.report.tables.mountings import sessions_of_runs
@@ -132,16 +135,16 @@ def _take(paths: list[Path], apart: bool) -> _Taken:
     if apart and len(paths) == 1:
         raise BadInputError("--apart: give several sessions to be kept apart.")
     with progress("analyze") as advance:
-        parts = [measured(path, advance, warn) for path in paths]
+        parts = [of_session(path, advance, warn) for path in paths]
     if apart:
-        return _Taken(taken_apart(parts, names), {})
+        return _Measured(taken_apart(parts, names), {})
     whole = together(list(zip(paths, parts, strict=True)))
     known = sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
-    return _Taken(whole, known)
+    return _Measured(whole, known)
 
 
 def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
-    """Configuration and position of all that is to be left out."""
+    """Return configuration and position of each condition to leave out."""
     from labrig.analysis.holding_out import SAME_M, held_out
 
     wanted = held_out(texts, measurements)
@@ -157,22 +160,8 @@ def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, 
     )
 
 
-def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
-    """The fit of all configurations that allow one; the others are named on the screen."""
-    from labrig.report.data.fitted import fit_what_can_be
-
-    fitted = fit_what_can_be(measurements, options)
-    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
-    if fitted.fit is None:
-        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
-        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
-    for name, why in lacking.items():
-        warn(f"{name}: could not be fitted: {why}.")
-    return fitted.fit
-
-
 def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:
-    """Everything that was found; `sessions` is given where each set-up is asked for."""
+    """Print the whole fit; with `sessions` each set-up, too."""
     from labrig.report.tables.fit import trust
 
     for table in _tables(fit, measurements, sessions):
@@ -207,3 +196,6 @@ def _tables(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | Non
     tables.append(scatter_table(fit))
     repeats = repeats_table(fit)
     return tables if repeats is None else [*tables, repeats]
+
+
+COMMAND = Command("fit", fit, order=140)

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
+from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
-from labrig.report.diagnosis.store import kept_diagnosis
 from labrig.session import RecordedSession, load_measurements, open_session
 from model import Fit, FitOptions, Measurements, ModelError
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Findings:
     """A session, and what was found in it as far as that goes. The session is open."""
 
@@ -101,4 +101,10 @@ def gather(
         diagnosis = kept_diagnosis(path)
     except BadInputError as error:
         tell(str(error))
-    return Findings(open_session(path), measurements, fitted, why, diagnosis)
+    return Findings(
+        session=open_session(path),
+        measurements=measurements,
+        fitted=fitted,
+        why_not=why,
+        diagnosis=diagnosis,
+    )

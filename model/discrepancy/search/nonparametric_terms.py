@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate
-from model.identification.likelihood.forward_model import ForwardModel, ModelState
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import ModelState
 from model.locations import location, locations
 from model.locations.contract import Function, Linearised
 from model.measurements import FloatArray

@@ -7,7 +7,8 @@ import pytest
 from labrig.analysis import analyze
 from labrig.cli.main import run
 from labrig.session import load_measurements
-from protocols import Place, PulseTrain, make_schedule
+from protocols import Place, make_schedule
+from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import record_with, with_pictures
 
 pytestmark = pytest.mark.slow

@@ -10,8 +10,9 @@ import pytest
 from labrig.analysis import measure_forces, time_series
 from labrig.analysis.edges import find_edges
 from labrig.session import open_session
-from protocols import Place, PulseTrain, make_schedule
+from protocols import Place, make_schedule
 from protocols.execution import events as ev
+from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import CALIBRATION, EDGE, change, record_with
 from tests.labrig.session.session_recording import force_N, session_events, small_schedule
 

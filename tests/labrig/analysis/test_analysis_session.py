@@ -14,8 +14,9 @@ from labrig.config import parse_sheet
 from labrig.errors import BadInputError
 from labrig.session import load_measurements, open_session, verify
 from labrig.vision import Optics
-from protocols import Extras, Place, PulseTrain, make_schedule
+from protocols import Extras, Place, make_schedule
 from protocols.execution import events as ev
+from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import (
     OPTICS,
     bent,

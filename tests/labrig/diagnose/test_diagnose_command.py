@@ -15,9 +15,9 @@ import model.discrepancy
 from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
+from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.diagnosis.figures import FIGURES
-from labrig.report.diagnosis.page import write_diagnosis
-from labrig.report.diagnosis.store import kept_diagnosis
+from labrig.report.page.diagnosis import write_diagnosis
 from labrig.report.page.write import write_report
 from labrig.session import load_measurements
 from model import predict

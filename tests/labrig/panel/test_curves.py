@@ -17,7 +17,8 @@ from labrig.panel.live.frames import image_of, raw_picture
 from labrig.panel.live.optics_message import setup_message
 from labrig.vision import Optics
 from model import Along, ConfiguredSheet, Parameter, SheetModel, predict
-from protocols import Place, PulseTrain, make_schedule
+from protocols import Place, make_schedule
+from protocols.kinds.pulse_train import PulseTrain
 
 pytestmark = pytest.mark.slow
 OPTICS = Optics.from_json(template_text("optics.json"))

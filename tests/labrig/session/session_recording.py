@@ -11,8 +11,9 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
-from protocols import Place, PulseTrain, Schedule, make_schedule
+from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
+from protocols.kinds.pulse_train import PulseTrain
 
 CHANNELS = ("force", "current", "drive")
 RANGES_V = (0.05, 0.5, 5.0)

@@ -1,0 +1,109 @@
+"""What a session holds, without its measurements: outcome, runs, losses, lateness, its log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from labrig.report.parts.table import Table, fixed
+from labrig.session import RecordedSession, RunRecord
+
+
+@dataclass(frozen=True)
+class Overview:
+    """Read from a session once; prints as tables or as JSON."""
+
+    facts: tuple[tuple[str, str], ...]
+    runs: tuple[dict[str, Any], ...]
+    log: tuple[tuple[str, ...], ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"session": dict(self.facts), "runs": list(self.runs)}
+
+    def tables(self, *, log: bool = False) -> list[Table]:
+        """For a person."""
+        found = [
+            Table(title="Session", columns=("", ""), rows=self.facts),
+            Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
+        ]
+        if log:
+            found.append(
+                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+            )
+        return found
+
+
+_COLUMNS = {
+    "run": "run",
+    "purpose": "purpose",
+    "configuration": "sheet",
+    "position_mm": "at mm",
+    "state": "state",
+    "readings": "readings",
+    "invalid": "invalid",
+    "lost_samples": "lost samples",
+    "frames_dropped": "lost frames",
+    "late_median_ms": "late ms",
+    "late_worst_ms": "at most ms",
+}
+
+
+def overview(session: RecordedSession) -> Overview:
+    """Look through an open session; images and samples are not read."""
+    runs = tuple(_run(run) for run in session.runs)
+    done = sum(run["state"] == "complete" for run in runs)
+    facts = (
+        ("file", str(session.path)),
+        ("identifier", session.identifier),
+        ("outcome", session.outcome.value),
+        ("reason", session.reason),
+        ("output", session.output_state.value),
+        ("started", session.started),
+        ("ended", session.ended),
+        ("boards", "simulated" if session.simulated else "real"),
+        ("protocol", session.schedule.protocol),
+        ("runs complete", f"{done} of {len(runs)}"),
+        ("readings", str(sum(run["readings"] for run in runs))),
+        ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
+        ("labrig", session.versions.get("labrig", "-")),
+    )
+    log = tuple(
+        (
+            f"{event.time_s:.3f}",
+            event.kind,
+            str(event.run + 1) if event.run >= 0 else "",
+            event.text,
+        )
+        for event in session.events
+    )
+    return Overview(facts, runs, log)
+
+
+def _run(run: RunRecord) -> dict[str, Any]:
+    planned = run.planned
+    late_s = run.writes["lateness_s"]
+    position_m = planned.position_m
+    return {
+        "run": planned.index + 1,
+        "purpose": planned.purpose.value.replace("_", " "),
+        "configuration": planned.configuration,
+        "position_mm": None if position_m is None else round(1e3 * position_m, 6),
+        "state": "complete" if run.completed else "begun" if run.started else "not begun",
+        "readings": len(run.readings),
+        "invalid": int(np.count_nonzero(~run.readings["valid"])),
+        "lost_samples": run.counts.lost_samples,
+        "frames_dropped": run.counts.frames_dropped,
+        "late_median_ms": 1e3 * float(np.median(late_s)) if len(late_s) else None,
+        "late_worst_ms": 1e3 * float(np.max(late_s)) if len(late_s) else None,
+    }
+
+
+def _row(run: dict[str, Any]) -> tuple[str, ...]:
+    cells = dict(run)
+    cells["position_mm"] = "free" if run["position_mm"] is None else f"{run['position_mm']:g}"
+    for key in ("late_median_ms", "late_worst_ms"):
+        cells[key] = fixed(run[key], 2)
+    return tuple(str(cells[key]) for key in _COLUMNS)

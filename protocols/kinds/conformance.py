@@ -1,0 +1,126 @@
+"""What every kind of protocol must keep to: the checks that a new one is put through."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from itertools import islice
+from typing import Any, get_args, get_origin, get_type_hints
+
+from protocols.errors import ScheduleError
+from protocols.kinds.contract import ProtocolKind
+from protocols.planning.encoding import run_from_dict, run_to_dict
+from protocols.planning.limits import structure_faults
+from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
+
+_TYPES = (float, int, bool, str)
+_MAX_FAULTS = 5  # that are worth reporting at once
+_BEYOND = {"gt": 0.0, "ge": -1.0, "lt": 0.0, "le": 1.0}  # added to a bound, is out of bounds
+
+
+def faults(kind: object) -> list[str]:
+    """Return what is wrong with a kind of protocol, a phrase each; empty for a good one.
+
+    It is a class: `faults(PulseTrain)`. Never raises, but for what the kind's own code raises other
+    than ScheduleError.
+    """
+    if not (isinstance(kind, type) and issubclass(kind, ProtocolKind)):
+        return ["it is no subclass of protocols.kinds.contract.ProtocolKind"]
+    found = list(_class_faults(kind)) or list(islice(_field_faults(kind), _MAX_FAULTS))
+    if found:
+        return found
+    try:
+        protocol = kind()
+    except ScheduleError as error:
+        return [f"its defaults are refused: {error}"]
+    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(_bound_faults(protocol))
+
+
+def _class_faults(kind: type[ProtocolKind]) -> Iterator[str]:
+    if inspect.isabstract(kind):
+        yield "steps_and_readings is not defined"
+    parameters = getattr(kind, "__dataclass_params__", None)
+    if "__dataclass_fields__" not in vars(kind) or not is_dataclass(kind):
+        yield "it is no dataclass"
+    elif parameters is None or not parameters.frozen:
+        yield "its dataclass is not frozen"
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", getattr(kind, "name", "")):
+        yield "its `name` is not made of small letters, digits and _"
+    if not inspect.cleandoc(kind.__doc__ or "") or (kind.__doc__ or "").startswith(
+        f"{kind.__name__}("
+    ):
+        yield "it has no docstring"
+
+
+def _field_faults(kind: type[ProtocolKind]) -> Iterator[str]:
+    hints = get_type_hints(kind)
+    for field in fields(kind):
+        hint = hints[field.name]
+        if hint not in _TYPES and hint != tuple[float, ...]:
+            yield f"{field.name} is neither float, int, bool, str nor tuple[float, ...]"
+        if field.default is MISSING:
+            yield f"{field.name} has no default"
+        if not field.metadata.get("description"):
+            yield f"{field.name} has no description"
+        yield from _missing_bounds(field, hint)
+
+
+def _missing_bounds(field: Field[Any], hint: Any) -> Iterator[str]:
+    stated = field.metadata
+    if get_origin(hint) is tuple:
+        if "max_length" not in stated:
+            yield f"{field.name} has no max_length"
+        hint, stated = get_args(hint)[0], stated.get("items", {})
+    if hint in (float, int) and not (stated.keys() & {"gt", "ge"} and stated.keys() & {"lt", "le"}):
+        yield f"{field.name} has no lower or no upper bound"
+
+
+def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
+    steps, readings, duration_s = protocol.steps_and_readings()
+    run = PlannedRun(
+        index=0,
+        configuration="long",
+        position_m=0.0,
+        purpose=Purpose.MEASUREMENT,
+        mounting=0,
+        approach="up",
+        moisten=False,
+        load_N=None,
+        steps=steps,
+        readings=readings,
+        duration_s=duration_s,
+    )
+    yield from structure_faults(run)
+    if not any(reading.kind is ReadingKind.KEPT for reading in readings):
+        yield "by default it keeps no reading"
+    if not protocol.driven_V:
+        yield "by default it applies no voltage"
+        return
+    if run_from_dict(json.loads(json.dumps(run_to_dict(run)))) != run:
+        yield "its run is another one after it was written as JSON and read again"
+    if protocol.steps_and_readings() != (steps, readings, duration_s):
+        yield "its steps differ from one call to the next"
+    halves = tuple(voltage_V / 2 for voltage_V in protocol.driven_V)
+    if protocol.scaled(0.5).driven_V != halves:
+        yield 'scaled(0.5) does not halve its voltages; state the unit "V" of each of them'
+    protocol.pulses().steps_and_readings()
+
+
+def _bound_faults(protocol: ProtocolKind) -> Iterator[str]:
+    """What it accepts although its own bounds exclude it."""
+    for field in fields(protocol):
+        is_tuple = isinstance(getattr(protocol, field.name), tuple)
+        bounds = field.metadata.get("items", {}) if is_tuple else field.metadata
+        for key, beyond in _BEYOND.items():
+            if key not in bounds:
+                continue
+            number = bounds[key] + type(bounds[key])(beyond)
+            value = (number,) if is_tuple else number
+            try:
+                replace(protocol, **{field.name: value})
+            except ScheduleError:
+                continue
+            yield f"it accepts {field.name} = {value}, which its bounds exclude"

@@ -1,0 +1,85 @@
+"""A kind of protocol that comes with another distribution is used like labrig's own."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+from labrig.panel.pages.configuration_files import kind_of
+
+from drivers.plugins import PluginWarning
+from labrig.cli.main import run
+from labrig.config import PROTOCOLS, parse_protocol
+from labrig.config.schema import schemas
+from labrig.session.setup import present_versions
+
+FLASH = '''
+"""One short pulse."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from protocols import ProtocolKind, ReadingKind
+from protocols.kinds.fields import duration, voltage
+from protocols.planning.builder import Builder
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flash(ProtocolKind):
+    """One short pulse."""
+
+    name: ClassVar[str] = "flash"
+    voltage_V: float = voltage(1.0, "of the pulse")
+    pulse_s: float = duration(0.2, "length of the pulse")
+
+    def steps_and_readings(self):
+        run = Builder()
+        run.step(self.voltage_V, self.pulse_s)
+        run.reading(self.pulse_s / 2, 0.01, ReadingKind.KEPT)
+        return run.finish()
+'''
+TEXT = """[flash]
+voltage_V = 1.5
+[[places]]
+configuration = "long"
+positions_mm = [0.0]
+[extras]
+mode = "paper"
+"""
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    def install(code: str) -> None:
+        (tmp_path / "flash_protocol.py").write_text(code)
+        info = tmp_path / "flash_protocol-1.2.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(
+            "Metadata-Version: 2.1\nName: flash-protocol\nVersion: 1.2\n"
+        )
+        (info / "entry_points.txt").write_text("[labrig.protocols]\nflash = flash_protocol:Flash\n")
+
+    monkeypatch.syspath_prepend(tmp_path)
+    yield install
+    sys.modules.pop("flash_protocol", None)
+
+
+def test_an_installed_protocol_is_planned_and_has_a_form_and_a_version(installed, tmp_path, capsys):
+    installed(FLASH)
+    steps = parse_protocol(TEXT, "protocol.toml").schedule("protocol.toml").runs[0].steps
+    assert [(s.time_s, s.voltage_V) for s in steps] == [(0.0, 1.5), (0.2, 0.0)]
+    schema = schemas()["protocol"]
+    assert "flash" in schema["properties"]
+    assert schema["$defs"]["Flash"]["properties"]["pulse_s"]["description"] == "length of the pulse"
+    assert kind_of(TEXT, ".toml") == "protocol"
+    assert present_versions()["flash-protocol"] == "1.2"
+    path = tmp_path / "protocol.toml"
+    path.write_text(TEXT)
+    assert run(["plan", str(path)]) == 0
+    assert "1.5" in capsys.readouterr().out
+
+
+def test_an_installed_protocol_that_does_not_conform_is_left_out_with_a_sentence(installed):
+    installed(FLASH.replace("return run.finish()", "return run.finish()[0][:1], (), 0.2"))
+    with pytest.warns(PluginWarning, match="'flash' of flash-protocol .*leaves 1 V at the sheet"):
+        assert "flash" not in PROTOCOLS.parts()
