@@ -282,7 +282,17 @@ class ConfigurationModel:
     ) -> Equilibria:
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        found = solve(Problems(self.breaks, kappa, soft, radius_m, reach, angle), start)
+        found = solve(
+            Problems(
+                breaks_m=self.breaks,
+                kappa=kappa,
+                softness=soft,
+                radius_m=radius_m,
+                reach_m=reach,
+                angle_rad=angle,
+            ),
+            start,
+        )
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
