@@ -12,12 +12,38 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
+    from labrig.testing.conformance import board_family_faults as board_family_faults
+    from labrig.testing.conformance import camera_faults as camera_faults
+    from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
     from labrig.testing.conformance import command_faults as command_faults
+    from labrig.testing.conformance import family_faults as family_faults
+    from labrig.testing.conformance import force_sensor_faults as force_sensor_faults
+    from labrig.testing.conformance import force_sensor_kind_faults as force_sensor_kind_faults
+    from labrig.testing.conformance import interlock_faults as interlock_faults
+    from labrig.testing.conformance import output_faults as output_faults
+    from labrig.testing.conformance import positioner_faults as positioner_faults
+    from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
+    from labrig.testing.conformance import rescue_faults as rescue_faults
+    from labrig.testing.conformance import signal_faults as signal_faults
     from labrig.testing.fake_rig import FakeRig as FakeRig
     from labrig.testing.fake_rig import short_schedule as short_schedule
 
 _HOMES = {
-    "labrig.testing.conformance": ("command_faults",),
+    "labrig.testing.conformance": (
+        "board_family_faults",
+        "camera_faults",
+        "camera_kind_faults",
+        "command_faults",
+        "family_faults",
+        "force_sensor_faults",
+        "force_sensor_kind_faults",
+        "interlock_faults",
+        "output_faults",
+        "positioner_faults",
+        "positioner_kind_faults",
+        "rescue_faults",
+        "signal_faults",
+    ),
     "labrig.testing.fake_rig": ("FakeRig", "short_schedule"),
 }
 __getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)
