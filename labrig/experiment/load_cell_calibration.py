@@ -112,7 +112,7 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
 
 
 def _kept_name(path: Path) -> Path:
-    """A name that no file has yet, for the calibration that is being replaced."""
+    """Return a free name for the calibration that is replaced."""
     day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
     names = (f"{path.stem}.{day}{n}.toml" for n in ("", *(f".{i}" for i in range(1, 1000))))
     return next(path.with_name(name) for name in names if not path.with_name(name).exists())

@@ -28,7 +28,7 @@ from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """Everything that is known before a rig is touched."""
 
@@ -48,7 +48,7 @@ class Plan:
         return next(iter(self.sheets.values())).arc_radius_m
 
     def resolved(self) -> dict[str, Any]:
-        """The files as understood, as plain JSON."""
+        """Return the files as understood, as plain JSON."""
         return {
             "rig": self.rig.model_dump(mode="json"),
             "protocol": self.protocol.model_dump(mode="json"),
@@ -78,7 +78,7 @@ def load_plan(rig: Path, protocol: Path, sheet: Path) -> Plan:
 def make_plan(
     rig: RigConfig, texts: Mapping[str, str], names: Mapping[str, str] | None = None
 ) -> Plan:
-    """A plan from the files' texts; `names` are what errors call them."""
+    """Return a plan from the files' texts; `names` are what errors call them."""
     called = {name: name for name in texts} | dict(names or {})
     protocol = parse_protocol(texts["protocol.toml"], called["protocol.toml"])
     sheets = parse_sheet(texts["sheet.toml"], called["sheet.toml"])
@@ -127,7 +127,7 @@ def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
 
 
 def _plain(value: Any) -> dict[str, Any]:
-    """A dataclass as plain JSON."""
+    """Return a dataclass as plain JSON."""
 
     def item(value: Any) -> Any:
         if isinstance(value, dt.date):

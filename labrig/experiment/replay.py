@@ -33,7 +33,7 @@ _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 
 
 def replay_plan(session: RecordedSession) -> Plan:
-    """What was done, from the configuration that the session holds."""
+    """Return the plan of what was done, from the configuration that the session holds."""
     for name in _NEEDED:
         if name not in session.texts:
             raise BadInputError(
@@ -60,7 +60,7 @@ def _on_simulated_boards(rig: RigConfig) -> RigConfig:
 
 
 def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
-    """The rig that plays `session`. The director must be told of every event, before all others."""
+    """Return the rig that plays `session`, and its director, which must get every event first."""
     from sim_hardware.clock import VirtualClock
     from sim_hardware.ni import NiDeviceServer
 
@@ -162,7 +162,7 @@ class RecordedCapture:
         self._last_s = -np.inf
 
     def isOpened(self) -> bool:
-        """Always: the recording is there."""
+        """Return True: the recording is there."""
         return True
 
     def get(self, _property: int) -> float:
@@ -190,7 +190,7 @@ class RecordedCapture:
         return True
 
     def retrieve(self) -> tuple[bool, npt.NDArray[Any]]:
-        """The frame that `grab` waited for."""
+        """Return the frame that `grab` waited for."""
         run = self._director.run
         if self._row is not None and run is not None:
             return True, run.image(self._row)
@@ -210,7 +210,7 @@ class _RecordedStage:
         """Nothing is to be taken."""
 
     def move_to(self, position_m: float) -> bool:  # noqa: ARG002
-        """It was there."""
+        """Return True: it was there."""
         return True
 
     def position(self) -> float | None:

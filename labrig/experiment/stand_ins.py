@@ -13,8 +13,8 @@ from labrig.experiment.plan import Plan
 from sim_hardware.camera import SimulatedCapture
 from sim_hardware.clock import VirtualClock
 from sim_hardware.faults import FaultyRig
-from sim_hardware.ni import NiDeviceServer
 from sim_hardware.operator import SimulatedPerson
+from sim_hardware.rig_boards import boards_of
 from sim_hardware.serial_devices import (
     InMemorySerial,
     SerialDevice,
@@ -41,9 +41,11 @@ class StandIns:
         self.clock = VirtualClock()
         self._seed = settings.seed
         self._world = World(settings, self.clock)
-        self._server = NiDeviceServer(self._world, self.clock, seed=settings.seed)
-        self._server.lines.wired = self._world.edge
-        self._faulty = FaultyRig(self.clock, self._world, self._server)
+        try:
+            self._server = boards_of(self._world, self.clock)
+        except WorldError as error:
+            raise BadInputError(f"{_world_file(plan)}: {error}") from None
+        self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._server)
         self._faulty.begin()
         self.operator: Operator = SimulatedPerson(self._world)
         self._boards: dict[str, Callable[[], Any]] = {"ni": self._server.in_process_channel}
@@ -82,3 +84,8 @@ def _chosen(table: dict[str, Callable[[], Any]], kind: str, where: str) -> Calla
             f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(table))}."
         )
     return table[kind]
+
+
+def _world_file(plan: Plan) -> str:
+    simulated = plan.rig.simulated
+    return str((simulated.world if simulated else None) or "world.toml")

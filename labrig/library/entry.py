@@ -14,7 +14,7 @@ from labrig.session import RecordedSession, open_session
 Fits = dict[str, dict[str, Any]]  # by configuration
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CatalogueEntry:
     """One file. `name` is its path in the folder, with slashes. A damaged one has `error` only."""
 
@@ -45,7 +45,7 @@ class CatalogueEntry:
 
     @classmethod
     def from_dict(cls, plain: dict[str, Any]) -> CatalogueEntry:
-        """The reverse. Raises TypeError."""
+        """Return the entry of `as_dict`. Raises TypeError."""
         return cls(**{**plain, "sheet": tuple(plain.get("sheet", ()))})
 
     def fitted(self, what: str) -> float | None:
@@ -62,7 +62,7 @@ class CatalogueEntry:
 
 def read_entry(path: Path, name: str) -> CatalogueEntry:
     """Look into a session; samples and images are not read. Never raises for what is in a file."""
-    bare = CatalogueEntry(name)
+    bare = CatalogueEntry(name=name)
     try:
         bare = replace(bare, bytes=path.stat().st_size)
         with open_session(path, live=True) as session:

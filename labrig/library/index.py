@@ -40,7 +40,7 @@ class Library:
     """One folder and all below it. May be asked from several threads."""
 
     def __init__(self, folder: Path) -> None:
-        """Raises BadInputError when there is no such folder."""
+        """Look into the folder; raise BadInputError when there is none."""
         if not folder.is_dir():
             if folder.exists():
                 raise BadInputError(f"{folder}: this is a file, a folder is needed.")
@@ -99,7 +99,7 @@ class Library:
         return 0
 
     def _save(self) -> None:
-        """What cannot be kept (a folder that is only to be read) is looked up again next time."""
+        """Store the entries, unless the folder is read-only: then they are read again next time."""
         path = self.folder / KEPT
         beside = path.with_name(f"{path.name}.{os.getpid()}.new")
         plain = {
@@ -154,7 +154,7 @@ def _as_plain(one: _Known) -> dict[str, Any]:
 
 
 def _load(path: Path) -> dict[str, _Known]:
-    """What was kept; nothing when it is not there, damaged, or of another version."""
+    """Return what was stored; nothing where it is damaged or of another version."""
     try:
         plain = json.loads(path.read_text(encoding="utf-8"))
         if plain["version"] != VERSION:

@@ -18,7 +18,7 @@ from drivers.interfaces import DeviceError
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
 from sim_hardware.ni.rpc import CallError
-from sim_hardware.ni.transport.channel import InProcessRpcError
+from sim_hardware.ni.transport.in_process import InProcessRpcError
 from tests.fuzz.told import small_and_soon
 
 CASES = 60

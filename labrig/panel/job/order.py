@@ -12,7 +12,7 @@ from labrig.errors import BadInputError
 Kind = Literal["run", "preflight", "weighing", "camera"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Order:
     """Paths are whole ones. Which are needed depends on the kind."""
 

@@ -94,10 +94,10 @@ class _Run:
         self._plan = plan
         self._stop = StopRequest()
         self._hub = EventBus(threaded=not plan.rig.is_simulated)
-        scribe = MessageEncoder()
+        encoder = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
-        self._follower = Follower(host.feed, scribe, asks_itself=asks_itself)
-        self._person = PageOperator(scribe, host.tell, self._stop, self._now)
+        self._follower = Follower(host.stream, encoder, asks_itself=asks_itself)
+        self._person = PageOperator(encoder, host.tell, self._stop, self._now)
         self._rig = self._wired(plan)
         for name, handler in (
             ("stop", self._do_stop),
@@ -122,7 +122,7 @@ class _Run:
                 resumption=resumption,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
-        self._follower.tell_state()
+        self._follower.publish_state()
         return result
 
     def _wired(self, plan: Plan) -> Rig:

@@ -65,8 +65,8 @@ class Recording:
                 "recorded can be replayed."
             )
         self._begin_s = events[0].time_s
-        scribe = MessageEncoder()
-        told = [(event.time_s - self._begin_s, scribe.message(event)) for event in events]
+        encoder = MessageEncoder()
+        told = [(event.time_s - self._begin_s, encoder.message(event)) for event in events]
         self.timed = [(at_s, message) for at_s, message in told if message is not None]
         self._times = [at_s for at_s, _ in self.timed]
         self.duration_s = self._times[-1]
