@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.channels import Channels
 
 _CHANNEL = re.compile(r"^[^/\s]+/(ai|ao|port\d+/line)\d+$")
 
@@ -148,6 +149,7 @@ class RigConfig(ClosedModel):
     load_cell: LoadCellFile
     camera: CameraConfig | None = None
     stage: StageConfig = StageConfig()
+    channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
 

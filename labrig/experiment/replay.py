@@ -17,8 +17,9 @@ from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import DRIVE, Rig, boards
+from labrig.experiment.rig import Rig, boards
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 
@@ -94,14 +95,7 @@ class Director:
         self.run: RunRecord | None = None
         self.start_s = 0.0  # clock time of the run's first sample
         self._rate_hz = 1.0
-        self._names = {
-            channel.split("/")[1]: name
-            for name, channel in (
-                ("force", rig.ni.force),
-                ("current", rig.ni.current),
-                (DRIVE, rig.ni.drive_readback),
-            )
-        }
+        self._names = {channel.split("/")[1]: name for name, channel, _ in inputs_of(rig)}
         self._samples: dict[str, FloatArray] = {}
         self.frame_due_s = np.empty(0)  # clock times of the recorded frames, rising
 

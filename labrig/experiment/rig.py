@@ -15,6 +15,7 @@ from drivers.force_sensors.load_cell import LoadCell, LoadCellCalibration
 from drivers.interfaces import Camera, Clock, DeviceError, Operator, Positioner
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.experiment.channels import channels_of, inputs_of
 from protocols.execution.devices import Devices
 
 DRIVE = "drive"  # the channel on which the sheet voltage is read back
@@ -44,16 +45,15 @@ class Rig:
 
     def devices(self) -> Devices:
         """As the scheduler takes them; the rig must be open."""
-        shunt_ohm = self.config.current_sense.shunt_ohm
         load_cell = self.load_cell
+        ranges_V = dict(zip(self.signals.channels, self.signals.ranges_V, strict=True))
         return Devices(
             output=self.output,
             signals=self.signals,
             camera=self.camera,
             stage=self.stage,
             operator=self.operator,
-            newtons=load_cell.newtons,
-            amperes=lambda volts: volts / shunt_ohm,
+            channels=channels_of(self.config, load_cell, ranges_V),
             protect=load_cell.protect,
         )
 
@@ -67,12 +67,7 @@ def boards(
     output = NiVoltageOutput(
         connection, clock, ni.drive, amplifier.limit_board_V, ni.task_names.output
     )
-    wired = (
-        ("force", ni.force, ni.ranges_V.force),
-        ("current", ni.current, ni.ranges_V.current),
-        (DRIVE, ni.drive_readback, ni.ranges_V.drive),
-    )
-    channels = [InputChannel(name, where, volts, "differential") for name, where, volts in wired]
+    channels = [InputChannel(*each, "differential") for each in inputs_of(config)]
     signals = NiSignalInput(connection, clock, channels, ni.sample_rate_hz, ni.task_names.input)
     return SheetDrive(output, amplifier), signals
 

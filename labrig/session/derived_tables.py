@@ -27,6 +27,7 @@ MEAN_IMAGE = -1  # in place of a reading's place: the curve of the condition's m
 # Columns of `points` and `samples`; those a curve or series does not have are NaN.
 _POINT = ("s_m", "x_m", "y_m", "curvature_per_m", "sigma_m", "curvature_sigma_per_m")
 _SAMPLE = ("time_s", "drive_V", "force_N", "current_A")
+_CHANNEL = "channel_"  # before the name of a further channel's values, among those of readings
 _CONTACT = ("s_m", "x_m", "y_m", "angle_rad", "position_m", "position_sigma_m", "radius_m")
 
 
@@ -142,6 +143,7 @@ def _condition_table(conditions: Sequence[Condition]) -> Array:
 
 
 def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
+    others = dict.fromkeys(name for _, reading in readings for name in reading.other_values)
     return _table(
         {
             "condition": [at for at, _ in readings],
@@ -153,6 +155,10 @@ def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
             "wetted_s": [_or_nan(r.wetted_s) for _, r in readings],
             "valid": [bool(r.valid) for _, r in readings],
             "why": [r.why for _, r in readings],
+            **{
+                f"{_CHANNEL}{name}": [r.other_values.get(name, np.nan) for _, r in readings]
+                for name in others
+            },
         }
     )
 
@@ -261,6 +267,7 @@ def _conditions(
                 valid=bool(row["valid"]),
                 why=str(row["why"]),
                 curve=curves.get((at, len(readings[at]))),
+                other_values=_other_values(row),
             )
         )
     return tuple(
@@ -278,6 +285,14 @@ def _conditions(
         )
         for at, row in enumerate(rows)
     )
+
+
+def _other_values(row: Any) -> dict[str, float]:
+    """Return the values of further channels that a reading has."""
+    names = [name for name in row.dtype.names if name.startswith(_CHANNEL)]
+    return {
+        name.removeprefix(_CHANNEL): float(row[name]) for name in names if not np.isnan(row[name])
+    }
 
 
 def _contacts(tables: Mapping[str, Array]) -> dict[int, Contact]:

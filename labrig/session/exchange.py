@@ -82,8 +82,7 @@ def _setup(sheet_text: str, sums: dict[str, str]) -> SessionSetup:
         schedule=Schedule(IMPORTED, (), 25.0),
         texts={"sheet.toml": sheet_text},
         resolved={"imported_sha256": sums},
-        channels=(),
-        ranges_V=(),
+        signals=(),
         rate_hz=0.0,
         frame_shape=None,
     )

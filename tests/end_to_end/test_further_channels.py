@@ -1,0 +1,112 @@
+"""A fourth channel is a table of rig.toml: it is recorded, shown, analysed, exported, resumed."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.config import parse_rig
+from labrig.errors import BadInputError
+from labrig.session import open_session, verify
+from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+
+pytestmark = pytest.mark.slow
+PROTOCOL = """
+[pulse_train]
+zero_readings = 1
+readings_per_voltage = 1
+pulses_discarded = 0
+[[places]]
+configuration = "long"
+positions_mm = [10]
+[extras]
+mode = "paper"
+"""
+# Nothing is wired to ai3, so it reads 0 V; the second one has a known voltage.
+CHANNELS = """
+[channels.temperature]
+input = "PCI6034E/ai3"
+quantity = "temperature"
+unit = "degC"
+gain = 100.0
+offset = 21.5
+range_V = 5.0
+
+[channels.supply]
+input = "PCI6034E/ai2"
+quantity = "voltage"
+unit = "mV"
+gain = 1000.0
+range_V = 5.0
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = make_rig(tmp_path_factory.mktemp("channels") / "rig", PROTOCOL)
+    rig = folder / "rig.toml"
+    rig.write_text(rig.read_text() + CHANNELS)
+    return run_rig(folder)
+
+
+def test_further_channels_are_recorded_raw_and_in_every_reading(recorded: Path) -> None:
+    assert all(check.ok for check in verify(recorded))
+    with open_session(recorded) as session:
+        assert session.channels == ("force", "current", "drive", "temperature", "supply")
+        run = session.runs[0]
+        np.testing.assert_allclose(run.signal_V("temperature"), 0.0, atol=0.01)
+        np.testing.assert_allclose(run.readings["temperature_degC"], 21.5, atol=1.0)
+        np.testing.assert_allclose(
+            run.readings["supply_mV"], 1e3 * run.readings["drive_V"], atol=20.0
+        )
+
+
+def test_further_channels_are_shown(recorded: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert labrig("show", recorded, "--json") == 0
+    channels = json.loads(capsys.readouterr().out)["channels"]
+    found = {channel["name"]: channel for channel in channels}["temperature"]
+    assert (found["quantity"], found["unit"]) == ("temperature", "degC")
+    assert found["least"] == pytest.approx(21.5, abs=1.0)
+    assert labrig("show", recorded) == 0
+    assert "temperature" in capsys.readouterr().out
+
+
+def test_further_channels_are_exported(recorded: Path, tmp_path: Path) -> None:
+    assert labrig("analyze", recorded, "--no-curves") == 0
+    assert labrig("export", recorded, "-o", tmp_path / "tables") == 0
+    with (tmp_path / "tables" / "forces.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert rows
+    for row in rows:
+        assert float(row["channel_temperature_degC"]) == pytest.approx(21.5, abs=1.0)
+        supply_mV = float(row["channel_supply_mV"])
+        assert supply_mV == pytest.approx(1e3 * float(row["voltage_V"]), abs=20.0)
+
+
+def test_a_session_with_further_channels_is_replayed(recorded: Path, tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text(f'replay = "{recorded}"\n')
+    assert labrig("run", tmp_path / "rig.toml", "-o", tmp_path / "again.h5") == 0
+    with open_session(recorded) as old, open_session(tmp_path / "again.h5") as new:
+        for name in ("temperature_degC", "supply_mV"):
+            np.testing.assert_allclose(
+                new.runs[0].readings[name], old.runs[0].readings[name], rtol=0.05, atol=5.0
+            )
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('[channels.force]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n', "'force' is the name"),
+        ('[channels.t]\ninput = "D/ao3"\nquantity = "x"\nunit = "N"\n', "an analog input"),
+        ('[channels.t]\ninput = "D/ai3"\nquantity = "x"\nunit = "m/s"\n', "letters, digits and _"),
+        ('[channels.t]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\ngain = 0\n', "gain = 0"),
+        ('[channels.T]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n', "small letters"),
+    ],
+)
+def test_a_channel_that_cannot_be_recorded_is_named(text: str, says: str) -> None:
+    with pytest.raises(BadInputError, match=says):
+        parse_rig(f'{text}[load_cell]\ncalibration = "x.toml"\n', "rig.toml")
