@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
@@ -64,6 +65,15 @@ def _have_names(channels: dict[str, ChannelConfig]) -> dict[str, ChannelConfig]:
     if len(set(columns)) < len(columns):
         raise ValueError("two channels would have the same column, which is NAME_UNIT")
     return channels
+
+
+def require_distinct(inputs: Mapping[str, str]) -> None:
+    """Raise ValueError when two of the inputs, by name, are the same terminal of a board."""
+    named: dict[str, str] = {}
+    for name, terminal in inputs.items():
+        if terminal in named:
+            raise ValueError(f"{terminal} is the input of both {named[terminal]} and {name}")
+        named[terminal] = name
 
 
 Channels = Annotated[dict[str, ChannelConfig], AfterValidator(_have_names)]

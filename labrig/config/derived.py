@@ -69,6 +69,9 @@ class SettingsModel(ClosedModel):
         return self.settings_type(**{name: _plain(getattr(self, name)) for name in names})
 
 
+Base = typing.TypeVar("Base", bound=SettingsModel)
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, SettingsModel):
         return value.settings()
@@ -77,32 +80,31 @@ def _plain(value: Any) -> Any:
     return value
 
 
-@functools.lru_cache(maxsize=256)
 def model_of(settings: type, kind: str | None = None) -> type[SettingsModel]:
     """Return the closed model of a dataclass; with `kind`, a key of that name and value."""
+    return _model_of(settings, kind, SettingsModel)
+
+
+def model_with(base: type[Base], settings: type, kind: str | None = None) -> type[Base]:
+    """Return the same with the further keys of `base`, which its `settings` leave out."""
+    return typing.cast("type[Base]", _model_of(settings, kind, base))
+
+
+@functools.lru_cache(maxsize=256)
+def _model_of(settings: type, kind: str | None, base: type[SettingsModel]) -> type[SettingsModel]:
     fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], kind)}
-    types = typing.get_type_hints(settings, include_extras=True)
+    hints = typing.get_type_hints(settings, include_extras=True)
     former: dict[str, str] = {}
     for field in dataclasses.fields(settings):
         if not field.init:
             continue
-        fields[field.name] = (_annotation(types[field.name], field.metadata), _field(field))
+        fields[field.name] = (_annotation(hints[field.name], field.metadata), _field(field))
         if "formerly" in field.metadata:
             former[field.metadata["formerly"]] = field.name
-    model = create_model(
-        settings.__name__, __base__=SettingsModel, __doc__=_doc(settings), **fields
-    )
+    model = create_model(settings.__name__, __base__=base, __doc__=_doc(settings), **fields)
     model.settings_type = settings
     model.former_names = former
     return model
-
-
-def extended(
-    model: type[SettingsModel], fields: Mapping[str, tuple[Any, Any]]
-) -> type[SettingsModel]:
-    """Return the model with further keys, which its `settings` leave out."""
-    more: dict[str, Any] = dict(fields)
-    return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **more)
 
 
 def _doc(settings: type) -> str | None:

@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
-from labrig.config.channels import Channels
+from labrig.config.channels import Channels, require_distinct
 
 _CHANNEL = re.compile(r"^[^/\s]+/(ai|ao|port\d+/line)\d+$")
 
@@ -152,6 +152,13 @@ class RigConfig(ClosedModel):
     channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
+
+    @model_validator(mode="after")
+    def _have_inputs_of_their_own(self) -> RigConfig:
+        ni = self.ni
+        fixed = {"force": ni.force, "current": ni.current, "drive_readback": ni.drive_readback}
+        require_distinct(fixed | {name: each.input for name, each in self.channels.items()})
+        return self
 
     @property
     def is_simulated(self) -> bool:

@@ -9,6 +9,8 @@ import numpy as np
 from labrig.report.parts.table import Table
 from labrig.session import RecordedSession
 
+_COLUMNS = ("channel", "quantity", "unit", "input range V", "smallest reading", "largest reading")
+
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelSummary:
@@ -61,12 +63,4 @@ def channels_as_table(channels: tuple[ChannelSummary, ...]) -> Table:
         )
         for channel in channels
     )
-    columns = (
-        "channel",
-        "quantity",
-        "unit",
-        "input range V",
-        "smallest reading",
-        "largest reading",
-    )
-    return Table("Channels", columns, rows)
+    return Table("Channels", _COLUMNS, rows)
