@@ -8,9 +8,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from labrig.lazy_imports import lazily
+from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
     from labrig.analysis import analyze as analyze
+    from labrig.cli.command import Command as Command
     from labrig.model_file import load_model as load_model
     from labrig.model_file import save_model as save_model
     from labrig.session import load_measurements as load_measurements
@@ -29,9 +31,10 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.analysis": ("analyze",),
+    "labrig.cli.command": ("Command",),
     "labrig.model_file": ("load_model", "save_model"),
     "labrig.session": ("load_measurements", "open_session", "read_tables"),
     "labrig.vision": ("NeutralCurve", "Optics", "StripGeometry", "Tracker", "neutral_curve"),
     "model": ("FitOptions", "Measurements", "SheetModel", "fit", "predict"),
 }
-__getattr__, __dir__, __all__ = lazily(__name__, _HOMES)
+__getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)

@@ -8,15 +8,21 @@ from typing import Any
 
 
 def lazily(
-    package: str, homes: Mapping[str, Sequence[str]]
+    package: str,
+    homes: Mapping[str, Sequence[str]],
+    before: Callable[[], None] = lambda: None,
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """`__getattr__`, `__dir__` and `__all__` of a package, from the names that each module has."""
+    """Return `__getattr__`, `__dir__` and `__all__` of a package from the names of each module.
+
+    `before` is called before a module is imported; it may raise.
+    """
     home_of = {name: home for home, names in homes.items() for name in names}
     every = sorted(home_of)
 
     def load(name: str) -> Any:
         if name not in home_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        before()
         return getattr(import_module(home_of[name]), name)
 
     return load, lambda: list(every), every

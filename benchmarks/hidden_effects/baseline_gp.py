@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.result import BeforeAfter
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 LENGTHS_M = (2.5e-3, 5e-3, 10e-3, 20e-3, 40e-3)

@@ -16,7 +16,6 @@ import numpy as np
 from benchmarks.hidden_effects.baseline_gp import gaussian_process
 from benchmarks.hidden_effects.run import Made, options_of
 from benchmarks.hidden_effects.visible import known
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.prepare import Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.search.forward_selection import search
@@ -25,7 +24,8 @@ from model.discrepancy.search.signatures import forms
 from model.discrepancy.verdict.posterior import choices
 from model.discrepancy.verdict.prediction_error import variance
 from model.effects.interface import Effect
-from model.identification.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import FloatArray
 
 NOT_THERE = -30.0  # ln of a scatter that is taken not to be there
@@ -38,7 +38,7 @@ def answers(one: Made) -> dict[str, dict[str, object]]:
     """What each of them says of a session."""
     ready = prepare(one.hidden.measurements, options_of(one.task))
     effects = known(one.task.case.symmetric, one.task.exclude)
-    base = settle(ready.problem, ready.theta)
+    base = fit_mixed_model(ready.problem, ready.theta)
     pool = candidates(base, effects)
     return {
         "repeats_bic": {"named": repeats_bic(base, pool)},
@@ -51,7 +51,7 @@ def answers(one: Made) -> dict[str, dict[str, object]]:
 def _honest_noise(one: Made) -> FloatArray:
     """Variance of each row where nothing is hidden: the floor that gaps are measured from."""
     bare = prepare(one.bare, options_of(one.task))
-    return variance(settle(bare.problem, bare.theta))
+    return variance(fit_mixed_model(bare.problem, bare.theta))
 
 
 # -------------------------------------------------------------- repeats alone, stepwise by BIC
@@ -109,7 +109,7 @@ def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) ->
 
 def fixed_forms(ready: Prepared, effects: Sequence[Effect]) -> list[str]:
     """Names by the same search, every effect as the catalogue writes it."""
-    rigid = [replace(e, tolerance=()) for e in effects]
+    rigid = [replace(e, form_error_along=()) for e in effects]
     outcome = search(ready.problem, ready.theta, rigid, DEFAULT)
     return [c.effect.name for c in choices(outcome, rigid, DEFAULT)[0]]
 

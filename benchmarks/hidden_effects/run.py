@@ -186,7 +186,7 @@ def _answered(kept: Record, found: Diagnosis) -> Record:
         named=[_named(n) for n in found.effects],
         unknown=None
         if unknown is None
-        else Unseen(unknown.slot, unknown.configuration, unknown.along, unknown.peak_mm),
+        else Unseen(unknown.location, unknown.configuration, unknown.along, unknown.peak_mm),
         invisible=list(found.invisible),
         ranking=[(r.name, r.log_bayes) for r in found.ranking if not r.name.startswith("unknown")][
             :8

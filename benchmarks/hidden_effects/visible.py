@@ -21,15 +21,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model import Measurements
-from model.discrepancy.data.data_vector import look
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import linearise
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
-from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.effects.catalogue import catalogue
 from model.effects.interface import Effect
+from model.identification.data.data_vector import look
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import linearise
+from model.identification.likelihood.mixed_model_fit import (
+    FitProblem,
+    MixedModelFit,
+    fit_mixed_model,
+)
+from model.identification.likelihood.row_noise import noise_of
 from model.measurements import FloatArray
 
 ROUNDS = 8
@@ -64,7 +68,7 @@ class Yardstick:
     def __init__(self, bare: Measurements, symmetric: bool = False) -> None:
         self._options = Options(symmetric=symmetric)
         ready = prepare(bare, self._options)
-        self._fitted = settle(ready.problem, ready.theta)
+        self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(
             ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual

@@ -13,26 +13,38 @@ from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
 from labrig.config import parse_load_cell, parse_sheet
 from labrig.errors import BadInputError
+from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, open_session, store_measurements
 from model.measurements import Measurements, SheetGeometry, TimeSeries
 from protocols.planning.schedule import Purpose
 
 
-def analyze(path: Path, progress: Progress | None = None, *, workers: int = 1) -> Measurements:
+def analyze(
+    path: Path,
+    progress: Progress | None = None,
+    *,
+    workers: int = 1,
+    extractor: str = BUILT_IN,
+) -> Measurements:
     """Measure forces and curves of a session and keep them in it, in place of those it held.
 
-    `progress(fraction, text)` is called now and then; `workers` processes look for curves.
+    `progress(fraction, text)` is called now and then; `workers` processes look for curves
+    with the curve extractor of that name.
     Raises BadInputError when the session holds nothing that can be measured.
     """
     path = Path(path)
     with open_session(path) as session:
-        measurements = measure(session, progress, workers=workers)
-    store_measurements(path, measurements)
+        measurements = measure(session, progress, workers=workers, extractor=extractor)
+    store_measurements(path, measurements, curve_extractor=_record_of(extractor))
     return measurements
 
 
 def measure(
-    session: RecordedSession, progress: Progress | None = None, *, workers: int = 1
+    session: RecordedSession,
+    progress: Progress | None = None,
+    *,
+    workers: int = 1,
+    extractor: str = BUILT_IN,
 ) -> Measurements:
     """The same without keeping it."""
     if not any(run.started for run in session.runs):
@@ -45,7 +57,7 @@ def measure(
     )
     _check_configurations(session, sheets)
     forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}
-    curves, notes = _curves(session, sheets, progress, workers)
+    curves, notes = _curves(session, sheets, progress, workers, extractor)
     warnings = [*notes, *dead_weight_warnings(session, forces, calibration)]
     warnings += [text for each in curves for text in each.warnings]
     return Measurements(
@@ -79,6 +91,7 @@ def _curves(
     sheets: dict[str, SheetGeometry],
     progress: Progress | None,
     workers: int,
+    extractor: str,
 ) -> tuple[list[ConditionCurves], list[str]]:
     if session.frame_shape is None:
         return [], ["The session was recorded without a camera; it has no curves."]
@@ -87,8 +100,18 @@ def _curves(
     from labrig.vision import Optics
 
     optics = Optics.from_json(session.texts["optics.json"], f"{session.path}: optics.json")
-    curves = measure_curves(session, optics, sheets, progress=progress, workers=workers)
-    return curves, contact_warnings(session, sheets, curves, optics.px_per_m)
+    curves = measure_curves(
+        session, optics, sheets, progress=progress, workers=workers, extractor=extractor
+    )
+    made_by = _record_of(extractor)
+    notes = [f"The curves are those of the curve extractor {made_by}."] if made_by else []
+    return curves, [*notes, *contact_warnings(session, sheets, curves, optics.px_per_m)]
+
+
+def _record_of(extractor: str) -> str:
+    """Name, distribution and version of an extractor; nothing for the built-in one."""
+    chosen = chosen_extractor(extractor)
+    return "" if chosen.is_built_in else f"{chosen.name} ({chosen.origin})"
 
 
 def _series(session: RecordedSession, calibration: LoadCellCalibration) -> list[TimeSeries]:

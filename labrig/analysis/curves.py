@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivers.interfaces import FloatArray, GreyImage
+from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
@@ -26,7 +27,7 @@ MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make 
 HOPELESS = 2  # frames without a curve, after a mean image without one
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CurveJob:
     """The frames of one condition."""
 
@@ -37,9 +38,10 @@ class CurveJob:
     strip: StripGeometry
     optics: Optics
     arc: tuple[float, float] | None  # radius (m) and origin (rad); None: nothing touches the sheet
+    extractor: str  # by name: each process imports it by itself
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConditionCurves:
     """What was found in them; a curve that was not found is a warning."""
 
@@ -58,12 +60,14 @@ def measure_curves(
     *,
     progress: Progress | None = None,
     workers: int = 1,
+    extractor: str = BUILT_IN,
 ) -> list[ConditionCurves]:
     """The curves of every run and voltage with frames; `workers` processes share the work.
 
     With more than one, a script that calls this must be importable (`if __name__ == "__main__"`).
     """
-    jobs = list(curve_jobs(session, optics, sheets))
+    chosen_extractor(extractor)  # a name that there is not is said before any work
+    jobs = list(curve_jobs(session, optics, sheets, extractor))
     found: list[ConditionCurves] = []
     for done, curves in enumerate(_results(session, jobs, workers), start=1):
         found.append(curves)
@@ -79,7 +83,10 @@ def place_of(position_m: float | None) -> str:
 
 
 def curve_jobs(
-    session: RecordedSession, optics: Optics, sheets: Mapping[str, SheetGeometry]
+    session: RecordedSession,
+    optics: Optics,
+    sheets: Mapping[str, SheetGeometry],
+    extractor: str = BUILT_IN,
 ) -> Iterator[CurveJob]:
     """One job for each run and voltage with frames, in the order of the runs."""
     for run in session.runs:
@@ -90,11 +97,16 @@ def curve_jobs(
         for voltage_V in dict.fromkeys(readings["voltage_V"].tolist()):
             rows = readings[readings["voltage_V"] == voltage_V]
             if len(rows):
-                yield _job(run, float(voltage_V), rows, sheet, optics)
+                yield _job(run, float(voltage_V), rows, sheet, optics, extractor)
 
 
 def _job(
-    run: RunRecord, voltage_V: float, rows: Array, sheet: SheetGeometry, optics: Optics
+    run: RunRecord,
+    voltage_V: float,
+    rows: Array,
+    sheet: SheetGeometry,
+    optics: Optics,
+    extractor: str,
 ) -> CurveJob:
     from labrig.vision import StripGeometry
 
@@ -108,6 +120,7 @@ def _job(
         strip=StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m),
         optics=optics,
         arc=(sheet.arc_radius_m, sheet.arc_origin_rad) if touched else None,
+        extractor=extractor,
     )
 
 
@@ -129,7 +142,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
 
 def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
-    from labrig.vision import compare_with_frames, contact_from_picture, neutral_curve
+    from labrig.vision import compare_with_frames, contact_from_picture
 
     run = session.runs[job.run]
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
@@ -140,7 +153,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
             (run.image(job.rows[reading]) for reading in job.in_mean), _full_scale(job, session)
         )
         optics = job.optics.model_copy(update={"bits": 16})
-        mean = neutral_curve(image, optics, job.strip)
+        mean = chosen_extractor(job.extractor).curve(image, optics, job.strip)
         if job.arc is not None:
             contact = contact_from_picture(
                 image, mean, optics, *job.arc, expected_m=run.planned.position_m
@@ -175,15 +188,14 @@ def _frame_by_frame(
 
     Where neither the mean image nor the first frames show a sheet, the rest are not looked at.
     """
-    from labrig.vision import neutral_curve
-
+    extractor = chosen_extractor(job.extractor)
     found: dict[int, Curve] = {}
     failed: dict[int, str] = {}
     near = start if start is not None and start.ok else None
     for reading, row in job.rows.items():
         if near is None and not found and len(failed) >= HOPELESS:
             break
-        curve = neutral_curve(run.image(row), job.optics, job.strip, start=near)
+        curve = extractor.curve(run.image(row), job.optics, job.strip, start=near)
         if curve.ok:
             found[reading] = curve.as_curve()
         else:

@@ -3,7 +3,7 @@
 import os
 
 # All matrices here are small: threads that share them only wait for one another, many times as long
-# where other programs want the cores. Must be said before numpy is first loaded.
+# where other programs want the cores. Must be set before numpy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
 

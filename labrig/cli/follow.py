@@ -8,7 +8,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from labrig.cli.screen import Advance, progress, warn
+import typer
+
+from labrig.cli.screen import Advance, progress, say, warn
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -102,6 +104,15 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
             hub.add_watcher("the progress display", show)
             return run_session(rig, plan, path, stop, hub, look_first=False)
+
+
+def finish(result: Result) -> None:
+    """Print how a session ended; exit with its code unless that is 0."""
+    text = f"{result.path}: {result.outcome.value}: {result.status.text.rstrip('.')}."
+    if result.code:
+        warn(f"labrig: {text}")
+        raise typer.Exit(int(result.code))
+    say(text)
 
 
 @contextmanager

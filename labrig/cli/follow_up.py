@@ -7,8 +7,9 @@ from pathlib import Path
 
 import typer
 
-from labrig.cli.commands.diagnose import diagnosed, keep, of_sessions, print_diagnosis
+from labrig.cli.diagnosis import diagnosed, keep, print_diagnosis
 from labrig.cli.follow import run_and_follow
+from labrig.cli.measurements import of_sessions
 from labrig.cli.screen import say, warn
 from labrig.errors import ExitCode
 from labrig.experiment.closed_loop import closed_loop

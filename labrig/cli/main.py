@@ -1,4 +1,4 @@
-"""Puts the commands together, and turns every failure into one sentence and an exit code."""
+"""The entry point: turns every failure into one sentence and an exit code."""
 
 from __future__ import annotations
 
@@ -12,51 +12,22 @@ from pathlib import Path
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli.commands import (
-    calibrate,
-    curves,
-    demo,
-    design,
-    diagnose,
-    evaluate,
-    exchange,
-    panel,
-    prepare,
-    record,
-    sessions,
-)
+from labrig.cli.app import app_for
+from labrig.cli.part_warnings import shown_as_sentences
 from labrig.cli.screen import warn
 from labrig.errors import ExitCode, LabrigError
 from labrig.files import family_of
-
-app = typer.Typer(
-    name="labrig",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    help="Run, record and understand force and shape experiments on ionic-polymer actuator sheets.",
-)
-for room in (
-    demo,
-    prepare,
-    record,
-    panel,
-    sessions,
-    evaluate,
-    diagnose,
-    design,
-    curves,
-    calibrate,
-    exchange,
-):
-    room.add_to(app)
+from labrig.own_packages import hidden
 
 
 def main() -> None:
     """The program's entry point; ends the process with a documented exit code."""
     show_what_can_be_shown()
-    sys.unraisablehook = _nothing_to_tell
+    hiding = hidden()
+    if hiding is not None:
+        warn(f"labrig: {hiding}")
+        sys.exit(ExitCode.NOT_READY)
+    sys.unraisablehook = _ignore_unraisable
     code = run(sys.argv[1:])
     if "labrig.session.disk" in sys.modules:
         sys.modules["labrig.session.disk"].end_before_the_library_does(code)
@@ -64,20 +35,25 @@ def main() -> None:
 
 
 def show_what_can_be_shown() -> None:
-    """Windows gives a pipe or a file its old code page, which lacks letters that names may have."""
+    """Replace letters that standard output lacks: Windows gives a pipe its old code page."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
 
 
-def _nothing_to_tell(_unraisable: object) -> None:
-    """Of what is thrown away while an error is on its way; that one is told."""
+def _ignore_unraisable(_unraisable: object) -> None:
+    """Print nothing: the error that discards the object is reported itself."""
 
 
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit code."""
-    command = typer.main.get_command(app)
+    with shown_as_sentences():
+        return _run(arguments)
+
+
+def _run(arguments: list[str]) -> int:
     try:
-        result = command.main(arguments, prog_name="labrig", standalone_mode=False)
+        app = app_for(arguments)
+        result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
         error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
         return ExitCode.BAD_INPUT
@@ -94,7 +70,7 @@ def run(arguments: list[str]) -> int:
     except OSError as error:
         warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
         return family_of(error).code
-    except Exception as error:  # noqa: BLE001 - a person never sees a traceback
+    except Exception as error:  # noqa: BLE001 - a user never sees a traceback
         return _report_fault(error)
     return int(result or 0)
 

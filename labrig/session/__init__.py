@@ -7,6 +7,7 @@ from labrig.session.derived import (
     load_measurements,
     store_finding,
     store_measurements,
+    stored_curve_extractor,
 )
 from labrig.session.exchange import export_session, import_session
 from labrig.session.recover import RecoverReport, recover
@@ -34,6 +35,7 @@ __all__ = [
     "recover",
     "store_finding",
     "store_measurements",
+    "stored_curve_extractor",
     "verify",
     "write_tables",
 ]

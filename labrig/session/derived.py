@@ -29,10 +29,17 @@ from model.measurements import Measurements
 FINDINGS = frozenset({"diagnosis"})
 
 
-def store_measurements(path: Path, measurements: Measurements) -> None:
-    """Keep measurements in a session, in place of those it holds. Raises BadInputError, OSError."""
+def store_measurements(
+    path: Path, measurements: Measurements, *, curve_extractor: str = ""
+) -> None:
+    """Keep measurements in a session, in place of those it holds. Raises BadInputError, OSError.
+
+    `curve_extractor`: name, distribution and version of what made the curves; "": the built-in one.
+    """
     with _remade(Path(path)) as file:
         write_derived(file, measurements)
+        if curve_extractor:
+            set_attributes(file[layout.DERIVED], curve_extractor=curve_extractor)
 
 
 def load_measurements(path: Path) -> Measurements:
@@ -56,6 +63,15 @@ def load_measurements(path: Path) -> Measurements:
                 f"{path}: its measurements cannot be read ({error!r}); run labrig analyze {path} "
                 "again."
             ) from None
+
+
+def stored_curve_extractor(path: Path) -> str:
+    """Return what made the curves of the kept measurements; "" for the built-in extractor."""
+    path = Path(path)
+    with open_file(path) as file:
+        group = file.get(layout.DERIVED)
+        made_by = b"" if group is None else group.attrs.get("curve_extractor", b"")
+    return bytes(made_by).decode("utf-8", errors="replace")
 
 
 def drop_measurements(path: Path) -> None:

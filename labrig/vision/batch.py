@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
-from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
 from labrig.vision.image.files import (
     PICTURES,
@@ -29,7 +29,7 @@ Progress = Callable[[str, NeutralCurve], None]
 NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BatchOptions:
     """What `extract_curves` uses where a picture has no files of its own beside it."""
 
@@ -38,6 +38,7 @@ class BatchOptions:
     configuration: str | None = None  # which table of the sheet.toml
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of what optics.json says
+    find: FindCurve = neutral_curve
 
 
 @dataclass
@@ -140,12 +141,12 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
     try:
         optics, strip = _known(path, options)
         if path.suffix.lower() in VIDEOS:
-            tracker = Tracker(optics, strip)
+            tracker = Tracker(optics, strip, options.find)
             for number, frame in enumerate(read_video(path)):
                 yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
             return
         image = read_image(path)
-        curve = neutral_curve(image, optics, strip)
+        curve = options.find(image, optics, strip)
     except BadInputError as error:
         curve = NeutralCurve(ok=False, why=str(error))
     yield path.stem, image, curve

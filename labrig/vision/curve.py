@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ from labrig.errors import BadInputError
 from model.measurements import Curve
 
 if TYPE_CHECKING:
+    from labrig.vision.calibration.optics import Optics
     from labrig.vision.search.straight_lines import BackgroundLine
 
 FloatArray = npt.NDArray[np.float64]
@@ -116,3 +117,18 @@ class NeutralCurve:
             sigma_m=self.sigma_m,
             curvature_sigma_per_m=self.curvature_sigma_per_m,
         )
+
+
+class FindCurve(Protocol):
+    """A way from an image to its curve, such as `neutral_curve` or another extractor's."""
+
+    def __call__(
+        self,
+        image: npt.NDArray[Any],
+        optics: Optics,
+        strip: StripGeometry,
+        *,
+        start: NeutralCurve | None = None,
+    ) -> NeutralCurve:
+        """Return the curve; `start` is that of an image shortly before."""
+        ...

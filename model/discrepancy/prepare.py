@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import DataVector, look
-from model.discrepancy.likelihood.base_model import bases_of, rest_of, start
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import Bases
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem
-from model.discrepancy.likelihood.row_noise import noise_of
 from model.effects.catalogue import effect as effect_of
+from model.identification.data.data_vector import DataVector, look
+from model.identification.likelihood.base_model import bases_of, rest_of, start
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Bases
+from model.identification.likelihood.mixed_model_fit import FitProblem
+from model.identification.likelihood.row_noise import noise_of
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.sheet.sheet_model import SheetModel
 
@@ -152,7 +152,7 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
         if one.name == "unknown":
             continue
         entry = effect_of(one.name)
-        shared = {k.name: k.plausible for k in entry.knobs}
+        shared = {k.name: k.prior_scale for k in entry.parameters}
         shared |= {k: p.value for k, p in one.parameters.items() if k in shared}
         own = getattr(one, "by_configuration", None) or {}
         values = {

@@ -12,11 +12,11 @@ from model.measurements import FloatArray
 RUN_DRIVEN_S = 13.2
 SINCE = EffectParameter(
     "since_wetting", "0: over the whole session; 1: under voltage, since the last wetting", "",
-    0.0, 0.0, 1.0, tried=(0.0, 1.0),
+    0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
 )  # fmt: skip
 SETTLES = EffectParameter(
     "settles", "0: goes on evenly; 1: slows down, 95 % of it is over at the end", "",
-    0.0, 0.0, 1.0, tried=(0.0, 1.0),
+    0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
 )  # fmt: skip
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 

@@ -10,7 +10,7 @@ from model.measurements import FloatArray
 PULSE_S = 0.6  # of the paper's pulses
 SPREAD = EffectParameter(
     "spread", "1: one time constant; more: three of them, apart by this factor", "",
-    1.0, 1.0, 100.0, tried=(1.0, 5.0),
+    1.0, 1.0, 100.0, starting_values=(1.0, 5.0),
 )  # fmt: skip
 
 

@@ -51,7 +51,7 @@ EFFECT = BackRelaxation(
         " the sampling point being a (1 - exp(-0.5 s/tau)); of each pulse anew, or as a lag that"
         " remembers the pulses before; with one time constant, or several"
     ),
-    slot="time",
+    location="time",
     signature=(
         "Within a pulse the force is at first larger than at the sampling point, and is falling"
         " there; nothing in the means, where it looks like less EIBM."
@@ -61,20 +61,20 @@ EFFECT = BackRelaxation(
         "Nemat-Nasser and Li 2000, J. Appl. Phys. 87, 3321; Nemat-Nasser 2002, J. Appl. Phys. 92,"
         " 2899"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "relative_loss_at_sample", "share of the EIBM lost 0.5 s after the edge", "", 0.05,
             low=0.0, high=0.8,
         ),
         EffectParameter(
             "time_constant_s", "time in which 63 % of the loss happens", "s", 1.0,
-            low=0.05, high=20.0, log=True, tried=(0.3, 1.0, 3.0),
+            low=0.05, high=20.0, log=True, starting_values=(0.3, 1.0, 3.0),
         ),
         EffectParameter(
             "remembers", "0: each pulse begins anew; 1: what it lost is lost to the next", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
         SPREAD,
     ),
-    tolerance=("time", "voltage"),
+    form_error_along=("time", "voltage"),
 )  # fmt: skip

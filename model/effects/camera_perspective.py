@@ -30,7 +30,7 @@ EFFECT = CameraPerspective(
         " picture: away from the clamp, or towards positive deflection."
     ),
     form="r seen = (1 + c u/50 mm) r, from the clamp, u = x or y; a projection with a small tilt",
-    slot="camera",
+    location="camera",
     signature=(
         "Curves that are drawn out more and more with the distance from the clamp, or more on one"
         " side than on the other; the forces are right."
@@ -40,13 +40,13 @@ EFFECT = CameraPerspective(
         "Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 2; Zhang 2000,"
         " IEEE Trans. Pattern Anal. Mach. Intell. 22, 1330"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
         EffectParameter(
             "direction_rad", "in which the scale grows: 0 along x, pi/2 along y", "rad", 0.0,
-            -np.pi, np.pi, tried=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
+            -np.pi, np.pi, starting_values=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
         ),
     ),
-    tolerance=("place",),
+    form_error_along=("place",),
     of_the_rig=True,
 )  # fmt: skip

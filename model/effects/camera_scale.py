@@ -23,21 +23,21 @@ EFFECT = CameraScale(
     name="camera_scale",
     meaning="Lengths in the picture come out too long by a constant share.",
     form="r seen = (1 + c) r, from the clamp; or x alone, or y alone (pixels that are not square)",
-    slot="camera",
+    location="camera",
     signature=(
         "Curves that are everywhere too large, the same share at every voltage and position; the"
         " forces are right, and the sheet's visible length is not."
     ),
     isolates="A target of known length in view; the visible end of the sheet.",
     source="Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 6",
-    knobs=(
+    parameters=(
         EffectParameter(
             "relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
         EffectParameter(
             "axis", "0: both alike; -1: x alone; 1: y alone; between: the other one less", "",
-            0.0, -1.0, 1.0, tried=(0.0, -1.0, -0.5, 0.5, 1.0),
+            0.0, -1.0, 1.0, starting_values=(0.0, -1.0, -0.5, 0.5, 1.0),
         ),
     ),
-    tolerance=("place",),
+    form_error_along=("place",),
     of_the_rig=True,
 )  # fmt: skip

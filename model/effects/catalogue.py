@@ -23,7 +23,7 @@ GROUP = "labrig.effects"
 
 
 def catalogue() -> dict[str, Effect]:
-    """All effects by name: by slot, then by name; those of other distributions after our own.
+    """All effects by name: by location, then by name; those of other distributions after our own.
 
     One that cannot be used is left out with a warning.
     """
@@ -54,7 +54,9 @@ def _found(path: tuple[str, ...]) -> dict[str, Effect]:
     from importlib.metadata import entry_points  # slow to import
 
     del path
-    effects = {e.name: e for e in sorted(_own(), key=lambda e: (LOCATIONS.index(e.slot), e.name))}
+    effects = {
+        e.name: e for e in sorted(_own(), key=lambda e: (LOCATIONS.index(e.location), e.name))
+    }
     for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
         found = _loaded(entry)
         if isinstance(found, str):

@@ -55,7 +55,7 @@ EFFECT = ChargingLag(
         "EIBM = settled x (1 - (1 - q) exp(-t/tau)), q = EIBM before the edge over settled; behind"
         " the known rise of the voltage, as two lags in a row; all of it, or a part"
     ),
-    slot="time",
+    location="time",
     signature=(
         "Within a pulse the force still goes its way at the sampling point; the first pulse, which"
         " begins from 0 V, lacks half as much. Nothing in the means, where it looks like less EIBM."
@@ -65,19 +65,20 @@ EFFECT = ChargingLag(
         "Bao, Bar-Cohen and Lih 2002, Proc. SPIE 4695, 220 (IPMC as resistors and capacitors);"
         " Shahinpoor and Kim 2000, Smart Mater. Struct. 9, 543"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "time_constant_s", "time in which the EIBM does 63 % of its way", "s", 0.12,
-            low=0.003, high=3.0, log=True, tried=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
+            low=0.003, high=3.0, log=True,
+            starting_values=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
         ),
         EffectParameter(
             "slow_share", "of the EIBM, that comes so; the rest comes with the voltage", "",
-            1.0, low=0.05, high=1.0, log=True, tried=(1.0,),
+            1.0, low=0.05, high=1.0, log=True, starting_values=(1.0,),
         ),
         EffectParameter(
             "remembers", "1: a pulse begins where the one before came to; 0: where it would have"
-            " settled", "", 1.0, 0.0, 1.0, tried=(1.0, 0.0),
+            " settled", "", 1.0, 0.0, 1.0, starting_values=(1.0, 0.0),
         ),
     ),
-    tolerance=("time", "voltage"),
+    form_error_along=("time", "voltage"),
 )  # fmt: skip

@@ -11,9 +11,9 @@ from model.effects.interface import BeamProblem, ContactSolution, Effect, Effect
 class ClampAngle(Effect):
     """The same turn in every condition."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         return replace(beam, tilt_rad=beam.tilt_rad + p["angle_rad"])
 
 
@@ -24,13 +24,13 @@ EFFECT = ClampAngle(
         " are counted, counter-clockwise where it is positive."
     ),
     form="phi(0) = c",
-    slot="rest_curvature",
+    location="rest_curvature",
     signature=(
         "Shapes that are turned about the clamp, free ones by the angle itself, from the clamp on;"
         " a wrong rest curvature begins to show only farther out."
     ),
     isolates="A free shape, its first millimetres in the picture.",
     source="Bisshopp and Drucker 1945, Quart. Appl. Math. 3, 272 (the clamped end's condition)",
-    knobs=(EffectParameter("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
-    tolerance=("position",),
+    parameters=(EffectParameter("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
+    form_error_along=("position",),
 )

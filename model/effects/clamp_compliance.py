@@ -18,9 +18,9 @@ class ClampCompliance(Effect):
     lever is R cos(gamma), and M(0) = -R F.
     """
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        moment = -beam.sheet.arc_radius_m * finite(held.normal_N * np.cos(held.gamma_rad))
+        moment = -beam.sheet.arc_radius_m * finite(contact.normal_N * np.cos(contact.gamma_rad))
         return replace(beam, tilt_rad=beam.tilt_rad + p["rotation_rad_per_Nm"] * moment)
 
 
@@ -31,7 +31,7 @@ EFFECT = ClampCompliance(
         " of the load, as a hinge with a spring does."
     ),
     form="phi(0) = c M(0), with the load's moment M(0) = -R F at the clamp",
-    slot="compliance",
+    location="compliance",
     signature=(
         "A turn of the whole sheet in proportion to the force, none where nothing touches it; the"
         " short sheet, whose bending gives way less, seems the softer of the two."
@@ -41,11 +41,11 @@ EFFECT = ClampCompliance(
         "O'Donnell 1960, J. Appl. Mech. 27, 461 (deflection of a cantilever due to the elasticity"
         " of its support)"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "rotation_rad_per_Nm", "turn of the clamped end per moment of the load", "rad/(N m)",
             20.0, low=0.0, high=2e4,
         ),
     ),
-    tolerance=("position", "voltage"),
+    form_error_along=("position", "voltage"),
 )  # fmt: skip

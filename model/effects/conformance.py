@@ -26,7 +26,7 @@ WORDS = ("meaning", "form", "signature", "isolates", "source")
 ACTIONS = ("beam", "course", "lagging", "force", "curve", "pictured")
 MOST_LAGGING = 9
 RISE_S = 0.1  # of the voltage, where pictures are taken
-_TOLERANCES = get_args(get_args(get_type_hints(Effect)["tolerance"])[0])
+_FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"])[0])
 
 
 def faults(effect: Effect) -> list[str]:
@@ -44,19 +44,23 @@ def faults_of_form(effect: Effect) -> list[str]:
     """What is wrong with how it describes itself; nothing of it is run."""
     return [
         *_faults_of_words(effect),
-        *(fault for knob in effect.knobs for fault in _faults_of_knob(knob)),
+        *(fault for one in effect.parameters for fault in _faults_of_parameter(one)),
     ]
 
 
 def neutral(effect: Effect) -> dict[str, float]:
     """Values at which the effect is absent: its size neutral, its shapes any of those tried."""
-    return {**plausible(effect), effect.size.name: effect.size.neutral}
+    return {**plausible(effect), effect.amplitude.name: effect.amplitude.neutral}
 
 
 def plausible(effect: Effect) -> dict[str, float]:
     """Values at which the effect would surprise nobody."""
-    shapes = {knob.name: float(knob.tried[0]) for knob in effect.knobs[1:] if knob.tried}
-    return {**{knob.name: knob.plausible for knob in effect.knobs}, **shapes}
+    shapes = {
+        parameter.name: float(parameter.starting_values[0])
+        for parameter in effect.parameters[1:]
+        if parameter.starting_values
+    }
+    return {**{parameter.name: parameter.prior_scale for parameter in effect.parameters}, **shapes}
 
 
 def acts(effect: Effect) -> set[str]:
@@ -74,26 +78,30 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
         text = getattr(effect, name)
         if not (isinstance(text, str) and text.strip()):
             yield f"its {name} is empty"
-    if effect.slot not in LOCATIONS:
-        yield f"its slot {effect.slot!r} is none of {', '.join(LOCATIONS)}"
-    if unknown := sorted(set(effect.tolerance) - set(_TOLERANCES)):
-        yield f"its tolerance {', '.join(unknown)} is none of {', '.join(_TOLERANCES)}"
-    if not effect.knobs:
-        yield "it has no knob that says how much of it there is"
-    if len({knob.name for knob in effect.knobs}) < len(effect.knobs):
-        yield "two of its knobs have the same name"
+    if effect.location not in LOCATIONS:
+        yield f"its location {effect.location!r} is none of {', '.join(LOCATIONS)}"
+    if unknown := sorted(set(effect.form_error_along) - set(_FORM_COORDINATES)):
+        yield (
+            f"its form differs along {', '.join(unknown)}, which is none of"
+            f" {', '.join(_FORM_COORDINATES)}"
+        )
+    if not effect.parameters:
+        yield "it has no parameter that says how much of it there is"
+    if len({parameter.name for parameter in effect.parameters}) < len(effect.parameters):
+        yield "two of its parameters have the same name"
     if not acts(effect):
         yield f"it overrides none of {', '.join(ACTIONS)}, so it changes nothing"
 
 
-def _faults_of_knob(knob: EffectParameter) -> Iterator[str]:
-    inside = [knob.plausible, *knob.tried]
-    if not all(np.isfinite(v) and knob.low <= v <= knob.high for v in inside):
-        yield f"{knob.name}: {inside} must lie between {knob.low:g} and {knob.high:g}"
-    if knob.log and not (knob.low > 0.0):
-        yield f"{knob.name}: its lower bound must be positive, as its logarithm is refined"
-    if knob.plausible == knob.neutral and not knob.tried:
-        yield f"{knob.name}: its plausible value is the neutral one"
+def _faults_of_parameter(parameter: EffectParameter) -> Iterator[str]:
+    low, high = parameter.low, parameter.high
+    inside = [parameter.prior_scale, *parameter.starting_values]
+    if not all(np.isfinite(v) and low <= v <= high for v in inside):
+        yield f"{parameter.name}: {inside} must lie between {low:g} and {high:g}"
+    if parameter.log and not (parameter.low > 0.0):
+        yield f"{parameter.name}: its lower bound must be positive, as its logarithm is refined"
+    if parameter.prior_scale == parameter.neutral and not parameter.starting_values:
+        yield f"{parameter.name}: its plausible value is the neutral one"
 
 
 # -------------------------------------------------------------------------------------- behaviour
@@ -103,16 +111,16 @@ Results = dict[str, FloatArray]
 
 def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) -> Results:
     """Everything the effect makes of the examples, named; what it leaves alone is not in it."""
-    beam, held = example_beam(touched=touched)
+    beam, contact = example_beam(touched=touched)
     run, pulse = example_clock(), example_pulse()
     weighed, points = example_weighed(touched=touched), example_points()
-    given = (beam, held, run, pulse, weighed, points)
+    given = (beam, contact, run, pulse, weighed, points)
     kept = deepcopy(given)
     found: Results = {}
     if "beam" in acts(effect):
-        other = effect.beam(beam, held, p)
+        other = effect.beam(beam, contact, p)
         found |= _arrays(other)
-    for number, (shape, much) in enumerate(effect.lagging(beam, held, p)):
+    for number, (shape, much) in enumerate(effect.lagging(beam, contact, p)):
         found |= {f"shape {number} that lags": shape, f"how much of shape {number}": much}
     for name, clock in (("run", run), ("pulse", pulse)):
         if (course := effect.course(clock, p)) is not None:
@@ -167,16 +175,17 @@ def _arrays(beam: BeamProblem) -> Results:
 
 def _is_absent_when_neutral(effect: Effect) -> Iterator[str]:
     before, there = _untouched(), _results(effect, plausible(effect))
+    at = f"at {effect.amplitude.name} = {effect.amplitude.neutral:g}"
     for name, values in _results(effect, neutral(effect)).items():
         much = float(np.nanmax(np.abs(there[name] - before[name])))
         if not np.nanmax(np.abs(values - before[name])) <= 1e-9 * much:
-            yield f"at {effect.size.name} = {effect.size.neutral:g} it still changes the {name}"
+            yield f"{at} it still changes the {name}"
 
 
 def _is_there_when_plausible(effect: Effect) -> Iterator[str]:
     before, after = _untouched(), _results(effect, plausible(effect))
     if all(np.array_equal(after[n], before[n], equal_nan=True) for n in after if "given" not in n):
-        yield f"at {effect.size.name} = {effect.size.plausible:g} it changes nothing"
+        yield f"at {effect.amplitude.name} = {effect.amplitude.prior_scale:g} it changes nothing"
 
 
 def _keeps_shapes_and_is_finite(effect: Effect) -> Iterator[str]:
@@ -214,12 +223,19 @@ def _everywhere(effect: Effect) -> Iterator[dict[str, float]]:
     """Plausible values; then, one by one, whatever is tried, and a step to either side."""
     start = plausible(effect)
     yield start
-    for knob in effect.knobs:
-        step = 0.05 * knob.plausible
-        for value in (*knob.tried, knob.plausible + step, knob.plausible - step):
-            yield {**start, knob.name: float(value)}
-    if np.isfinite(effect.size.neutral):
-        yield {**start, effect.size.name: effect.size.neutral - 1e-3 * effect.size.plausible}
+    for parameter in effect.parameters:
+        step = 0.05 * parameter.prior_scale
+        for value in (
+            *parameter.starting_values,
+            parameter.prior_scale + step,
+            parameter.prior_scale - step,
+        ):
+            yield {**start, parameter.name: float(value)}
+    if np.isfinite(effect.amplitude.neutral):
+        yield {
+            **start,
+            effect.amplitude.name: effect.amplitude.neutral - 1e-3 * effect.amplitude.prior_scale,
+        }
 
 
 _CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (

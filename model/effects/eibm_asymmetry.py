@@ -17,9 +17,9 @@ class EibmAsymmetry(Effect):
     The same all along the sheet, or falling from the clamp.
     """
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         even = (1.0 - p["ratio"]) / (1.0 + p["ratio"])
         along = np.ones_like(beam.s_m)
         if p["fall_mm"] > 0.0:
@@ -39,24 +39,24 @@ EFFECT = EibmAsymmetry(
         "Me(+V) = (1 + e) |Me|, Me(-V) = -(1 - e) |Me|, e = (1 - ratio)/(1 + ratio); the same along"
         " the sheet, or falling from the clamp with this mean"
     ),
-    slot="even_moment",
+    location="even_moment",
     signature=(
         "The mean of what +V and -V do differs from what 0 V does. Only a model in which one |EIBM|"
         " serves both polarities lacks it; the usual one has an EIBM for each."
     ),
     isolates="The free shapes at +V, 0 V and -V; the sheet turned over in the clamp.",
     source="the paper, section 4.2, observation 4: the asymmetry of the material",
-    knobs=(
+    parameters=(
         EffectParameter(
             "ratio", "|EIBM| at negative over that at positive voltage", "", 0.8,
             low=0.1, high=10.0, neutral=1.0, log=True,
         ),
         EffectParameter(
             "fall_mm", "length in which it falls to 1/e from the clamp; 0: it does not", "mm",
-            0.0, 0.0, 1e3, tried=(0.0, 25.0),
+            0.0, 0.0, 1e3, starting_values=(0.0, 25.0),
         ),
     ),
-    tolerance=("s",),
+    form_error_along=("s",),
     waves=7,
     by_configuration=True,
 )  # fmt: skip

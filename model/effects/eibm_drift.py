@@ -35,7 +35,7 @@ EFFECT = EibmDrift(
         " voltage since the last wetting; or settling"
         " exponentially, with a third of that as its time constant"
     ),
-    slot="time",
+    location="time",
     signature=(
         "What the voltage does to force and shape grows or shrinks with time; readings at 0 V stay"
         " as they are."
@@ -45,10 +45,10 @@ EFFECT = EibmDrift(
         "Nemat-Nasser and Thomas 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd"
         " ed., ch. 6 (response against hydration); the paper, section 3.2"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0),
         SINCE,
         SETTLES,
     ),
-    tolerance=("time",),
+    form_error_along=("time",),
 )

@@ -13,9 +13,9 @@ from model.effects.interface import BeamProblem, ContactSolution, Effect, Effect
 class ElongationFlexibility(Effect):
     """The elongation has a finite stiffness; the load bends it, the EIBM does not."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         if beam.sheet.elongation_m <= 0.0:
             return beam
         if p["in_the_joint"] > 0.5:
@@ -42,7 +42,7 @@ EFFECT = ElongationFlexibility(
         "k = c M/B beyond the free length, c = B over the elongation's stiffness; or a hinge at its"
         " end that lets the contact go as far"
     ),
-    slot="compliance",
+    location="compliance",
     signature=(
         "Only with an elongation: it is bent in proportion to the force, most where it leaves the"
         " sheet, and the sheet seems softer than it is."
@@ -52,15 +52,15 @@ EFFECT = ElongationFlexibility(
         "the paper, section 2, takes the elongation as absolutely rigid; Timoshenko and Gere 1972,"
         " Mechanics of Materials (bending of a cantilever)"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "relative_compliance", "the sheet's stiffness over the elongation's", "", 0.02,
             low=0.0, high=2.0,
         ),
         EffectParameter(
             "in_the_joint", "0: all of it is soft; 1: only the joint, and goes as far", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("position",),
+    form_error_along=("position",),
 )  # fmt: skip

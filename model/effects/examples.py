@@ -52,12 +52,12 @@ def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]
         np.ones((7, NODES)), zero.copy(), zero.copy(), zero.copy(), zero.copy(),
         LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1], *example_readings(voltage),
     )  # fmt: skip
-    held = ContactSolution(
+    contact = ContactSolution(
         normal * np.cos(gamma), normal, gamma, np.where(held_at, s_hat, np.nan),
         np.where(before, dx * cos + dy * sin, 0.0), np.where(before, dy * cos - dx * sin, 0.0),
         x, y, phi, curvature, end_phi,
     )  # fmt: skip
-    return beam, held
+    return beam, contact
 
 
 def example_clock() -> AcquisitionTimes:

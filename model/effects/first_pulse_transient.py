@@ -34,21 +34,23 @@ EFFECT = FirstPulseTransient(
         "EIBM = settled x (1 - a r^k), k = 0, 1, ... at the sampling points of the pulses and on by"
         " 1 in 0.6 s between them"
     ),
-    slot="time",
+    location="time",
     signature=(
         "In every run anew, what the voltage does grows from pulse to pulse and then stays; not at"
         " 0 V, and hardly in the means, of which the first two pulses are left out."
     ),
     isolates="The discarded pulses, or a run begun again without a rest.",
     source="the paper, section 3.2: the first two pulses are neglected",
-    knobs=(
+    parameters=(
         # a first pulse that exceeds the others is what a lag makes of it, which begins from 0 V
         EffectParameter(
-            "relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0, usual=1.0),
+            "relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0,
+            expected_sign=1.0,
+        ),
         EffectParameter(
             "ratio", "of each pulse's deficit to that before", "", 0.5,
-            low=0.05, high=0.75, log=True, tried=(0.3, 0.5, 0.7),
+            low=0.05, high=0.75, log=True, starting_values=(0.3, 0.5, 0.7),
         ),
     ),
-    tolerance=("time", "voltage"),
+    form_error_along=("time", "voltage"),
 )  # fmt: skip

@@ -29,7 +29,7 @@ EFFECT = ForceDrift(
         "F measured = F + c tau, tau = 0 to 1 over the session; or settling exponentially, with a"
         " third of it as its time constant"
     ),
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "An error of the force that goes with the time of day and nothing else; where positions are"
         " measured in their order, it looks like a wrong slope of the force."
@@ -37,12 +37,12 @@ EFFECT = ForceDrift(
     isolates="A zero without contact at each position; random order of the positions.",
     source="OIML R 60, Metrological regulation for load cells (zero drift, temperature)",
     needs_session=True,
-    knobs=(
+    parameters=(
         EffectParameter(
             "force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20
         ),
         SETTLES,
     ),
-    tolerance=("time",),
+    form_error_along=("time",),
     of_the_rig=True,
 )

@@ -24,15 +24,15 @@ EFFECT = ForceOffset(
     name="force_offset",
     meaning="The load cell's zero is too high by a constant force.",
     form="F measured = F + c",
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "The same error of the force at every position and voltage, and in readings without"
         " contact; the shapes are right."
     ),
     isolates="A zero taken without touching the sheet.",
     source="Doebelin, Measurement Systems: Application and Design (zero drift of a force cell)",
-    knobs=(
+    parameters=(
         EffectParameter("force_mN", "what the cell shows without a load", "mN", 0.05, -20.0, 20.0),
     ),
-    tolerance=("time",),
+    form_error_along=("time",),
 )

@@ -24,24 +24,24 @@ EFFECT = FrameDelay(
     name="frame_delay",
     meaning="The picture shows the sheet as it was some time before the force was read.",
     form="curve at t = shape at t - c",
-    slot="camera",
+    location="camera",
     signature=(
         "Shapes under voltage that have not come quite as far as the forces say, the less so the"
         " longer the voltage has been on; those at 0 V are right."
     ),
     isolates="A lamp in the picture switched with the voltage; frames over the whole pulse.",
     source="the paper, section 3.1: 25 frames a second, so that a frame may be 20 ms off",
-    knobs=(
+    parameters=(
         EffectParameter(
             "delay_s", "age of the picture at the time of the reading", "s", 0.1, -0.2, 1.0,
-            tried=(0.02, 0.1, 0.2, 0.3, 0.35, 0.4, 0.43, 0.46),
+            starting_values=(0.02, 0.1, 0.2, 0.3, 0.35, 0.4, 0.43, 0.46),
         ),
         EffectParameter(
             "through_zero", "0: the EIBM goes straight from one settled value to the other; 1: it"
             " follows the voltage through 0, each polarity at its own slope", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("time", "run"),
+    form_error_along=("time", "run"),
     of_the_rig=True,
 )  # fmt: skip

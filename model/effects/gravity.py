@@ -15,26 +15,26 @@ from model.measurements import FloatArray
 class Gravity(Effect):
     """A load per length along -y, of the sheet and of its elongation alike."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         load = p["load_N_per_m"] * np.broadcast_to(beam.upright, beam.stiffness.shape)
-        moment = -load[:, None] * arm(beam, held)
+        moment = -load[:, None] * arm(beam, contact)
         return replace(beam, bend=beam.bend + moment / beam.stiffness[:, None])
 
 
-def arm(beam: BeamProblem, held: ContactSolution) -> FloatArray:
+def arm(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
     """Integral of x(sigma) - x(s) from s to the visible end, m^2: (K, G).
 
     Between nodes by the trapezoid's rule corrected with the ends' slopes dx/ds = cos(phi); beyond
     the last one along a straight line.
     """
-    s, x, slope = beam.s_m, held.x_m, np.cos(held.phi_rad)
+    s, x, slope = beam.s_m, contact.x_m, np.cos(contact.phi_rad)
     h = np.diff(s)
     panels = 0.5 * h * (x[:, 1:] + x[:, :-1]) + h**2 / 12.0 * (slope[:, :-1] - slope[:, 1:])
     beyond = np.cumsum(panels[:, ::-1], axis=1)[:, ::-1]
     beyond = np.concatenate([beyond, np.zeros_like(x[:, :1])], axis=1) - (s[-1] - s) * x
     tail = beam.sheet.free_length_m + beam.sheet.elongation_m - s[-1]
-    beyond += tail * (x[:, -1:] - x) + 0.5 * tail**2 * np.cos(held.end_phi_rad)[:, None]
+    beyond += tail * (x[:, -1:] - x) + 0.5 * tail**2 * np.cos(contact.end_phi_rad)[:, None]
     return finite(beyond)
 
 
@@ -48,7 +48,7 @@ EFFECT = Gravity(
         "M(s) = -q cos(tilt) x integral of (x - x(s)) over what lies beyond s, elongation"
         " included; the tilt is that of the rig about the sheet's long axis"
     ),
-    slot="even_moment",
+    location="even_moment",
     signature=(
         "The same bending towards one side at every voltage, most near the clamp, and less where"
         " the sheet is rolled up; a force that hardly depends on position and voltage."
@@ -58,9 +58,9 @@ EFFECT = Gravity(
         "Landau and Lifshitz, Theory of Elasticity, sections 19, 20; the paper, section 3.1: motion"
         " is horizontal so that gravity does not matter"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "load_N_per_m", "weight per length that acts along -y", "N/m", 0.005, -0.5, 0.5),
     ),
-    tolerance=("s",),
+    form_error_along=("s",),
 )  # fmt: skip

@@ -16,9 +16,9 @@ FLAT_PER_M = 0.1  # mean of k0 below which nothing is in proportion to it
 class InitialCurvature(Effect):
     """A change of k0, the same from the clamp to the end, or all of it by the same factor."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         shape = 1.0 + p["like_stated"] * (_like_stated(beam) - 1.0)
         return replace(beam, rest=beam.rest + p["curvature_error_per_m"] * shape)
 
@@ -39,24 +39,24 @@ EFFECT = InitialCurvature(
         "The sheet at rest is more curved than stated, in the direction of positive deflection."
     ),
     form="k0(s) = stated k0(s) + c; or stated k0(s) x (1 + c/mean of it)",
-    slot="rest_curvature",
+    location="rest_curvature",
     signature=(
         "The same turn of the free shape at every voltage, 0 V too, and with it a force that is"
         " shifted alike at all voltages."
     ),
     isolates="A free shape at 0 V, with no load cell near the sheet.",
     source="the paper, table 3: the sheets have an initial curvature, measured once per sheet",
-    knobs=(
+    parameters=(
         EffectParameter(
             "curvature_error_per_m", "curvature at rest less that stated", "1/m", 1.0,
             low=-60.0, high=60.0,
         ),
         EffectParameter(
             "like_stated", "0: the same everywhere; 1: in proportion to the stated one, whose mean"
-            " is off by it", "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            " is off by it", "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("s",),
+    form_error_along=("s",),
     waves=7,
     by_configuration=True,
 )  # fmt: skip

@@ -41,14 +41,16 @@ class EffectParameter:
     name: str
     meaning: str
     unit: str
-    plausible: float  # a size that would surprise nobody; the scale of what is believed beforehand
+    prior_scale: (
+        float  # a size that would surprise nobody; the scale of what is believed beforehand
+    )
     low: float = -np.inf
     high: float = np.inf
     neutral: float = 0.0  # the value at which the effect is absent
     log: bool = False  # positive, and refined in its logarithm
     # shapes to look for: values that are tried one by one; empty: the size, which is estimated
-    tried: tuple[float, ...] = ()
-    usual: float = 0.0  # the sign that it has as a rule; the other one is a surprise
+    starting_values: tuple[float, ...] = ()
+    expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
 
 
 @dataclass
@@ -162,13 +164,13 @@ class Effect:
     name: str
     meaning: str
     form: str
-    slot: Location
+    location: Location
     signature: str
     isolates: str
     source: str
-    knobs: tuple[EffectParameter, ...]
+    parameters: tuple[EffectParameter, ...]
     # along what its form may differ from the one written here
-    tolerance: tuple[Along, ...] = ("voltage",)
+    form_error_along: tuple[Along, ...] = ("voltage",)
     waves: int = 3  # of a deviation along the sheet: more where the form itself has no shape
     # whether each configuration may have its own size
     by_configuration: bool = False
@@ -177,12 +179,12 @@ class Effect:
     needs_session: bool = False  # says nothing of a single run, whose session has no course
 
     @property
-    def size(self) -> EffectParameter:
-        """The knob that says how much of the effect there is."""
-        return self.knobs[0]
+    def amplitude(self) -> EffectParameter:
+        """The parameter that says how much of the effect there is."""
+        return self.parameters[0]
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
-        """The changed problem; `held` is its present solution."""
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
+        """The changed problem; `contact` is its present solution."""
         return beam
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray] | None:
@@ -190,7 +192,7 @@ class Effect:
         return None
 
     def lagging(
-        self, beam: BeamProblem, held: ContactSolution, p: Values
+        self, beam: BeamProblem, contact: ContactSolution, p: Values
     ) -> Sequence[tuple[FloatArray, FloatArray]]:
         """Change of the rest curvature at each reading of `beam` beyond the mean of its condition.
 

@@ -12,10 +12,10 @@ from model.effects.interface import BeamProblem, ContactSolution, Effect, Effect
 class LoadCellCompliance(Effect):
     """The contact moves along the arc in proportion to the force along it."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         # 1 mm/mN is 1 m/N
-        given_way = p["compliance_mm_per_mN"] * finite(held.force_N)
+        given_way = p["compliance_mm_per_mN"] * finite(contact.force_N)
         return replace(beam, shift_m=beam.shift_m + given_way)
 
 
@@ -23,16 +23,16 @@ EFFECT = LoadCellCompliance(
     name="load_cell_compliance",
     meaning="The load cell, or what carries it, gives way along the arc under the sheet's force.",
     form="p = stated p + c F",
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "The contact stands a little farther on the side to which the sheet pushes, in proportion"
         " to the force; the stiffer short sheet seems softer than it is, the long one hardly."
     ),
     isolates="The contact in the picture beside the force; the cell pushed with a known weight.",
     source="Doebelin, Measurement Systems: Application and Design (stiffness of force cells)",
-    knobs=(
+    parameters=(
         EffectParameter("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
     ),
-    tolerance=("position",),
+    form_error_along=("position",),
     of_the_rig=True,
 )  # fmt: skip

@@ -34,7 +34,7 @@ EFFECT = LoadCellHysteresis(
     " as it falls.",
     form="F measured = F - c sign(last change of F), once F has changed by more than c;"
         " or by more than the loop's reach",
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "The forces of the two polarities lie closer together by twice the half height, alike at"
         " all positions; those at 0 V depend on how the load came about."
@@ -44,17 +44,17 @@ EFFECT = LoadCellHysteresis(
         "OIML R 60, Metrological regulation for load cells; Visintin 1994, Differential Models of"
         " Hysteresis (play and stop)"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("force_mN", "half the height of the loop", "mN", 0.05, 0.0, 5.0),
         EffectParameter(
             "from_no_load", "0: a run begins in the middle of the loop; 1: at no load",
-            "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
         EffectParameter(
             "reach_mN", "change of load that turns the loop over; 0: half its height", "mN",
-            0.0, 0.0, 20.0, tried=(0.0, 0.3, 4.0),
+            0.0, 0.0, 20.0, starting_values=(0.0, 0.3, 4.0),
         ),
     ),
-    tolerance=("position", "voltage"),
+    form_error_along=("position", "voltage"),
     of_the_rig=True,
 )  # fmt: skip

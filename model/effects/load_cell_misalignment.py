@@ -29,18 +29,18 @@ EFFECT = LoadCellMisalignment(
         " angle is positive, so that it feels a part of the force along the radius."
     ),
     form="F measured = N cos(gamma - angle)",
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "An error of the force in proportion to N sin(gamma): of one sign where the sheet leans"
         " forward and of the other where it leans back; none where it crosses the arc squarely."
     ),
     isolates="A dead weight hung along the tangent, or the cell turned by a known angle.",
     source="the paper, section 3.2: the cell has to stand square to the tangent of the trajectory",
-    knobs=(
+    parameters=(
         EffectParameter(
             "angle_rad", "from the arc's tangent to the cell's axis", "rad", 0.05, -0.8, 0.8
         ),
     ),
-    tolerance=("position",),
+    form_error_along=("position",),
     of_the_rig=True,
 )

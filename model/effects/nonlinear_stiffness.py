@@ -27,9 +27,9 @@ class NonlinearStiffness(Effect):
     moment, so that solving and applying in turn are Newton's steps.
     """
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        load = -finite(held.normal_N / beam.stiffness)[:, None] * finite(held.lever)
+        load = -finite(contact.normal_N / beam.stiffness)[:, None] * finite(contact.lever)
         linear = (beam.eibm + beam.bend + load) * beam.soft
         change = p["relative_change_at_10_per_m"]
         if p["power"] > 0.5:
@@ -110,7 +110,7 @@ EFFECT = NonlinearStiffness(
         "M + Me = B u (1 + (u/10 per m)^2)^n, u = k - k0, 2^n = 1 + c: Hooke's law when bent"
         " little, Ludwick's power law when bent far; or B u (1 + c (|u|/10 per m)^p)"
     ),
-    slot="compliance",
+    location="compliance",
     signature=(
         "Where moments are large, near the clamp and under voltage, the sheet bends less than the"
         " others let expect; in the force a term that grows faster than the deflection."
@@ -120,15 +120,15 @@ EFFECT = NonlinearStiffness(
         "Lewis and Monasa 1982, Int. J. Non-Linear Mech. 17, 1 (large deflections of cantilever"
         " beams of non-linear materials of the Ludwick type)"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "relative_change_at_10_per_m", "of the stiffness where bent by 10 per m", "", 0.05,
             low=-0.22, high=1.0,
         ),
         EffectParameter(
             "power", "0: Ludwick's law; else of the bending, with which the stiffness changes", "",
-            0.0, 0.0, 2.0, tried=(0.0, 1.0, 2.0),
+            0.0, 0.0, 2.0, starting_values=(0.0, 1.0, 2.0),
         ),
     ),
-    tolerance=("curvature", "voltage"),
+    form_error_along=("curvature", "voltage"),
 )  # fmt: skip

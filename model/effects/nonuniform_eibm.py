@@ -14,9 +14,9 @@ from model.measurements import FloatArray, SheetGeometry
 class NonuniformEibm(Effect):
     """exp(-s/lambda) over its mean: the mean EIBM along the free length stays what it was."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         share = falling(beam.s_m, p["decay_length_mm"] * 1e-3, beam.sheet.free_length_m)
         return replace(beam, eibm=beam.eibm * share)
 
@@ -42,7 +42,7 @@ EFFECT = NonuniformEibm(
         " electrodes leaves less voltage across the sheet farther from the contacts."
     ),
     form="Me(s) = mean x exp(-s/lambda) over its mean along the free length",
-    slot="eibm",
+    location="eibm",
     signature=(
         "Under voltage the sheet bends more near the clamp and less near its end than a constant"
         " EIBM would have it, the more the longer the sheet; nothing at 0 V."
@@ -52,12 +52,13 @@ EFFECT = NonuniformEibm(
         "Shahinpoor and Kim 2000, Smart Mater. Struct. 9, 543; Punning, Kruusmaa and Aabloo 2006,"
         " Sensors and Actuators A 133, 200"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "decay_length_mm", "length over which the EIBM falls to 1/e", "mm", 30.0,
-            low=3.0, high=1000.0, neutral=np.inf, log=True, tried=(5, 8, 12, 20, 35, 60, 120),
+            low=3.0, high=1000.0, neutral=np.inf, log=True,
+            starting_values=(5, 8, 12, 20, 35, 60, 120),
         ),
     ),
-    tolerance=("s", "voltage"),
+    form_error_along=("s", "voltage"),
     extra={"end_to_root_ratio": ""},
 )  # fmt: skip

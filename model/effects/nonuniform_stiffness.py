@@ -11,9 +11,9 @@ from model.effects.interface import BeamProblem, ContactSolution, Effect, Effect
 class NonuniformStiffness(Effect):
     """B(s) on a straight line, with B in the middle of the free length."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         change = p["relative_change"]
         stiffness = 1.0 + change * beam.s_m / beam.sheet.free_length_m
         return replace(beam, soft=beam.soft * (1.0 + 0.5 * change) / stiffness)
@@ -26,7 +26,7 @@ EFFECT = NonuniformStiffness(
         " negative): thickness, electrodes or water differ along the sheet."
     ),
     form="B(s) = B (1 + c s/l)/(1 + c/2), c = B(l)/B(0) - 1",
-    slot="compliance",
+    location="compliance",
     signature=(
         "With c positive a held sheet bends more near the clamp and less near its end than its"
         " force explains, at 0 V too; under voltage the EIBM seems to fall along the sheet as well."
@@ -36,10 +36,10 @@ EFFECT = NonuniformStiffness(
         "the paper, section 4.2: the part surrounded by water is softer; Nemat-Nasser and Thomas"
         " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("relative_change", "of the stiffness, end to root", "", 0.15, -0.9, 9.0),
     ),
-    tolerance=("s",),
+    form_error_along=("s",),
     waves=7,  # a step is as likely as a line
     by_configuration=True,
 )  # fmt: skip

@@ -27,7 +27,7 @@ moonlight = "my_package.moonlight:EFFECT"
 `model.effects.conformance.faults(EFFECT)` says what is wrong with it; `[]` is what its tests want.
 One that cannot be used, or has a name that exists already, is left out with a warning.
 """
-SLOT_NAMES = {
+LOCATION_MEANINGS = {
     "rest_curvature": "the curvature at rest",
     "eibm": "the EIBM along the sheet",
     "even_moment": "a moment that does not change its sign with the voltage",
@@ -46,19 +46,19 @@ def page() -> str:
 
 
 def _overview(effects: list[Effect]) -> Iterable[str]:
-    yield "| effect | slot | parameters | form |"
+    yield "| effect | location | parameters | form |"
     yield "|---|---|---|---|"
     for e in effects:
-        told = ", ".join([*(k.name for k in e.knobs), *e.extra])
-        yield f"| [{e.name}](#{e.name}) | {e.slot} | {told} | {_cell(e.form)} |"
+        told = ", ".join([*(k.name for k in e.parameters), *e.extra])
+        yield f"| [{e.name}](#{e.name}) | {e.location} | {told} | {_cell(e.form)} |"
     yield ""
 
 
 def _sections(effects: list[Effect]) -> Iterable[str]:
-    for slot in LOCATIONS:
-        yield f"## {slot}: {SLOT_NAMES[slot]}\n"
+    for location in LOCATIONS:
+        yield f"## {location}: {LOCATION_MEANINGS[location]}\n"
         for e in effects:
-            if e.slot == slot:
+            if e.location == location:
                 yield from _section(e)
 
 
@@ -68,25 +68,33 @@ def _section(e: Effect) -> Iterable[str]:
     yield f"- **form**: {e.form}"
     yield f"- **leaves**: {e.signature}"
     yield f"- **isolated by**: {e.isolates}"
-    yield f"- **may differ along**: {', '.join(e.tolerance)}" + (
+    yield f"- **may differ along**: {', '.join(e.form_error_along)}" + (
         "; each configuration may have its own size" if e.by_configuration else ""
     )
     yield f"- **source**: {e.source}\n"
     yield "| parameter | meaning | unit | plausible | bounds | absent at | tried |"
     yield "|---|---|---|---|---|---|---|"
-    for knob in e.knobs:
-        yield _row(knob, shape=knob is not e.size)
+    for parameter in e.parameters:
+        yield _row(parameter, shape=parameter is not e.amplitude)
     for name, unit in e.extra.items():
         yield f"| {name} | follows from the others | {unit} | | | | |"
     yield ""
 
 
-def _row(knob: EffectParameter, *, shape: bool) -> str:
-    bounds = f"{_number(knob.low)} to {_number(knob.high)}"
-    absent = "" if shape else _number(knob.neutral)
-    tried = ", ".join(_number(v) for v in knob.tried)
-    plausible = _number(knob.plausible)
-    cells = [knob.name, _cell(knob.meaning), knob.unit, plausible, bounds, absent, tried]
+def _row(parameter: EffectParameter, *, shape: bool) -> str:
+    bounds = f"{_number(parameter.low)} to {_number(parameter.high)}"
+    absent = "" if shape else _number(parameter.neutral)
+    tried = ", ".join(_number(v) for v in parameter.starting_values)
+    plausible = _number(parameter.prior_scale)
+    cells = [
+        parameter.name,
+        _cell(parameter.meaning),
+        parameter.unit,
+        plausible,
+        bounds,
+        absent,
+        tried,
+    ]
     return f"| {' | '.join(cells)} |"
 
 

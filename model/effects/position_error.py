@@ -16,9 +16,9 @@ FAR_M = 0.03  # the paper's farthest position
 class PositionError(Effect):
     """All contacts farther along the arc by the same length, or in proportion to the position."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        del held
+        del contact
         far = np.nan_to_num(beam.stated_m) / FAR_M
         share = 2.0 * far - 1.0 if p["scale"] > 1.5 else far if p["scale"] > 0.5 else 1.0
         return replace(beam, shift_m=beam.shift_m + p["offset_mm"] * MILLI * share)
@@ -31,14 +31,14 @@ EFFECT = PositionError(
         " wrong."
     ),
     form="p = stated p + c; or + c p/30 mm; or + c (p/15 mm - 1)",
-    slot="position",
+    location="position",
     signature=(
         "The held shapes are turned at the contact alike at all voltages, and the force is shifted"
         " by its slope times the error; free shapes are right."
     ),
     isolates="The contact's place in the picture; where the free sheet crosses the arc.",
     source="the paper, section 3.1: the load cell is repositioned by hand between experiments",
-    knobs=(
+    parameters=(
         EffectParameter(
             "offset_mm",
             "true less stated position along the arc, at 30 mm",
@@ -54,9 +54,9 @@ EFFECT = PositionError(
             0.0,
             0.0,
             2.0,
-            tried=(0.0, 1.0, 2.0),
+            starting_values=(0.0, 1.0, 2.0),
         ),
     ),
-    tolerance=("position",),
+    form_error_along=("position",),
     of_the_rig=True,
 )

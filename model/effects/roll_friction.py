@@ -32,16 +32,16 @@ class RollFriction(Effect):
     measured force are both right when one moment is added, that of the radial force.
     """
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         if p["force_alone"] > 0.5:
             return beam
-        lean, outward = np.tan(held.gamma_rad), p["coefficient"] * slid(beam, held)
+        lean, outward = np.tan(contact.gamma_rad), p["coefficient"] * slid(beam, contact)
         # N without friction's share of it
-        pressed = np.abs(held.normal_N)
-        pressed = pressed / np.maximum(1.0 - outward * np.sign(held.normal_N) * lean, _JAM)
+        pressed = np.abs(contact.normal_N)
+        pressed = pressed / np.maximum(1.0 - outward * np.sign(contact.normal_N) * lean, _JAM)
         rub = finite(outward * pressed / beam.stiffness)[:, None]
-        moment = rub * (finite(lean)[:, None] * finite(held.lever) + finite(held.offset))
+        moment = rub * (finite(lean)[:, None] * finite(contact.lever) + finite(contact.offset))
         return replace(beam, bend=beam.bend - moment)
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
@@ -52,18 +52,18 @@ class RollFriction(Effect):
         return np.asarray(-rub * np.sin(weighed.gamma_rad))
 
 
-def slid(beam: BeamProblem, held: ContactSolution) -> FloatArray:
+def slid(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
     """Which way along the sheet the rolls last slid, 1 towards its end: (K,).
 
     At 0 V by the side from which the load cell was put to its position. The pulses then move the
     rolls to and fro between where the two polarities hold them; what is too little to turn friction
     round leaves some of what the placing did.
     """
-    s, volts = held.s_hat_m, beam.voltage_V
+    s, volts = contact.s_hat_m, beam.voltage_V
     same = np.abs(beam.stated_m[:, None] - beam.stated_m) < 1e-9
     same &= beam.up[:, None] == beam.up
     at_zero = same & (volts == 0.0)
-    placed = beam.up * _turned(np.sin(held.gamma_rad) / TURNED_RAD)
+    placed = beam.up * _turned(np.sin(contact.gamma_rad) / TURNED_RAD)
     first = _either(_mean(placed, at_zero), placed)
     opposite, equal = volts[:, None] * volts < 0.0, volts[:, None] == -volts
     other = _either(_mean(s, same & equal), _mean(s, same & opposite))
@@ -106,7 +106,7 @@ EFFECT = RollFriction(
         " opposite voltage held it, at 0 V from the side from which the position was approached;"
         " 20 um of sliding turn it round"
     ),
-    slot="position",
+    location="position",
     signature=(
         "An error of the force in proportion to |N| sin(gamma) that changes its sign with the sense"
         " of sliding, from one polarity to the other and with the side of approach."
@@ -116,7 +116,7 @@ EFFECT = RollFriction(
         "Johnson 1985, Contact Mechanics; Dahl 1968, A Solid Friction Model, Aerospace Corp."
         " TOR-0158(3107-18); the paper takes the contact as frictionless"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),
         EffectParameter(
             "force_alone",
@@ -125,8 +125,8 @@ EFFECT = RollFriction(
             0.0,
             0.0,
             1.0,
-            tried=(0.0, 1.0),
+            starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("position", "voltage"),
+    form_error_along=("position", "voltage"),
 )

@@ -16,9 +16,9 @@ TURNS_N = 5e-5  # of the contact force within which the sheet changes from roll 
 class RollOffset(Effect):
     """A distance along the sheet's normal: the same always, or towards the roll that is pressed."""
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        side = np.tanh(finite(held.normal_N) / TURNS_N) if p["at_the_pressed"] > 0.5 else 1.0
+        side = np.tanh(finite(contact.normal_N) / TURNS_N) if p["at_the_pressed"] > 0.5 else 1.0
         return replace(beam, offset_m=beam.offset_m + p["offset_mm"] * MILLI * side)
 
 
@@ -29,7 +29,7 @@ EFFECT = RollOffset(
         " half the sheet's thickness; positive when that point lies on the sheet's left."
     ),
     form="r(s_hat) + c n_hat = p_hat; or c sign(N), from one roll to the other",
-    slot="position",
+    location="position",
     signature=(
         "As a wrong position where the sheet crosses the arc squarely; where it leans, the radius"
         " of the arc seems to change as well. With play between the rolls the position is wrong by"
@@ -37,14 +37,14 @@ EFFECT = RollOffset(
     ),
     isolates="The contact in the picture beside the stage's position, at several positions.",
     source="the paper, section 3.1: the sheet is held between two rolls of finite size",
-    knobs=(
+    parameters=(
         EffectParameter(
             "offset_mm", "from the neutral curve to the arc's point, along the normal", "mm", 0.3,
              -5.0, 5.0),
         EffectParameter(
             "at_the_pressed", "0: always on the same side; 1: on that of the roll that is pressed",
-            "", 0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("position",),
+    form_error_along=("position",),
 )  # fmt: skip

@@ -26,11 +26,11 @@ class RollSticking(Effect):
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        ahead = self._held(weighed, p["force_mN"] * MILLI, round(p["kind"]))
+        ahead = self._contact_solution(weighed, p["force_mN"] * MILLI, round(p["kind"]))
         sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
         return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
 
-    def _held(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
+    def _contact_solution(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
         if kind == ONE_WAY:
@@ -48,25 +48,25 @@ EFFECT = RollSticking(
         "F measured = F - c sign(last change of F) from a position on, once F has changed by more"
         " than c; or F - c sign(F), or F + c"
     ),
-    slot="position",
+    location="position",
     signature=(
         "At the far positions only, the voltages' forces lie closer together than they should, by"
         " twice the force that sticks; those at 0 V are right."
     ),
     isolates="The sheet watched in the rolls; a tap on the rig; far positions approached again.",
     source="the paper, section 3.3: at 30 mm the sheet systematically got stuck between the rolls",
-    knobs=(
+    parameters=(
         EffectParameter(
             "force_mN", "change of force that it takes to get it loose", "mN", 0.2, -5.0, 5.0),
         EffectParameter(
             "from_position_mm", "the first position at which it sticks", "mm", 25.0,
-            neutral=np.inf, tried=(10.0, 15.0, 20.0, 25.0, 30.0),
+            neutral=np.inf, starting_values=(10.0, 15.0, 20.0, 25.0, 30.0),
         ),
         EffectParameter(
             "kind", "0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
             " held against the force whatever came before; 3: pulled one way", "",
-            0.0, 0.0, 3.0, tried=(0.0, 1.0, 2.0, 3.0),
+            0.0, 0.0, 3.0, starting_values=(0.0, 1.0, 2.0, 3.0),
         ),
     ),
-    tolerance=("position", "voltage"),
+    form_error_along=("position", "voltage"),
 )  # fmt: skip

@@ -35,7 +35,7 @@ EFFECT = StiffnessDrift(
         " voltage since the last wetting, or settling exponentially with a third of that as its"
         " time constant; never by more than a factor of 2.2"
     ),
-    slot="time",
+    location="time",
     signature=(
         "Forces grow or shrink in proportion with time at all voltages, shapes under voltage the"
         " other way round; the free shape at 0 V does not move."
@@ -45,10 +45,10 @@ EFFECT = StiffnessDrift(
         "Nemat-Nasser and Thomas 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd"
         " ed., ch. 6 (stiffness against hydration); the paper, section 3.2"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("relative_change", "of the stiffness over the data", "", 0.1, -1.0, 1.2),
         SINCE,
         SETTLES,
     ),
-    tolerance=("time",),
+    form_error_along=("time",),
 )

@@ -36,7 +36,7 @@ EFFECT = SurfaceTension(
         "F measured = F + c cos(gamma) while the sheet is touched; or c exp(-t/tau), t since the"
         " last wetting"
     ),
-    slot="load_cell",
+    location="load_cell",
     signature=(
         "As a wrong zero, but each sheet has its own, most likely the short one, in whose rolls the"
         " water stays; not in readings without contact, and smaller where the sheet leans."
@@ -46,13 +46,13 @@ EFFECT = SurfaceTension(
         "de Gennes, Brochard-Wyart and Quéré 2004, Capillarity and Wetting Phenomena; the paper,"
         " section 4.2, observation 1"
     ),
-    knobs=(
+    parameters=(
         EffectParameter("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
         EffectParameter(
             "dries_s", "time constant with which the water goes; 0: it stays", "s",
-            0.0, 0.0, 1e4, tried=(0.0, 15.0, 60.0),
+            0.0, 0.0, 1e4, starting_values=(0.0, 15.0, 60.0),
         ),
     ),
-    tolerance=("position", "voltage", "time"),
+    form_error_along=("position", "voltage", "time"),
     by_configuration=True,
 )  # fmt: skip

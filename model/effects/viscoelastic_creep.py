@@ -32,20 +32,20 @@ class ViscoelasticCreep(Effect):
     Taken loosely (`time_s` 0) the stiffness as a whole goes down with the logarithm of time.
     """
 
-    def beam(self, beam: BeamProblem, held: ContactSolution, p: Values) -> BeamProblem:
+    def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         rest = beam.rest
-        for strain, much in remembered(beam, held, p):
+        for strain, much in remembered(beam, contact, p):
             rest = rest + _mean(much, beam)[:, None] * strain
         return replace(beam, rest=rest)
 
     def lagging(
-        self, beam: BeamProblem, held: ContactSolution, p: Values
+        self, beam: BeamProblem, contact: ContactSolution, p: Values
     ) -> Sequence[tuple[FloatArray, FloatArray]]:
         """See `Effect.lagging`."""
         return [
             (strain, much - _mean(much, beam)[beam.reading_of])
-            for strain, much in remembered(beam, held, p)
+            for strain, much in remembered(beam, contact, p)
         ]
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray] | None:
@@ -57,7 +57,7 @@ class ViscoelasticCreep(Effect):
 
 
 def remembered(
-    beam: BeamProblem, held: ContactSolution, p: Values
+    beam: BeamProblem, contact: ContactSolution, p: Values
 ) -> list[tuple[FloatArray, FloatArray]]:
     """Strains, 1/m (K, G), each with the share that has become the shape at rest by now (n,).
 
@@ -67,7 +67,7 @@ def remembered(
     """
     if p["time_s"] == 0.0:
         return []
-    at_zero, mean, half = strains(beam, held)
+    at_zero, mean, half = strains(beam, contact)
     clock = beam.clock
     driven = np.abs(np.sign(clock.voltage_V))
     held_s = clock.run_s if p["from_run"] > 0.5 else clock.wetted_s
@@ -86,9 +86,11 @@ def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
     return np.asarray(-p["relative_change_per_decade"] / decade * lagging)
 
 
-def strains(beam: BeamProblem, held: ContactSolution) -> tuple[FloatArray, FloatArray, FloatArray]:
+def strains(
+    beam: BeamProblem, contact: ContactSolution
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each."""
-    load = finite(held.normal_N)[:, None] * finite(held.lever) / beam.stiffness[:, None]
+    load = finite(contact.normal_N)[:, None] * finite(contact.lever) / beam.stiffness[:, None]
     strain = beam.soft * (beam.eibm + beam.bend - load)
     at_zero, mean, half = (np.zeros_like(strain) for _ in range(3))
     sign = np.sign(beam.voltage_V)
@@ -118,7 +120,7 @@ EFFECT = ViscoelasticCreep(
         "B = B at 5 s x (1 + c log10(t/5 s)), t since the run began; or k0 moves towards the strain"
         " that stays as 1 - exp(-t/tau), by -c between 2 and 20 s"
     ),
-    slot="time",
+    location="time",
     signature=(
         "In every run anew, at 0 V too, the force changes quickly in the first seconds and ever"
         " more slowly later, in proportion to itself; not in the means."
@@ -128,7 +130,7 @@ EFFECT = ViscoelasticCreep(
         "Findley, Lai and Onaran 1976, Creep and Relaxation of Nonlinear Viscoelastic Materials;"
         " Newbury and Leo 2003, J. Intell. Mater. Syst. Struct. 14, 333"
     ),
-    knobs=(
+    parameters=(
         EffectParameter(
             "relative_change_per_decade", "of the stiffness in each tenfold of time", "", -0.03,
             low=-0.4, high=0.0,
@@ -136,13 +138,13 @@ EFFECT = ViscoelasticCreep(
         EffectParameter(
             "time_s", "its time constant, where only the strain that stays relaxes; 0: the"
             " stiffness as a whole, with the logarithm of time", "s",
-            0.0, 0.0, 1e4, tried=(0.0, 2.0, 8.0, 30.0),
+            0.0, 0.0, 1e4, starting_values=(0.0, 2.0, 8.0, 30.0),
         ),
         SPREAD,
         EffectParameter(
             "from_run", "0: held since it was wetted; 1: since the run began", "",
-            0.0, 0.0, 1.0, tried=(0.0, 1.0),
+            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
         ),
     ),
-    tolerance=("time", "position"),
+    form_error_along=("time", "position"),
 )  # fmt: skip

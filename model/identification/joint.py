@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.identification.gauss_newton import gauss_newton
-from model.identification.mixed_model import (
+from model.identification.likelihood.mixed_model import (
     Data,
     Solution,
     Spread,

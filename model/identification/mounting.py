@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.identification.joint import Joint
-from model.identification.mixed_model import effects
+from model.identification.likelihood.mixed_model import effects
 from model.identification.pooling import SCATTER
 from model.measurements import FloatArray
 from model.parameter import Parameter

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.identification.mixed_model import Data
+from model.identification.likelihood.mixed_model import Data
 from model.identification.residual_vector import Predicted, Shift, System
 from model.measurements import FloatArray
 

@@ -63,18 +63,18 @@ def unknowns(effects: Sequence[ActiveEffect], configuration: str) -> list[Active
 
 
 def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
-    """A value for each knob; one that only gives the form its shape may be left out."""
+    """A value for each parameter; one that only gives the form its shape may be left out."""
     result = {}
-    for knob in effect.knobs:
-        if knob.name not in values and knob is effect.size:
-            raise ModelError(f"the effect '{effect.name}' of the model lacks its {knob.name}")
-        value = values.get(knob.name, knob.plausible)
-        if not knob.low <= value <= knob.high:
+    for parameter in effect.parameters:
+        if parameter.name not in values and parameter is effect.amplitude:
+            raise ModelError(f"the effect '{effect.name}' of the model lacks its {parameter.name}")
+        value = values.get(parameter.name, parameter.prior_scale)
+        if not parameter.low <= value <= parameter.high:
             raise ModelError(
-                f"the effect '{effect.name}' of the model has {knob.name} = {value:g}; it must be"
-                f" within {knob.low:g} and {knob.high:g}"
+                f"the effect '{effect.name}' of the model has {parameter.name} = {value:g}; it must"
+                f" be within {parameter.low:g} and {parameter.high:g}"
             )
-        result[knob.name] = value
+        result[parameter.name] = value
     return result
 
 
@@ -93,7 +93,7 @@ def with_effects(
     base = _in_course(plain, named)
     beam, found = base, solved(_setups(setups, plain, base))
     for turn in range(MOST_ROUNDS):
-        new = _applied(base, _held(found, beam), named, strange)
+        new = _applied(base, _contact_solution(found, beam), named, strange)
         if turn >= DAMPED_AFTER:
             new = _halfway(beam, new)
         if _same(beam, new):
@@ -169,7 +169,7 @@ def _field(beam: BeamProblem, values: FloatArray) -> Field:
     return Field(np.array([0.0, length]), row[None])
 
 
-def _held(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:
+def _contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:
     shapes = found.shapes(np.append(beam.s_m, beam.sheet.free_length_m))
     x, y, phi = (a[:, :-1] for a in (shapes.x_m, shapes.y_m, shapes.phi_rad))
     # in the clamp's own frame, in which the contact's forces are worked out
@@ -219,13 +219,13 @@ def _in_course(beam: BeamProblem, named: Sequence[Acting]) -> BeamProblem:
 
 def _applied(
     base: BeamProblem,
-    held: ContactSolution,
+    contact: ContactSolution,
     named: Sequence[Acting],
     strange: Sequence[ActiveEffect],
 ) -> BeamProblem:
     beam = base
     for one in named:
-        changed = one.effect.beam(beam, held, one.values)
+        changed = one.effect.beam(beam, contact, one.values)
         beam = changed if one.profile is None else _formed(beam, changed, one.profile)
     for other in strange:
         beam = _with_unknown(beam, other)
@@ -247,26 +247,26 @@ def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamPr
 
 
 def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
-    """The term of an unknown effect, added at its slot."""
+    """The term of an unknown effect, added at its location."""
     profile = one.profile
     assert profile is not None  # noqa: S101 - see `unknowns`
     share = profile.share(beam.voltage_V)
     if profile.along == "position":
         on_arc = share * profile(np.nan_to_num(beam.stated_m))
-        if one.slot == "position":
+        if one.location == "position":
             return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
-        if one.slot == "eibm":
+        if one.location == "eibm":
             return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
     if profile.along != "s":
         return beam
     term = share[:, None] * profile(beam.s_m)
-    if one.slot == "rest_curvature":
+    if one.location == "rest_curvature":
         return replace(beam, rest=beam.rest + term)
-    if one.slot == "eibm":
+    if one.location == "eibm":
         return replace(beam, eibm=beam.eibm * (1.0 + term))
-    if one.slot == "compliance":
+    if one.location == "compliance":
         return replace(beam, soft=beam.soft * (1.0 + term))
-    if one.slot == "even_moment":
+    if one.location == "even_moment":
         driven = beam.voltage_V != 0.0
         typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
         return replace(beam, bend=beam.bend + typical * driven[:, None] * term)

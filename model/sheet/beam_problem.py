@@ -100,8 +100,8 @@ class Profile:
 class ActiveEffect:
     """An effect that a model includes, by its name in the catalogue.
 
-    The name `unknown` stands for something that is in no catalogue: it has a slot, and its profile
-    says what is added there.
+    The name `unknown` stands for something that is in no catalogue: it has a location, and its
+    profile says what is added there.
     """
 
     name: str
@@ -110,7 +110,7 @@ class ActiveEffect:
     by_configuration: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)
     # factors on the catalogue's form (named effects), or the term itself (`unknown`)
     profile: Profile | None = None
-    slot: str = ""  # of `unknown`
+    location: str = ""  # of `unknown`
     configurations: tuple[str, ...] = ()  # in which it acts; empty: all
 
     def values(self, configuration: str) -> dict[str, float] | None:
@@ -125,8 +125,8 @@ class ActiveEffect:
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
         result: dict[str, Any] = {"name": self.name}
-        if self.slot:
-            result["slot"] = self.slot
+        if self.location:
+            result["slot"] = self.location
         if self.configurations:
             result["configurations"] = list(self.configurations)
         result["parameters"] = {k: p.to_dict() for k, p in self.parameters.items()}
@@ -159,7 +159,7 @@ class ActiveEffect:
                 for name, one in own.items()
             },
             profile=None if profile is None else Profile.from_dict(profile, f"{where}.profile"),
-            slot=str(data.get("slot", "")),
+            location=str(data.get("slot", "")),
             configurations=tuple(names),
         )
 

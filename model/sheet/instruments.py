@@ -42,7 +42,7 @@ def load_cell_N(
             mean = mean_over(np.asarray(added), run.at(voltage_V))
             total += mean * _factor(one.profile, position_m)
     for other in unknowns(effects, name):
-        if other.slot == "load_cell" and other.profile is not None:
+        if other.location == "load_cell" and other.profile is not None:
             total += _strange_N(
                 other.profile, position_m, found.force_N[rows[voltage_V]], voltage_V
             )
@@ -93,7 +93,7 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
     on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
     for other in unknowns(effects, name):
         along = None if other.profile is None else other.profile.along
-        if other.slot == "camera" and along == "position" and setup.touches:
+        if other.location == "camera" and along == "position" and setup.touches:
             more += on_its_way * _factor(other.profile, at_m)
     return replace(setup, eibm=setup.eibm * (1.0 + more))
 
@@ -113,7 +113,7 @@ def camera_m(
             share = one.profile(s_m) if one.profile is not None and along else 1.0
             dx, dy = dx + share * added[0][0], dy + share * added[1][0]
     for other in unknowns(effects, name):
-        if other.slot == "camera" and other.profile is not None and other.profile.along == "s":
+        if other.location == "camera" and other.profile is not None and other.profile.along == "s":
             off = 1e-3 * other.profile(s_m)
             dx, dy = dx - off * np.sin(phi_rad), dy + off * np.cos(phi_rad)
     return dx, dy

@@ -17,7 +17,7 @@ import tomlkit
 from benchmarks.hidden_effects.cases import Case
 from benchmarks.hidden_effects.recipe import base_recipe, geometry
 from labrig.cli.follow import FOLLOWS
-from labrig.report.diagnosis.store import kept_diagnosis
+from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.session import load_measurements, open_session
 from tests.end_to_end.small_rig import labrig, make_rig
 

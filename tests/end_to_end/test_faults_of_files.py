@@ -171,7 +171,7 @@ def test_a_display_that_blocks_holds_up_nothing(
             never.wait(60.0)
 
     monkeypatch.setattr(RunDisplay, "__call__", stuck)
-    monkeypatch.setattr("labrig.cli.follow.EventHub", lambda **_: EventBus(threaded=True))
+    monkeypatch.setattr("labrig.cli.follow.EventBus", lambda **_: EventBus(threaded=True))
     left = rig.run()
     never.set()
     assert (left.code, left.outcome, left.readings) == (0, Outcome.COMPLETED, 5)

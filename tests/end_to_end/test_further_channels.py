@@ -76,7 +76,7 @@ def test_further_channels_are_exported(recorded: Path, tmp_path: Path) -> None:
 
 
 def test_a_session_with_further_channels_is_replayed(recorded: Path, tmp_path: Path) -> None:
-    assert labrig("run", "--replay", recorded, "-o", tmp_path / "again.h5") == 0
+    assert labrig("replay", recorded, "-o", tmp_path / "again.h5") == 0
     with open_session(recorded) as old, open_session(tmp_path / "again.h5") as new:
         now, then = (s.runs[0].readings["temperature_degC"] for s in (new, old))
         np.testing.assert_allclose(now, then, atol=1.0)

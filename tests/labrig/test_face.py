@@ -9,10 +9,10 @@ from types import ModuleType
 import pytest
 
 import labrig
-from labrig import vision
+from labrig import testing, vision
 
 
-@pytest.mark.parametrize("package", [labrig, vision])
+@pytest.mark.parametrize("package", [labrig, vision, testing])
 def test_every_public_name_is_there(package: ModuleType) -> None:
     assert package.__all__
     assert set(package.__all__) <= set(dir(package))
@@ -20,7 +20,7 @@ def test_every_public_name_is_there(package: ModuleType) -> None:
         assert getattr(package, name) is not None, name
 
 
-@pytest.mark.parametrize("package", [labrig, vision])
+@pytest.mark.parametrize("package", [labrig, vision, testing])
 def test_an_unknown_name_is_an_attribute_error(package: ModuleType) -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = package.nothing

@@ -11,9 +11,9 @@ import pytest
 from labrig.cli.follow import RunDisplay
 from labrig.cli.main import run
 from labrig.cli.screen import progress, warn
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols.execution.events import Event, RunStopped, VoltageSet
 from protocols.execution.stop import StopLevel
-from tests.protocols.fake_rig import FakeRig, short_schedule
 
 AT_ONCE = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (the run was broken off)"
 

@@ -27,8 +27,8 @@ def along(*values: float, along: str = "s") -> Profile:
     return Profile(along, at, values, tuple(0.0 for _ in values), "")
 
 
-def unknown(slot: str, profile: Profile) -> ActiveEffect:
-    return ActiveEffect("unknown", profile=profile, slot=slot)
+def unknown(location: str, profile: Profile) -> ActiveEffect:
+    return ActiveEffect("unknown", profile=profile, location=location)
 
 
 def with_eibm_times(model: SheetModel, factor: float) -> SheetModel:
@@ -42,7 +42,10 @@ def with_eibm_times(model: SheetModel, factor: float) -> SheetModel:
 
 
 def plausible(name: str) -> ActiveEffect:
-    return active(name, **{knob.name: knob.plausible for knob in catalogue()[name].knobs})
+    return active(
+        name,
+        **{parameter.name: parameter.prior_scale for parameter in catalogue()[name].parameters},
+    )
 
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
@@ -67,11 +70,11 @@ def seen_difference(model: SheetModel, other: SheetModel) -> float:
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_an_effect_at_its_neutral_value_changes_nothing(truth: SheetModel, name: str):
-    knobs = catalogue()[name].knobs
-    values = {knob.name: knob.plausible for knob in knobs}
-    if not np.isfinite(knobs[0].neutral):
+    parameters = catalogue()[name].parameters
+    values = {parameter.name: parameter.prior_scale for parameter in parameters}
+    if not np.isfinite(parameters[0].neutral):
         pytest.skip("its absence is no number that a file could hold")
-    values[knobs[0].name] = max(knobs[0].neutral, knobs[0].low)
+    values[parameters[0].name] = max(parameters[0].neutral, parameters[0].low)
     model = truth.with_effects(active(name, **values))
     for voltage in (0.0, -2.0):
         one, two = (predict(m, "long", POSITION_M, voltage) for m in (model, truth))

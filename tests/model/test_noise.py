@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from model.identification.mixed_model import (
+from model.identification.likelihood.mixed_model import (
     Data,
     deviance,
     effects,

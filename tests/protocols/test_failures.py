@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_rig import FakeRig, short_schedule
 
 from drivers.interfaces import OverloadError
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import EventBus, FinishReason, LoopTiming, RunState
 from protocols.execution.channels import force_channel
 from protocols.execution.events import (

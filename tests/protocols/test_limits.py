@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from fake_rig import LIMITS, FakeRig, short_schedule
 
+from labrig.testing.fake_rig import LIMITS, FakeRig, short_schedule
 from protocols import Place, SafetyLimits, ScheduleError, check_schedule, make_schedule
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.planning.schedule import VoltageStep

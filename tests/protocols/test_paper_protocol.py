@@ -3,8 +3,8 @@
 from collections import Counter
 
 import pytest
-from fake_rig import LIMITS, FakeRig
 
+from labrig.testing.fake_rig import LIMITS, FakeRig
 from protocols import (
     Place,
     Purpose,

@@ -3,10 +3,10 @@
 import json
 
 import pytest
-from fake_rig import FakeRig
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from labrig.testing.fake_rig import FakeRig
 from protocols import (
     Extras,
     Place,

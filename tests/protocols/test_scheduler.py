@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 
 from drivers.interfaces import Prompt
+from labrig.testing.fake_rig import SHORT_TRAIN, FakeRig, short_schedule
 from protocols import (
     Extras,
     LoopTiming,

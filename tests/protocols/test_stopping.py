@@ -1,8 +1,8 @@
 """Ending a session early."""
 
 import pytest
-from fake_rig import FakeRig, short_schedule
 
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import FinishReason, Place, RunState, StopLevel, make_schedule
 from protocols.execution.events import (
     Outcome,

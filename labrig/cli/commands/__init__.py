@@ -1,1 +1,1 @@
-"""One module for each command."""
+"""The commands: a file each, which defines COMMAND (see `labrig.cli.command`)."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
 from labrig.files import write_text
@@ -18,15 +19,6 @@ Columns = Annotated[int, typer.Option(help="squares across the board")]
 Rows = Annotated[int, typer.Option(help="squares down the board")]
 SquareMm = Annotated[float, typer.Option("--square-mm", help="side of a square, as printed")]
 MarkerMm = Annotated[float, typer.Option("--marker-mm", help="side of a marker; 0: checkerboard")]
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    room = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
-    room.command(name="load-cell")(load_cell)
-    room.command()(camera)
-    room.command()(board)
-    app.add_typer(room, name="calibrate")
 
 
 def load_cell(
@@ -163,3 +155,10 @@ def _tell(found: Calibration, output: Path) -> None:
         warn(f"warning: {text}")
     write_text(output, optics.model_dump_json(indent=2, exclude_none=True) + "\n")
     say(f"wrote {output}")
+
+
+_app = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
+_app.command(name="load-cell")(load_cell)
+_app.command()(camera)
+_app.command()(board)
+COMMAND = Command("calibrate", _app, order=260)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import finite, say, warn
 from labrig.errors import BadInputError
 
@@ -16,11 +17,6 @@ if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
     from model import Curve
     from model.measurements import Condition, Contact
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(curves)
 
 
 def curves(
@@ -48,16 +44,26 @@ def curves(
     as_json: Annotated[
         bool, typer.Option("--json", help="print one JSON object for each picture, a line each")
     ] = False,
+    extractor: Annotated[
+        str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
+    ] = None,
 ) -> None:
     """Find the neutral curve of a clamped strip in pictures.
 
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
     what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
     """
+    from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
 
-    chosen = None if look is None else SheetAppearance(look)
-    options = BatchOptions(optics, sheet, configuration, look=chosen)
+    name = extractor or BUILT_IN
+    options = BatchOptions(
+        optics=optics,
+        sheet=sheet,
+        configuration=configuration,
+        look=None if look is None else SheetAppearance(look),
+        find=chosen_extractor(name).curve,
+    )
     if batch is not None:
         if sources or output is None:
             raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
@@ -71,7 +77,7 @@ def curves(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
                 "--look and --overlay are for pictures."
             )
-        _session(sources[0], output, as_json=as_json)
+        _session(sources[0], output, name, as_json=as_json)
         return
     _pictures(sources, options, output, overlay, as_json=as_json)
 
@@ -131,14 +137,14 @@ def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
     say(f"{len(result.curves)} pictures, {len(result.failed)} without a curve; wrote {output}")
 
 
-def _session(path: Path, output: Path | None, *, as_json: bool) -> None:
+def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) -> None:
     from labrig.analysis import measure
     from labrig.cli.screen import progress
     from labrig.session import open_session
     from labrig.session.tables_out import write_curves
 
     with open_session(path) as session, progress("curves") as advance:
-        measurements = measure(session, advance)
+        measurements = measure(session, advance, extractor=extractor)
     for c in measurements.conditions:
         where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
         name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
@@ -225,3 +231,6 @@ def _curve_json(curve: Curve | None) -> dict[str, Any]:
         "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
         "curvature_sigma_per_m": curve.curvature_sigma_per_m,
     }
+
+
+COMMAND = Command("curves", curves, order=210)

@@ -8,7 +8,11 @@ from typing import Annotated
 
 import typer
 
+from labrig.cli.command import Command
+from labrig.cli.commands.analyze import analyze
+from labrig.cli.commands.diagnose import diagnose
 from labrig.cli.commands.fit import fit
+from labrig.cli.commands.report import report
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError, ExitCode
 
@@ -29,11 +33,6 @@ mode = "paper"
 """
 
 
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(demo)
-
-
 def demo(
     folder: Annotated[Path, typer.Argument(help="made for it; must not be there")],
     simulated_only: Annotated[
@@ -45,7 +44,6 @@ def demo(
     Then ten seconds on the real clock, the same drivers speaking TCP and serial to the simulated
     boards, camera and stage in another process.
     """
-    from labrig.cli.commands import evaluate
     from labrig.config.templates import write_templates
 
     if folder.exists():
@@ -58,13 +56,13 @@ def demo(
     _heading("2. The experiment: 2 configurations x 7 positions, on the virtual clock")
     _run(folder / "rig.toml", folder / "protocol.toml", folder / "sheet.toml", session)
     _heading("3. Frames to neutral curves, signals to forces")
-    evaluate.analyze(session)
+    analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
     fit([session], model)
     _heading("5. What the model with a constant EIBM is missing")
-    _diagnose(session, folder)
+    diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
     _heading("6. The report")
-    evaluate.report(session, folder / "report")
+    report(session, folder / "report")
     if not simulated_only:
         _heading(
             "7. Ten seconds on the real clock: boards over TCP, camera over HTTP, a serial stage"
@@ -72,13 +70,6 @@ def demo(
         _real_clock(folder / "real-clock")
     say()
     say(f"The demo took {time.monotonic() - began:.0f} s. Open {folder / 'report' / 'index.html'}")
-
-
-def _diagnose(session: Path, folder: Path) -> None:
-    """The paper's own story: where it misses, what is missing, and what is left with it."""
-    from labrig.cli.commands.diagnose import diagnose
-
-    diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
 
 
 def _heading(text: str) -> None:
@@ -99,7 +90,7 @@ def _run(rig: Path, protocol: Path, sheet: Path, session: Path) -> None:
 def _real_clock(folder: Path) -> None:
     from labrig.config.templates import template_text, write_templates
     from labrig.experiment.networked_rig import served_rig
-    from labrig.report.page.overview import overview
+    from labrig.report.tables.overview import overview
     from labrig.session import open_session
 
     write_templates(folder, simulated=True)
@@ -126,3 +117,6 @@ def _real_clock(folder: Path) -> None:
 def _last_voltage(record: Path) -> str:
     header, *rows = record.read_text(encoding="utf-8").splitlines()
     return rows[-1].split(",")[header.split(",").index("drive_V")]
+
+
+COMMAND = Command("demo", demo, order=10)

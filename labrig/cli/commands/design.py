@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from labrig.cli.command import Command
+from labrig.cli.options import EachConfiguration, Json, ModelFile
 from labrig.cli.screen import print_json, print_table, say
 from labrig.errors import BadInputError
 
@@ -21,17 +23,10 @@ class Direction(StrEnum):
     NEGATIVE = "negative"
 
 
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(design)
-
-
 def design(
-    model: Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")],
+    model: ModelFile,
     section: Annotated[str, typer.Option(help="the working section in mm, such as 0:30")],
-    configuration: Annotated[
-        list[str] | None, typer.Option(help="repeatable; by default all that the model has")
-    ] = None,
+    configuration: EachConfiguration = None,
     force_mN: Annotated[
         float | None, typer.Option("--force-mN", help="required throughout: the least area for it")
     ] = None,
@@ -46,7 +41,7 @@ def design(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="a folder for the figures")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Answer the design questions of the paper's section 5 for a working section.
 
@@ -102,3 +97,6 @@ def _section(text: str) -> tuple[float, float]:
             f"--section {text!r}: two positions in mm with a colon between, such as 0:30."
         ) from None
     return low_mm / 1000, high_mm / 1000
+
+
+COMMAND = Command("design", design, order=200)

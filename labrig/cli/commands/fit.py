@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
+from labrig.cli.measurements import fitted_of
+from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
     from labrig.report.tables.mountings import Run
-    from model import Fit, FitOptions, Measurements
+    from model import Fit, Measurements
 
 FEWEST_REPEATS = 20  # with fewer a standard deviation says little
 
@@ -71,7 +74,7 @@ def fit(
         int, typer.Option(min=0, max=10_000, help="simulated repeats that check the uncertainties")
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
-    as_json: Annotated[bool, typer.Option("--json", help="print one JSON object")] = False,
+    as_json: Json = False,
 ) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
 
@@ -157,20 +160,6 @@ def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, 
     )
 
 
-def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
-    """The fit of all configurations that allow one; the others are named on the screen."""
-    from labrig.report.data.fitted import fit_what_can_be
-
-    fitted = fit_what_can_be(measurements, options)
-    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
-    if fitted.fit is None:
-        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
-        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
-    for name, why in lacking.items():
-        warn(f"{name}: could not be fitted: {why}.")
-    return fitted.fit
-
-
 def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:
     """Everything that was found; `sessions` is given where each set-up is asked for."""
     from labrig.report.tables.fit import trust
@@ -207,3 +196,6 @@ def _tables(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | Non
     tables.append(scatter_table(fit))
     repeats = repeats_table(fit)
     return tables if repeats is None else [*tables, repeats]
+
+
+COMMAND = Command("fit", fit, order=140)

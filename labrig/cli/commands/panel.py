@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from labrig.cli.command import Command
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
 
@@ -14,11 +15,6 @@ if TYPE_CHECKING:
     from labrig.panel.server.settings import PanelSettings
 
 _PORT = 8720
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add this command."""
-    app.command()(panel)
 
 
 def panel(
@@ -127,3 +123,6 @@ def _with_tls(
     except (OSError, ssl.SSLError) as error:
         raise BadInputError(f"{certificate}: cannot be used with {key} ({error}).") from None
     return replace(settings, certificate=certificate.resolve(), key=key.resolve())
+
+
+COMMAND = Command("panel", panel, order=110)

@@ -16,7 +16,7 @@ from labrig.library import CatalogueEntry, compare_means, read_entry, select
 from labrig.panel.pages.file_names import existing
 from labrig.panel.pages.run import Here
 from labrig.panel.server.panel import Panel
-from labrig.report.page.overview import overview
+from labrig.report.tables.overview import overview
 from labrig.session import export_session, open_session
 
 router = APIRouter(prefix="/api/library")

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
+from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
-from labrig.report.diagnosis.store import kept_diagnosis
 from labrig.session import RecordedSession, load_measurements, open_session
 from model import Fit, FitOptions, Measurements, ModelError
 

@@ -15,6 +15,7 @@ from model.measurements import FloatArray
 
 _RAIL = 0.999  # of the range: a sample there may have been cut off
 _LATE_S = 5e-3
+MOST_WARNINGS = 8  # of the analysis at the top of the page; beyond that a table has them all
 
 
 @dataclass(frozen=True)

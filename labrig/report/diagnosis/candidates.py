@@ -52,7 +52,7 @@ def _called(one: Ranked) -> str:
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:
     if one.name in named:
         return VARYING
-    is_it = found.unknown is not None and one.name == f"unknown:{found.unknown.slot}"
+    is_it = found.unknown is not None and one.name == f"unknown:{found.unknown.location}"
     return CONSTANT if is_it else _SOFT
 
 
@@ -105,8 +105,8 @@ def form_figure(found: Diagnosis) -> Figure | None:
             letter(axes, mark, name.replace("_", " "))
         if found.unknown is not None:
             _profile(panels[-1], found.unknown)
-            slot = found.unknown.slot.replace("_", " ")
-            letter(panels[-1], "abcdefgh"[count - 1], f"unknown: {slot}")
+            location = found.unknown.location.replace("_", " ")
+            letter(panels[-1], "abcdefgh"[count - 1], f"unknown: {location}")
         return fig
 
 
@@ -130,7 +130,7 @@ def _profile(axes: Axes, one: Unknown) -> None:
     )  # fmt: skip
     axes.plot(at, one.profile, color=CONSTANT, label=f"{one.configuration} sheet")
     axes.set_xlabel(_coordinate(one.along, one.at_unit))
-    axes.set_ylabel(f"added to the {one.slot.replace('_', ' ')} ({one.unit})")
+    axes.set_ylabel(f"added to the {one.location.replace('_', ' ')} ({one.unit})")
     axes.legend(fontsize=8)
 
 

@@ -1,17 +1,16 @@
-"""All figures of a diagnosis: drawn, written as PNG and SVG, and handed on for a page."""
+"""All figures of a diagnosis."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING
 
 from labrig.report.diagnosis.candidates import form_figure, ranking_figure, signatures_figure
 from labrig.report.diagnosis.fits import curves_figure, forces_figure
 from labrig.report.diagnosis.maps import residual_maps
-from labrig.report.figures.all_figures import Drawn
-from labrig.report.parts.style import save_pair
-from labrig.report.parts.svg import inline
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.section import Drawn
 from model.discrepancy.verdict.result import Diagnosis
 
 if TYPE_CHECKING:
@@ -60,17 +59,10 @@ FIGURES: dict[str, tuple[str, str, Callable[[Diagnosis], Figure | None]]] = {
 }
 
 
-def draw_diagnosis(found: Diagnosis, folder: Path) -> dict[str, Drawn]:
-    """Every figure that there is something for, by name; files of the others are removed."""
-    folder.mkdir(parents=True, exist_ok=True)
-    drawn = {}
-    for name, (title, caption, draw) in FIGURES.items():
-        fig = draw(found)
-        if fig is None:
-            for ending in ("png", "svg"):
-                (folder / f"{name}.{ending}").unlink(missing_ok=True)
-            continue
-        save_pair(fig, folder, name)
-        svg = (folder / f"{name}.svg").read_text(encoding="utf-8")
-        drawn[name] = Drawn(name, title, caption, inline(svg, name, f"{title}. {caption}"))
-    return drawn
+def draw_diagnosis(found: Diagnosis, figures: FigureFolder) -> dict[str, Drawn]:
+    """Return every figure for which the diagnosis has data, by name."""
+    return {
+        one.name: one
+        for name, (title, caption, draw) in FIGURES.items()
+        for one in figures.draw(name, title, caption, partial(draw, found))
+    }

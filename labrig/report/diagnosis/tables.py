@@ -96,7 +96,7 @@ def ranking_table(found: Diagnosis) -> Table:
     rows = tuple(
         (
             one.name.replace("unknown:", "unknown, "),
-            one.slot.replace("_", " "),
+            one.location.replace("_", " "),
             fixed(one.log_bayes, 1),
             number(one.size, 2),
             number(one.detectability, 3),
@@ -267,3 +267,9 @@ def further_sentences(found: Diagnosis) -> list[str]:
     """Outliers and remarks of the procedure."""
     said = [f"Left out as an outlier: {name}." for name in found.outliers]
     return [*said, *(note.rstrip(".") + "." for note in found.notes)]
+
+
+def limits_sentences(found: Diagnosis) -> list[str]:
+    """Return what these data can show, the scatter between set-ups, outliers and remarks."""
+    scatter = scatter_sentence(found)
+    return [*visibility(found), *([scatter] if scatter else []), *further_sentences(found)]

@@ -10,13 +10,13 @@ import numpy as np
 
 from labrig.report.data.findings import Findings
 from labrig.report.data.paper import PAPER
+from labrig.report.data.quality import MOST_WARNINGS
 from labrig.report.data.selection import rest_position_m
 from labrig.report.parts.table import fixed, volts, with_sigma
 from model import ConfigurationFit, Parameter
 from protocols.execution.events import Outcome, OutputState
 
-KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
-MOST_WARNINGS: Final = 8  # of the analysis, shown at the top; beyond that a table has them all
+_KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
 Parts = Mapping[str, ConfigurationFit]
 
 
@@ -80,7 +80,7 @@ def _forces(parts: Parts) -> Card:
             fixed(PAPER[name].force_rmse_mN[place], 3) if name in PAPER else "",
         )
         for name, one in parts.items()
-        for place, kind in enumerate(KINDS)
+        for place, kind in enumerate(_KINDS)
     ]
     return Card("Error of the force (RMSE), mN", tuple(lines))
 
@@ -93,7 +93,7 @@ def _curves(parts: Parts) -> list[Card]:
             fixed(PAPER[name].curve_rmse_mm[place], 2) if name in PAPER else "",
         )
         for name, one in parts.items()
-        for place, kind in enumerate(KINDS)
+        for place, kind in enumerate(_KINDS)
         if np.isfinite(one.rmse[kind].curve_m)
     ]
     return [Card("Error of the curve (RMSE), mm", tuple(lines))] if lines else []

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from labrig.errors import BadInputError
-from labrig.files import not_written
 from labrig.report.data.findings import Progress, gather
-from labrig.report.diagnosis.figures import draw_diagnosis
-from labrig.report.figures.all_figures import draw_all
 from labrig.report.page.page import render, write_page
+from labrig.report.page.sections import report_content
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.sections.interface import ordered
 
 
 def _quiet(_fraction: float, _text: str) -> None:
@@ -36,11 +36,8 @@ def write_report(
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
     found = gather(session, progress, tell)
     with found.session:
-        try:
-            drawn = draw_all(found, folder / "figures")
-            if found.diagnosis is not None:
-                drawn |= draw_diagnosis(found.diagnosis, folder / "figures")
-        except OSError as error:
-            raise not_written(folder, error) from None
-        write_page(render(found, drawn), folder / "index.html")
+        content = report_content(found, FigureFolder(folder / "figures"), ordered())
+        for text in content.left_out:
+            tell(text)
+        write_page(render(found, content), folder / "index.html")
     return folder / "index.html"

@@ -1,33 +1,50 @@
-"""What a page is made of: sections of tables, figures and things to unfold."""
+"""What a page is made of: sections of tables, figures and details to unfold."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from labrig.report.figures.all_figures import Drawn
 from labrig.report.parts.table import Table
 
 
 @dataclass(frozen=True)
+class Drawn:
+    """A figure of the page."""
+
+    name: str  # of its files
+    title: str
+    caption: str
+    svg: str
+
+
+@dataclass(frozen=True)
 class Folded:
-    """Something long that is shown when asked for."""
+    """A long table or text that is shown when its title is clicked."""
 
     title: str
     table: Table | None = None
     text: str = ""
 
 
+Item = Table | Drawn | Folded
+
+
 @dataclass(frozen=True)
 class Section:
-    """A part of the page; its items are shown in order."""
+    """A part of the page: its sentences, then its items in order."""
 
-    title: str
-    items: tuple[Table | Drawn | Folded, ...] = ()
-    sentences: tuple[str, ...] = field(default=())
+    items: tuple[Item, ...] = ()
+    sentences: tuple[str, ...] = ()
+    title: str = ""  # a report sets it from the section's plug-in
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to show."""
+        return not self.items and not self.sentences
 
     @property
     def is_folded(self) -> bool:
-        """Whether nothing of it is seen before it is asked for."""
+        """Whether all of it is hidden until it is unfolded."""
         return not self.sentences and all(isinstance(item, Folded) for item in self.items)
 
     @property

@@ -17,7 +17,12 @@ _WIDTH = 96
 def catalogue_table(effects: Mapping[str, Effect]) -> Table:
     """All effects, by what they act on."""
     rows = tuple(
-        (one.name, one.slot.replace("_", " "), ", ".join(_parameters(one)), _sentence(one.meaning))
+        (
+            one.name,
+            one.location.replace("_", " "),
+            ", ".join(_parameters(one)),
+            _sentence(one.meaning),
+        )
         for one in effects.values()
     )
     columns = ("effect", "acts on", "parameters", "what it is")
@@ -31,14 +36,14 @@ def _sentence(text: str) -> str:
 
 
 def _parameters(one: Effect) -> list[str]:
-    return [knob.name for knob in one.knobs] + list(one.extra)
+    return [parameter.name for parameter in one.parameters] + list(one.extra)
 
 
 def effect_lines(one: Effect) -> Iterator[str]:
     """Everything the catalogue says of an effect."""
     yield one.name
     for title, text in (
-        ("meaning", one.meaning), ("form", one.form), ("acts on", one.slot.replace("_", " ")),
+        ("meaning", one.meaning), ("form", one.form), ("acts on", one.location.replace("_", " ")),
         ("signature", one.signature), ("isolated by", one.isolates), ("source", one.source),
     ):  # fmt: skip
         yield textwrap.fill(
@@ -46,19 +51,18 @@ def effect_lines(one: Effect) -> Iterator[str]:
         )
 
 
-def knob_table(one: Effect) -> Table:
+def parameter_table(one: Effect) -> Table:
     """Its parameters with units and bounds."""
     rows = [
         (
-            knob.name, knob.unit or "-", number(knob.plausible), _bound(knob.low),
-            _bound(knob.high), knob.meaning,
+            p.name, p.unit or "-", number(p.prior_scale), _bound(p.low), _bound(p.high), p.meaning,
         )
-        for knob in one.knobs
+        for p in one.parameters
     ]  # fmt: skip
     rows += [(name, unit or "-", "-", "-", "-", "derived") for name, unit in one.extra.items()]
     columns = ("parameter", "unit", "plausible", "least", "most", "what it is")
     own = "Each configuration has its own size. " if one.by_configuration else ""
-    note = f"{own}Its form may differ along: {', '.join(one.tolerance) or 'nothing'}."
+    note = f"{own}Its form may differ along: {', '.join(one.form_error_along) or 'nothing'}."
     return Table("Parameters", columns, tuple(rows), note)
 
 
@@ -69,17 +73,18 @@ def _bound(value: float) -> str:
 def effect_as_dict(one: Effect) -> dict[str, Any]:
     """One effect for `--json`."""
     return {
-        "name": one.name, "slot": one.slot, "meaning": one.meaning, "form": one.form,
+        "name": one.name, "slot": one.location, "meaning": one.meaning, "form": one.form,
         "signature": one.signature, "isolates": one.isolates, "source": one.source,
-        "parameters": [_knob_as_dict(knob) for knob in one.knobs],
+        "parameters": [_parameter_as_dict(p) for p in one.parameters],
         "derived": dict(one.extra),
         "by_configuration": one.by_configuration,
-        "form_may_differ_along": list(one.tolerance),
+        "form_may_differ_along": list(one.form_error_along),
     }  # fmt: skip
 
 
-def _knob_as_dict(knob: EffectParameter) -> dict[str, Any]:
+def _parameter_as_dict(parameter: EffectParameter) -> dict[str, Any]:
     return {
-        "name": knob.name, "unit": knob.unit, "meaning": knob.meaning,
-        "plausible": knob.plausible, "low": knob.low, "high": knob.high, "neutral": knob.neutral,
+        "name": parameter.name, "unit": parameter.unit, "meaning": parameter.meaning,
+        "plausible": parameter.prior_scale, "low": parameter.low, "high": parameter.high,
+        "neutral": parameter.neutral,
     }  # fmt: skip

@@ -8,21 +8,24 @@ from typing import Any
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extract import neutral_curve
 
 
 class Tracker:
-    """Follows one sheet through pictures of one camera."""
+    """Follows one sheet through the images of one camera."""
 
-    def __init__(self, optics: Optics, strip: StripGeometry) -> None:
+    def __init__(
+        self, optics: Optics, strip: StripGeometry, find: FindCurve = neutral_curve
+    ) -> None:
+        self.find = find
         self.optics = optics
         self.strip = strip
         self.last: NeutralCurve | None = None
 
     def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
         """The curve in the next picture. A picture without one does not end the tracking."""
-        found = neutral_curve(image, self.optics, self.strip, start=self.last)
+        found = self.find(image, self.optics, self.strip, start=self.last)
         if found.ok:
             self.last = found
         return found

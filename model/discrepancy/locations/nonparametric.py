@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.form_error import FORM, cosine, waves_along
-from model.discrepancy.likelihood.forward_model import Perturbation
-from model.discrepancy.likelihood.linearisation import with_columns
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.slots import TIMES, BasisShape, force_range_N, shapes, unit_of
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
 from model.effects.interface import Location
-from model.identification.mixed_model import weigh
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.form_error import FORM, cosine, waves_along
+from model.identification.likelihood.forward_model import Perturbation
+from model.identification.likelihood.linearisation import with_columns
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
 
@@ -32,15 +32,15 @@ Key = tuple[str, str, str]  # configuration, part, along
 
 def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     """A free form with its band, along the coordinate in which it says most."""
-    slot: Location = contender.score.candidate.slot  # type: ignore[assignment]
-    found = shapes(fitted, slot, contender.score.candidate.part)
+    location: Location = contender.score.candidate.location  # type: ignore[assignment]
+    found = shapes(fitted, location, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
     known = fitted.solution if contender.solution is None else contender.solution
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
-    if slot == "camera" and contender.score.candidate.part != "age":
+    if location == "camera" and contender.score.candidate.part != "age":
         return _seen_wrong(fitted, found, beta, C)
     key = _strongest(fitted, found, columns, beta)
     name, part, along = key
@@ -48,13 +48,13 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     use = np.array([w is not None for w in waves])
     t = np.linspace(0.0, 1.0, POINTS)
     by = np.stack([w(t) for w in waves if w is not None], axis=1)
-    unit, factor = unit_of(slot, part)
+    unit, factor = unit_of(location, part)
     values = factor * by @ beta[use]
     band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     start, end, at_unit = _span(fitted, name, part, along)
     return Unknown(
-        slot, name, start + t * (end - start), values, band, unit, along,
-        _depends(slot, part, along), at_unit, UNDER.get(part, ""),
+        location, name, start + t * (end - start), values, band, unit, along,
+        _depends(location, part, along), at_unit, UNDER.get(part, ""),
     )  # fmt: skip
 
 
@@ -123,7 +123,7 @@ def _span(fitted: MixedModelFit, name: str, part: str, along: str) -> tuple[floa
     return 0.0, *TIMES.get(during, TIMES["session"])
 
 
-def _depends(slot: Location, part: str, along: str) -> str:
+def _depends(location: Location, part: str, along: str) -> str:
     said = {
         "rest_curvature": "the same at all voltages and positions",
         "eibm": "in proportion to the EIBM, so it changes sign with the voltage",
@@ -133,7 +133,7 @@ def _depends(slot: Location, part: str, along: str) -> str:
         "load_cell": "in the force alone, not in the shapes",
         "camera": "in the pictures alone, not in the forces",
         "time": "goes with time",
-    }[slot]
+    }[location]
     if along == "time":
         during = part.rpartition(", ")[2]
         return f"{said}, in the course of {'each' if during != 'session' else 'the'} {during}"
@@ -151,9 +151,9 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
         tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
         one.unit, one.under,
     )  # fmt: skip
-    lens = one.slot == "camera" and along == "s"  # which sees all configurations
+    lens = one.location == "camera" and along == "s"  # which sees all configurations
     names = () if lens else (one.configuration,)
-    return ActiveEffect("unknown", profile=profile, slot=one.slot, configurations=names)
+    return ActiveEffect("unknown", profile=profile, location=one.location, configurations=names)
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:
@@ -163,10 +163,10 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
     if not steps:
         return share, None
     # the waves along the sheet come first, behind what may differ between configurations
-    first = span.start + len(one.knobs())
+    first = span.start + len(one.parameters())
     first += len(fitted.problem.study.names) > 1 and not one.effect.by_configuration
     places = np.arange(first, min(first + one.effect.waves, span.stop))
-    if one.effect.tolerance[:1] != ("s",) or not len(places):
+    if one.effect.form_error_along[:1] != ("s",) or not len(places):
         return share, None
     return share, _form_curve(fitted, *steps[0], places)
 

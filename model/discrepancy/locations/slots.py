@@ -1,8 +1,8 @@
 """The unknown: for each place where a model can be wrong, everything smooth that could be there.
 
-A slot is what an effect acts on. Its columns are a set of smooth shapes that share one scale; they
-bend to whatever is there and pay for it in the evidence. Where a slot explains the data and no
-effect of the catalogue does, something is missing that the catalogue does not know.
+A location is what an effect acts on. Its columns are a set of smooth shapes that share one scale;
+they bend to whatever is there and pay for it in the evidence. Where a location explains the data
+and no effect of the catalogue does, something is missing that the catalogue does not know.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.discrepancy.data.periodic_terms import PHASES
-from model.discrepancy.likelihood.form_error import unit
-from model.discrepancy.likelihood.forward_model import ForwardModel, ModelState, Perturbation
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate
 from model.effects.interface import LOCATIONS, Location
+from model.identification.data.periodic_terms import PHASES
+from model.identification.likelihood.form_error import unit
+from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 WAVES = 9
@@ -27,7 +27,7 @@ UNDER_VOLTAGE = 3  # shapes along the sheet of what is there under voltage only
 TURN_RAD = 0.3  # counted in tenths, as the relative changes are
 REST_PER_M, KINK_RAD, KINK_PIECE = 5.0, 5e-2, 0.02  # the last in shares of the length
 SIZES = (0.01, 0.03, 0.1, 0.3, 1.0)
-# units in which a slot's profile is told, and what its waves count in them
+# units in which a location's profile is told, and what its waves count in them
 UNITS: dict[Location, tuple[str, float]] = {
     "rest_curvature": ("1/m", REST_PER_M), "eibm": ("relative", 1.0),
     "even_moment": ("relative to the EIBM", EVEN), "compliance": ("relative", 1.0),
@@ -52,11 +52,11 @@ Function = Callable[[FloatArray], FloatArray]  # mostly of a coordinate 0 .. 1
 
 @dataclass(frozen=True)
 class BasisShape:
-    """One smooth shape of a slot: its rows, and where along its coordinate it is."""
+    """One smooth shape of a location: its rows, and where along its coordinate it is."""
 
     rows: FloatArray  # (N,)
     configuration: str
-    part: str  # what it changes, and along what: one of several that a slot may have
+    part: str  # what it changes, and along what: one of several that a location may have
     along: str  # s | position | force | time | place
     wave: Function | None = None
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
@@ -76,12 +76,12 @@ class Made:
 Making = Iterator[Made]
 
 
-def shapes(fitted: MixedModelFit, slot: Location, part: str = "") -> list[BasisShape]:
-    """All smooth shapes of a slot, each once, or those of a part; each at its typical size."""
+def shapes(fitted: MixedModelFit, location: Location, part: str = "") -> list[BasisShape]:
+    """All smooth shapes of a location, each once, or those of a part; each at its typical size."""
     study, result = fitted.problem.study, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
         name, counts = study.names[c], dict[str, int]()
-        for made in _MAKERS[slot](study, c, state):
+        for made in _MAKERS[location](study, c, state):
             if made.part != part if part else made.part in ALONE:
                 continue
             number = counts[made.part] = counts.get(made.part, 0) + 1
@@ -96,19 +96,21 @@ def shapes(fitted: MixedModelFit, slot: Location, part: str = "") -> list[BasisS
 
 
 def unknowns(fitted: MixedModelFit) -> list[Candidate]:
-    """For each slot all of its shapes together, and each part of them that has a profile alone."""
+    """For each location all of its shapes, and each part of them that has a profile alone."""
     result = []
-    for slot in LOCATIONS:
-        whole = shapes(fitted, slot)
+    for location in LOCATIONS:
+        whole = shapes(fitted, location)
         parts = list(dict.fromkeys(s.part for s in whole if s.wave))
         several = len({s.part for s in whole}) > 1
         tried = {"": whole}
         tried |= {part: [s for s in whole if s.part == part] for part in parts if several}
-        tried |= {part: shapes(fitted, slot, part) for part in ALONE}
+        tried |= {part: shapes(fitted, location, part) for part in ALONE}
         for part, found in tried.items():
             if found:
                 columns = np.stack([s.rows for s in found], axis=1)
-                result.append(Candidate(f"unknown:{slot}", {}, columns, SIZES, None, slot, part))
+                result.append(
+                    Candidate(f"unknown:{location}", {}, columns, SIZES, None, location, part)
+                )
     return result
 
 
@@ -153,9 +155,9 @@ def scaled(size: float, of: Function) -> Function:
     return value
 
 
-def unit_of(slot: Location, part: str) -> tuple[str, float]:
+def unit_of(location: Location, part: str) -> tuple[str, float]:
     """Unit of a profile, and what its waves count in it."""
-    return OWN_UNITS.get(part, UNITS[slot])
+    return OWN_UNITS.get(part, UNITS[location])
 
 
 def _count(study: ForwardModel, c: int) -> int:
@@ -239,7 +241,7 @@ def _compliance(study: ForwardModel, c: int, state: ModelState) -> Making:
         if j < UNDER_VOLTAGE:
             driven = replace(none, beam=beam * (scene.voltage_V != 0.0)[:, None])
             yield Made("voltage", "s", one, driven)
-    bent = state.solved.held.curvature - scene.rest(scene.s_m)
+    bent = state.solved.contact.curvature - scene.rest(scene.s_m)
     for power in (1, 2):
         beam = np.zeros_like(none.beam)
         beam[:, G : 2 * G] = 0.3 * (np.abs(bent) / 30.0) ** power

@@ -8,16 +8,16 @@ from itertools import pairwise
 
 import numpy as np
 
-from model.discrepancy.data.acquisition_times import ReadingTimes
-from model.discrepancy.data.data_vector import ConditionData, DataVector
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import Bases, linearise
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit
-from model.discrepancy.likelihood.row_noise import noise_of
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.verdict.result import Next
 from model.effects.interface import Effect
-from model.identification.mixed_model import weigh
+from model.identification.data.acquisition_times import ReadingTimes
+from model.identification.data.data_vector import ConditionData, DataVector
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Bases, linearise
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit
+from model.identification.likelihood.row_noise import noise_of
 from model.measurements import FloatArray, ModelError
 
 PULSE_S = 0.6

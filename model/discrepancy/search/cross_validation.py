@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected, Score, score
 from model.discrepancy.verdict.prediction_error import refitted
-from model.identification.mixed_model import inverse_symmetric, weigh
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model import inverse_symmetric, weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import atoms
-from model.discrepancy.likelihood.forward_model import ForwardModel
-from model.discrepancy.likelihood.linearisation import Linearisation
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.effects.interface import Effect, Values
-from model.identification.mixed_model import Solution, deviance, estimate
+from model.identification.likelihood.form_error import atoms
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Linearisation
+from model.identification.likelihood.mixed_model import Solution, deviance, estimate
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
@@ -35,8 +35,8 @@ class Candidate:
     columns: FloatArray
     sizes: tuple[float, ...]
     effect: Effect | None = None
-    slot: str = ""
-    part: str = ""  # of the slot; empty: all of it
+    location: str = ""
+    part: str = ""  # of the location; empty: all of it
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,12 @@ class Score:
 def members(effect: Effect) -> list[dict[str, float]]:
     """Values to try: each shape, at the plausible size."""
     result: list[dict[str, float]] = [{}]
-    for i, knob in enumerate(effect.knobs):
-        # a knob that is refined in its logarithm has its plausible value, others a plausible step
-        usual = knob.plausible if knob.log or i else knob.neutral + knob.plausible
-        tried = knob.tried or (usual,)
-        result = [{**r, knob.name: v} for r in result for v in tried]
+    for i, parameter in enumerate(effect.parameters):
+        # one that is refined in its logarithm has its plausible value, others a plausible step
+        offset = 0.0 if parameter.log or i else parameter.neutral
+        usual = offset + parameter.prior_scale
+        tried = parameter.starting_values or (usual,)
+        result = [{**r, parameter.name: v} for r in result for v in tried]
     return result
 
 
@@ -79,8 +80,8 @@ def candidates(
         for values in members(effect):
             steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
             columns = atoms(study, states, effect, steps, tolerant=tolerant)
-            sizes = FULL if effect.size.tried else SIZES
-            result.append(Candidate(effect.name, values, columns, sizes, effect, effect.slot))
+            sizes = FULL if effect.amplitude.starting_values else SIZES
+            result.append(Candidate(effect.name, values, columns, sizes, effect, effect.location))
     return result
 
 
@@ -141,9 +142,9 @@ def allowed(one: Score) -> bool:
     effect = one.candidate.effect
     if effect is None:
         return True
-    size = effect.size
+    size = effect.amplitude
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
-    if size.tried:
+    if size.starting_values:
         return one.amplitude > 0.0 or size.low < 0.0
     return min(size.low, BEYOND * size.low) <= value <= BEYOND * size.high
 
@@ -151,16 +152,16 @@ def allowed(one: Score) -> bool:
 def surprise(one: Score) -> float:
     """Ln of how much less likely it was beforehand: 0, unless its sign is not the usual one."""
     effect = one.candidate.effect
-    if effect is None or effect.size.usual == 0.0:
+    if effect is None or effect.amplitude.expected_sign == 0.0:
         return 0.0
-    size = effect.size
+    size = effect.amplitude
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
-    return SURPRISE if (value - size.neutral) * size.usual < 0.0 else 0.0
+    return SURPRISE if (value - size.neutral) * size.expected_sign < 0.0 else 0.0
 
 
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     """Evidence with the noise estimated beside the candidate, which it would else hide in."""
-    from model.discrepancy.likelihood.linearisation import with_columns
+    from model.identification.likelihood.linearisation import with_columns
 
     study = fitted.problem.study
     q = one.candidate.columns.shape[1]
@@ -186,9 +187,9 @@ def prior_terms(fitted: MixedModelFit) -> float:
 
 def unit_values(effect: Effect, values: Values, amplitude: float) -> dict[str, float]:
     """Values of an effect whose columns were found with this amplitude."""
-    size, result = effect.size, dict(values)
-    if not size.tried and size.log:
+    size, result = effect.amplitude, dict(values)
+    if not size.starting_values and size.log:
         result[size.name] = size.neutral * float((values[size.name] / size.neutral) ** amplitude)
-    elif not size.tried:
+    elif not size.starting_values:
         result[size.name] = size.neutral + amplitude * (values[size.name] - size.neutral)
     return result

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import whole_step
-from model.discrepancy.likelihood.forward_model import Perturbation
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.prediction_error import variance
+from model.identification.likelihood.form_error import whole_step
+from model.identification.likelihood.forward_model import Perturbation
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
@@ -23,7 +23,7 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
     if not steps:
         return 0.0
     rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
-    free = slice(span.start + len(one.knobs()), span.stop)
+    free = slice(span.start + len(one.parameters()), span.stop)
     deviation = fitted.linear.columns[:, free] @ fitted.solution.beta[free]
     return _share(fitted, np.stack(rows, axis=1), deviation)
 

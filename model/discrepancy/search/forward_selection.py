@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found, whole_step
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit, settle
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import MOST_FORM, form_share
@@ -16,7 +14,13 @@ from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import ALIKE, RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
-from model.identification.mixed_model import weigh
+from model.identification.likelihood.form_error import Found, whole_step
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import (
+    FitProblem,
+    MixedModelFit,
+    fit_mixed_model,
+)
 from model.measurements import FloatArray
 
 MOST_OUTLIERS = 2
@@ -100,7 +104,7 @@ def _forward(
     found: tuple[Found, ...],
 ) -> SearchResult:
     """Add the best effect, and the best one then, while the data ask for them."""
-    fitted = settle(problem, theta, found)
+    fitted = fit_mixed_model(problem, theta, found)
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
         turn = SelectionStep(fitted, rank(fitted, effects))
@@ -109,7 +113,7 @@ def _forward(
             break
         top, first = turn.ranking[0], turn.ranking[0].score.candidate
         sure = top.gain >= threshold + FURTHER
-        if first.slot == "outlier" and sure and rounds_of_outliers < MOST_OUTLIERS:
+        if first.location == "outlier" and sure and rounds_of_outliers < MOST_OUTLIERS:
             rounds_of_outliers += 1
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
@@ -127,9 +131,9 @@ def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) 
     """The model without these conditions; the base is fitted without them, too."""
     outcome.outliers += numbers
     problem, base = without(fitted.problem, numbers), outcome.base
-    again = settle(problem, fitted.theta, fitted.found)
+    again = fit_mixed_model(problem, fitted.theta, fitted.found)
     nothing_new = len(fitted.found) == len(base.found)
-    outcome.base = again if nothing_new else settle(problem, base.theta, base.found)
+    outcome.base = again if nothing_new else fit_mixed_model(problem, base.theta, base.found)
     return again
 
 
@@ -184,6 +188,6 @@ def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
 
 
 def _rest_of_forms(turn: SelectionStep) -> float:
-    """What a free form explains in the slot of an effect before: more of that one's form."""
-    slots = {f"unknown:{f.effect.slot}" for f in turn.before.found}
-    return max((c.gain for c in turn.ranking if c.name in slots), default=-np.inf)
+    """What a free form explains in the location of an effect before: more of that one's form."""
+    locations = {f"unknown:{f.effect.location}" for f in turn.before.found}
+    return max((c.gain for c in turn.ranking if c.name in locations), default=-np.inf)

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected, averaged, score
-from model.identification.mixed_model import estimate
+from model.identification.likelihood.mixed_model import estimate
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 DEFAULT = 6.0  # ln of the Bayes factor; see docs/discrepancy.md for how often it errs

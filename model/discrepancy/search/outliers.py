@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import FitProblem, MixedModelFit
-from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.search.evidence import Candidate
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray
 
 SIZES = (0.3, 1.0, 3.0, 10.0)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search.evidence import (
     Candidate,
@@ -22,7 +21,8 @@ from model.discrepancy.search.evidence import (
 )
 from model.discrepancy.search.outliers import outlier_candidates
 from model.effects.interface import Effect
-from model.identification.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model import Solution, weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
 ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
@@ -56,12 +56,12 @@ class RankedCandidate:
 
 
 def rank(
-    fitted: MixedModelFit, effects: Sequence[Effect], slots: bool = True
+    fitted: MixedModelFit, effects: Sequence[Effect], locations: bool = True
 ) -> list[RankedCandidate]:
     """Everything that could be added, best first; the promising ones with the noise beside them."""
     inside = {f.effect.name for f in fitted.found}
     every = candidates(fitted, [e for e in effects if e.name not in inside])
-    if slots:
+    if locations:
         every += unknowns(fitted)
     every += outlier_candidates(fitted)
     scores = _by_name(fitted, every, fitted.solution)
@@ -70,7 +70,7 @@ def rank(
     hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
     result, tried = [], 0
     for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
-        outlier = one.candidate.slot == "outlier"
+        outlier = one.candidate.location == "outlier"
         promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
         if not promising and name not in hidden:
             result.append(RankedCandidate(one, one.log_bayes))
@@ -127,7 +127,7 @@ def _nearest_first(scores: list[Score]) -> list[Score]:
     From one that is many times too large or too small, a fit may not find there.
     """
     effect = scores[0].candidate.effect
-    if effect is None or not effect.size.tried:
+    if effect is None or not effect.amplitude.starting_values:
         return scores
     alike = [s for s in scores if s.log_bayes > scores[0].log_bayes - ALIKE]
     first = min(alike, key=lambda s: abs(np.log(max(abs(s.amplitude), TINY))))
@@ -146,9 +146,9 @@ def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
 
 
 def _shape(one: Score) -> tuple[float, ...]:
-    """Values of the knobs that stay as they are tried."""
+    """Values of the parameters that stay as they are tried."""
     effect = one.candidate.effect
-    stay = () if effect is None else effect.knobs[1:]
+    stay = () if effect is None else effect.parameters[1:]
     return tuple(one.candidate.values[k.name] for k in stay if not k.log)
 
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
-from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.search.evidence import Candidate, Score, unit_values
 from model.discrepancy.search.form_share import MOST_FORM, form_share
 from model.discrepancy.search.ranking import BENT, RankedCandidate, best_scores, usual_scatter
 from model.effects.interface import Effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
 CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
@@ -75,7 +75,7 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
         vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     try:
-        return settle(replace(problem, noise=noise), fitted.theta, fitted.found).theta
+        return fit_mixed_model(replace(problem, noise=noise), fitted.theta, fitted.found).theta
     except (ModelError, np.linalg.LinAlgError):
         return fitted.theta
 
@@ -140,8 +140,8 @@ def _begun(
     fitted: MixedModelFit, effect: Effect, candidate: Candidate, amplitude: float
 ) -> dict[str, dict[str, float]]:
     """Its values at a multiple of its own size, within bounds; alike in all configurations."""
-    size, values = effect.size, unit_values(effect, candidate.values, amplitude)
-    if not (size.tried or size.log):
+    size, values = effect.amplitude, unit_values(effect, candidate.values, amplitude)
+    if not (size.starting_values or size.log):
         low, high = INSIDE * size.low, INSIDE * size.high
         values[size.name] = float(np.clip(values[size.name], low, high))
     return {name: dict(values) for name in fitted.problem.study.names}
@@ -165,7 +165,7 @@ def _settled(
     `form` is how much of the tolerance of the effects' forms there is.
     """
     try:
-        return settle(fitted.problem, theta, found, log_sigma, form)
+        return fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
     except (ModelError, np.linalg.LinAlgError):
         return None
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.search.evidence import Candidate, Projected
 from model.discrepancy.verdict.result import Signatures
 from model.effects.interface import Effect
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 SEEN = 4.0  # sigmas at which an effect is found four times out of five
@@ -67,7 +67,7 @@ def invisible(
         if effect is None or length * LARGE >= SEEN:
             continue
         needs = effect.isolates
-        if effect.slot == "time" and not streams:
+        if effect.location == "time" and not streams:
             needs = "the readings in their order, and the series within a pulse: " + needs
         result[name] = needs
     for name, effect in effects.items():

@@ -8,9 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from model.discrepancy.data.data_checks import remarks
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
-from model.discrepancy.likelihood.random_effects import ASSUMED
 from model.discrepancy.locations.nonparametric import form_of, unknown_of, with_free_form
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
@@ -21,6 +18,7 @@ from model.discrepancy.search.outliers import condition_name
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.verdict import prediction_error as gaps
+from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
@@ -46,7 +44,9 @@ from model.discrepancy.verdict.result import (
     Verdict,
 )
 from model.effects.interface import Effect
-from model.identification.mixed_model import weigh
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import Measurements
 
 MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
@@ -218,10 +218,10 @@ class Finding:
         )
         return tuple(
             Ranked(
-                c.name, c.score.candidate.slot, c.gain, c.score.amplitude,
+                c.name, c.score.candidate.location, c.gain, c.score.amplitude,
                 lengths.get(c.name, c.score.length),
             )
-            for c in first if c.score.candidate.slot != "outlier"
+            for c in first if c.score.candidate.location != "outlier"
         )  # fmt: skip
 
 
@@ -239,6 +239,6 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
     own = {name: parameters_of(found, name, final) for name in found.values}
     return Named(
-        effect.name, effect.slot, next(iter(own.values())),
+        effect.name, effect.location, next(iter(own.values())),
         own if effect.by_configuration else {}, one.confidence, confusable, share, form,
     )  # fmt: skip

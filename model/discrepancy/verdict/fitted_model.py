@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.locations.nonparametric import unknown_effect
 from model.discrepancy.prepare import Options
 from model.discrepancy.verdict.result import Gap, Unknown
 from model.effects.interface import EffectParameter
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import ActiveEffect
@@ -55,12 +55,12 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     sigma = one.sigma.get(configuration, {})
     result = {
         k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW, k.log)
-        for k in one.effect.knobs
+        for k in one.effect.parameters
     }
     study = final.problem.study
     sheet = study.scenes[study.names.index(configuration)].sheet
     derived = one.effect.derived(values, sheet)
-    size = one.effect.size.name
+    size = one.effect.amplitude.name
     h = 0.01 * abs(values[size]) or 1e-9
     moved = one.effect.derived({**values, size: values[size] + h}, sheet)
     for name, value in derived.items():
@@ -70,11 +70,11 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     return result
 
 
-def _step(knob: EffectParameter) -> float:
+def _step(parameter: EffectParameter) -> float:
     """Uncertainty of a place that was only tried here and there: it may be anywhere between."""
-    if knob.unit != "mm" or len(knob.tried) < 2:
+    if parameter.unit != "mm" or len(parameter.starting_values) < 2:
         return 0.0
-    return float(np.max(np.diff(knob.tried)) / np.sqrt(3.0))
+    return float(np.max(np.diff(parameter.starting_values)) / np.sqrt(3.0))
 
 
 def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:

@@ -6,11 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from model.discrepancy.likelihood.contact_solution import ConfigurationModel
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.prediction_error import refitted, variance
 from model.discrepancy.verdict.result import Where
-from model.identification.mixed_model import inverse_symmetric
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.mixed_model import inverse_symmetric
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 MOST_PLACES = 12

@@ -33,7 +33,7 @@ def sentence(
         more = f", beside {names}," if named else ""
         return (
             f"Something is missing{more} that is none of the known effects: it acts on"
-            f" {unknown.slot.replace('_', ' ')}, {unknown.depends}, most of all at"
+            f" {unknown.location.replace('_', ' ')}, {unknown.depends}, most of all at"
             f" {unknown.peak_mm:.3g} {unknown.at_unit}."
         )
     gap = _gap(left_out)

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.search.forward_selection import FURTHER, SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
 from model.effects.interface import Effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 
 TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
 HARDLY = 0.02  # posterior below which an alternative is not kept
@@ -29,7 +29,7 @@ class Choice:
     confidence: float
     alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
     gain: float
-    of_slot: float  # posterior of all effects of its slot
+    of_location: float  # posterior of all effects of its location
     tried: tuple[MixedModelFit, ...] = ()  # fits of its shapes
 
 
@@ -54,9 +54,9 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
         ((n, p) for n, p in chances.items() if n != chosen.name and p > HARDLY),
         key=lambda item: -item[1],
     )
-    alike = {c.name for c in ranking if c.known and c.score.candidate.slot == effect.slot}
-    of_slot = sum(p for n, p in chances.items() if n in alike)
-    return Choice(effect, own, tuple(others), chosen.gain, of_slot, chosen.tried)
+    alike = {c.name for c in ranking if c.known and c.score.candidate.location == effect.location}
+    of_location = sum(p for n, p in chances.items() if n in alike)
+    return Choice(effect, own, tuple(others), chosen.gain, of_location, chosen.tried)
 
 
 def choices(
@@ -77,8 +77,8 @@ def choices(
             result.append(choice(turn.chosen, turn.ranking))
             continue
         rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
-        without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
-        ranking = refine_best(without, rank(without, effects, slots=False))
+        without = fit_mixed_model(final.problem, final.theta, rest, final.solution.log_sigma)
+        ranking = refine_best(without, rank(without, effects, locations=False))
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
         if min(gain, apart(without, own)) < threshold + FURTHER:
@@ -89,7 +89,7 @@ def choices(
     if left is None:
         return result, final
     rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
-    without = settle(final.problem, final.theta, rest, final.solution.log_sigma)
+    without = fit_mixed_model(final.problem, final.theta, rest, final.solution.log_sigma)
     shorter = SearchResult(outcome.base, turns[:left] + turns[left + 1 :], without)
     return choices(shorter, effects, threshold)
 
@@ -113,17 +113,17 @@ def _mixed(one: Found, tried: Sequence[MixedModelFit]) -> Found:
     weights = np.exp(0.5 * (np.min(deviance) - deviance) / TEMPER)
     weights /= weights.sum()
 
-    logs = {knob.name for knob in one.effect.knobs if knob.log}
+    logs = {parameter.name for parameter in one.effect.parameters if parameter.log}
 
-    def wider(name: str, knob: str, sigma: float) -> float:
-        values = np.array([f.found[-1].values[name][knob] for f in tried])
-        away = values - best[name][knob]
-        if knob in logs:
-            away = one.values[name][knob] * np.log(values / best[name][knob])
+    def wider(name: str, parameter: str, sigma: float) -> float:
+        values = np.array([f.found[-1].values[name][parameter] for f in tried])
+        away = values - best[name][parameter]
+        if parameter in logs:
+            away = one.values[name][parameter] * np.log(values / best[name][parameter])
         return float(np.sqrt(sigma**2 + weights @ np.square(away)))
 
     sigma = {
-        name: {knob: wider(name, knob, size) for knob, size in own.items()}
+        name: {parameter: wider(name, parameter, size) for parameter, size in own.items()}
         for name, own in one.sigma.items()
     }
     return replace(one, sigma=sigma)
@@ -132,16 +132,18 @@ def _mixed(one: Found, tried: Sequence[MixedModelFit]) -> Found:
 def rest_of_another(named: Sequence[Choice]) -> int | None:
     """Place of an effect that is rather what is left of a stronger one's form.
 
-    Forms differ in more ways than are tolerated. What several effects of several slots explain as
-    well is such a rest, and so is a change in time beside another one if it is no clear name.
+    Forms differ in more ways than are tolerated. What several effects of several locations explain
+    as well is such a rest, and so is a change in time beside another one if it is no clear name.
     """
     strongest = max(named, key=lambda one: one.gain, default=None)
     for i, one in sorted(enumerate(named), key=lambda item: item[1].gain):
         if one is strongest or one.confidence >= SURE:
             continue
         stronger = [other for other in named if other.gain > one.gain]
-        in_time = one.effect.slot == "time" and any(o.effect.slot == "time" for o in stronger)
-        if in_time or one.of_slot < SURE:
+        in_time = one.effect.location == "time" and any(
+            o.effect.location == "time" for o in stronger
+        )
+        if in_time or one.of_location < SURE:
             return i
     return None
 
@@ -152,7 +154,7 @@ class Leftover:
 
     gain: float  # of the best free form on the final model
     total: float  # of the best free form on the base model, or of the catalogue's effects
-    slot: str  # of the best free form
+    location: str  # of the best free form
     first: RankedCandidate  # the free form on the base model
     last: RankedCandidate | None  # the same on the final model
     apart: float  # its gain beside what the names explain

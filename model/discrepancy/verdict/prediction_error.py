@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.data.data_vector import Index
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
 from model.discrepancy.verdict.result import BeforeAfter, ErrorRow, Gap
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
 CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be

@@ -24,7 +24,7 @@ class Named:
     """An effect that the model now includes."""
 
     name: str
-    slot: Location
+    location: Location
     parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
     by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
     confidence: float
@@ -50,7 +50,7 @@ class FormCurve:
 class Unknown:
     """Something that no effect of the catalogue explains."""
 
-    slot: Location
+    location: Location
     configuration: str
     s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
     profile: FloatArray
@@ -113,7 +113,7 @@ class Ranked:
     """A line of the ranking."""
 
     name: str
-    slot: str
+    location: str
     log_bayes: float
     size: float  # most likely size, in units of the plausible one
     detectability: float  # whitened length of the effect at its plausible size
@@ -214,7 +214,7 @@ class Diagnosis:
 def _named(one: Named) -> dict[str, Any]:
     return {
         "name": one.name,
-        "slot": one.slot,
+        "slot": one.location,
         "parameters": {
             k: {"value": _number(p.value), "sigma": _number(p.sigma)}
             for k, p in one.parameters.items()
@@ -234,7 +234,7 @@ def _named(one: Named) -> dict[str, Any]:
 
 def _unknown(one: Unknown) -> dict[str, Any]:
     return {
-        "slot": one.slot,
+        "slot": one.location,
         "s_mm": one.s_mm.tolist(),
         "profile": one.profile.tolist(),
         "band": one.band.tolist(),

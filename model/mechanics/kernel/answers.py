@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.newton import closure, sweep
 from model.mechanics.kernel.panel import Work, new_work, panel_of, polynomial
 from model.mechanics.kernel.shape import (
@@ -29,7 +29,7 @@ class Moves(NamedTuple):
     length: Array  # (Q,) of l
 
 
-@compiled
+@jit
 def answers(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float, psi: Array,
     x: Array, to: Moves, columns: Array, w: Work, dx: Array,
@@ -51,7 +51,7 @@ def answers(
         dx[q, 2] = -(w.ends[0, 2 + q] + w.ends[0, 0] * dx[q, 0] + w.ends[0, 1] * dx[q, 1])
 
 
-@compiled
+@jit
 def turning(
     breaks: Array, kappa: Array, rule: Any, x: Array, to: Moves, columns: Array, dx: Array,
     strip: CurveBuffer, count: int, dphi: Array,
@@ -88,7 +88,7 @@ def turning(
                 tail += K - K_low
 
 
-@compiled
+@jit
 def describe_many(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angles: Array, psi: Array,
     x: Array, good: Array, s: Array, to: Any, out: Array, lever: Array, dx: Array, dout: Array,

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from model.jit import Array, jit
 from model.mechanics.kernel.branch import FAILED, SOLVED
-from model.mechanics.kernel.compiled import Array, compiled
 from model.mechanics.kernel.lanes import (
     Lanes,
     at_contact,
@@ -31,7 +31,7 @@ FEW = 4  # problems that are solved sooner one by one
 MOST_STEPS = 8  # of all lanes, for the sake of one
 
 
-@compiled
+@jit
 def load(kappa: Array, soft: Array, angles: Array, warm: Array, first: int, w: Lanes) -> bool:
     """Problems from `first` on into the lanes; the last one stands in for those that lack.
 
@@ -51,7 +51,7 @@ def load(kappa: Array, soft: Array, angles: Array, warm: Array, first: int, w: L
     return cold
 
 
-@compiled
+@jit
 def resume(first: int, warm: Array, psi: Array, x: Array, w: Lanes) -> None:
     """Starts that are given into the lanes."""
     for m in range(len(w.nu)):
@@ -63,7 +63,7 @@ def resume(first: int, warm: Array, psi: Array, x: Array, w: Lanes) -> None:
                     w.psi[p, j, m] = psi[k, p, j]
 
 
-@compiled
+@jit
 def crossing(breaks: Array, rule: Any, R: float, w: Lanes, s: Array, free: Array) -> None:
     """Where the free shapes meet the arc, s and polar angle, as `start.free_crossing`."""
     W = len(s)
@@ -120,7 +120,7 @@ def crossing(breaks: Array, rule: Any, R: float, w: Lanes, s: Array, free: Array
         free[m] = np.arctan2(y[m] + way * sin[m], x[m] + way * cos[m])
 
 
-@compiled
+@jit
 def begin(breaks: Array, rule: Any, R: float, w: Lanes, free: Array) -> None:
     """The free shapes, bent by the force it takes to hold them, as `start.cold`.
 
@@ -162,7 +162,7 @@ def begin(breaks: Array, rule: Any, R: float, w: Lanes, free: Array) -> None:
                 w.psi[p, j, m] -= phi[m] if w.s_hat[m] > breaks[p] else w.psi[p, j, m]
 
 
-@compiled
+@jit
 def advance(rule: Any, R: float, step: int, w: Lanes, steps: Array, det: Array) -> int:
     """One step of Newton after a sweep; returns how many lanes have not converged.
 
@@ -213,7 +213,7 @@ def advance(rule: Any, R: float, step: int, w: Lanes, steps: Array, det: Array) 
     return left
 
 
-@compiled
+@jit
 def store(k: int, m: int, w: Lanes, psi: Array, x: Array) -> None:
     """A lane's result to its problem."""
     x[k, 0], x[k, 1], x[k, 2] = w.nu[m], w.s_hat[m], w.phi_hat[m]
@@ -222,7 +222,7 @@ def store(k: int, m: int, w: Lanes, psi: Array, x: Array) -> None:
             psi[k, p, j] = w.psi[p, j, m]
 
 
-@compiled
+@jit
 def side_by_side(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
     warm: Array, psi: Array, x: Array, status: Array,
@@ -268,7 +268,7 @@ def side_by_side(
     return left
 
 
-@compiled
+@jit
 def one_by_one(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
     warm: Array, psi: Array, x: Array, status: Array, every: bool,

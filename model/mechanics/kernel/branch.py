@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.newton import newton
 from model.mechanics.kernel.panel import Work, new_work
 from model.mechanics.kernel.start import free_crossing, free_start
@@ -14,7 +14,7 @@ from model.mechanics.kernel.start import free_crossing, free_start
 SOLVED, SLIPPED, FAILED = 0, 1, 2
 
 
-@compiled
+@jit
 def keep(psi: Array, x: Array, to_psi: Array, to_x: Array) -> None:
     """Copy a state; loops, for slices cost seconds of compiling."""
     for i in range(len(x)):
@@ -24,7 +24,7 @@ def keep(psi: Array, x: Array, to_psi: Array, to_x: Array) -> None:
             to_psi[p, j] = psi[p, j]
 
 
-@compiled
+@jit
 def march(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, start: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
@@ -59,7 +59,7 @@ def march(
     return 1, determinant
 
 
-@compiled
+@jit
 def from_free(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
@@ -74,7 +74,7 @@ def from_free(
     return march(breaks, kappa, soft, rule, R, free, angle, psi, x, columns, w)[0]
 
 
-@compiled
+@jit
 def from_straight(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
@@ -105,7 +105,7 @@ def from_straight(
     return 1
 
 
-@compiled
+@jit
 def rescue_many(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
     psi: Array, x: Array, status: Array,

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 
 
 class Lanes(NamedTuple):
@@ -55,7 +55,7 @@ class Lanes(NamedTuple):
     rows: Array  # (6, W) for a moment
 
 
-@compiled
+@jit
 def new_lanes(P: int, n: int, D: int, Dc: int, W: int) -> Lanes:
     """Room for W problems."""
     z = np.zeros
@@ -67,7 +67,7 @@ def new_lanes(P: int, n: int, D: int, Dc: int, W: int) -> Lanes:
     )  # fmt: skip
 
 
-@compiled
+@jit
 def polynomials(rows: Array, t: Array, half: float, value: Array, integral: Array) -> None:
     """Values of (D, W) at t, and integrals over s from t = 0."""
     D, W = rows.shape
@@ -83,7 +83,7 @@ def polynomials(rows: Array, t: Array, half: float, value: Array, integral: Arra
         integral[m] *= t[m] * half
 
 
-@compiled
+@jit
 def slopes(rows: Array, t: Array, half: float, slope: Array) -> None:
     """d/ds of (D, W) at t."""
     D, W = rows.shape
@@ -94,7 +94,7 @@ def slopes(rows: Array, t: Array, half: float, slope: Array) -> None:
             slope[m] = slope[m] * t[m] + d * rows[d, m] / half
 
 
-@compiled
+@jit
 def sines(x: Array, sin: Array, cos: Array) -> None:
     """Sine and cosine to the last digit but one, by the usual polynomials on [-pi/4, pi/4].
 
@@ -121,7 +121,7 @@ def sines(x: Array, sin: Array, cos: Array) -> None:
         cos[m] = sign * (c - odd * (c + s))
 
 
-@compiled
+@jit
 def weighted(weights: Array, rows: Array, out: Array) -> None:
     """Sum of weights (n,) times rows (n, W)."""
     for m in range(len(out)):
@@ -132,7 +132,7 @@ def weighted(weights: Array, rows: Array, out: Array) -> None:
             out[m] += weight * row[m]
 
 
-@compiled
+@jit
 def eliminate(J: Array, rhs: Array) -> None:
     """Solve J x = rhs (n, C, W) in place."""
     n, C, W = rhs.shape
@@ -164,7 +164,7 @@ def eliminate(J: Array, rhs: Array) -> None:
                 to[m] *= pivot[m]
 
 
-@compiled
+@jit
 def evaluate(breaks: Array, rule: Any, p: int, w: Lanes) -> None:
     """Everything at the nodes of panel p, whose contact sides are at w.at."""
     n, W = len(rule.c), len(w.nu)
@@ -214,7 +214,7 @@ def evaluate(breaks: Array, rule: Any, p: int, w: Lanes) -> None:
     weighted(rule.b, w.sin, w.rise)
 
 
-@compiled
+@jit
 def matrices(rule: Any, w: Lanes) -> None:
     """J = 1 + nu h^2 A diag(c) A diag(sin psi), and b diag(c) A."""
     n, W = len(rule.c), len(w.nu)
@@ -239,7 +239,7 @@ def matrices(rule: Any, w: Lanes) -> None:
                     J[m] = diagonal + weight * factor[m]
 
 
-@compiled
+@jit
 def right_hand_sides(rule: Any, p: int, w: Lanes) -> None:
     """What moves the nodes: nu, s_hat, and the Newton residual."""
     n, W, at, start = len(rule.c), len(w.nu), w.at, w.start
@@ -257,7 +257,7 @@ def right_hand_sides(rule: Any, p: int, w: Lanes) -> None:
             by_psi[m] -= psi[m] - at[0, m] + K[m]
 
 
-@compiled
+@jit
 def pass_on(rule: Any, p: int, w: Lanes) -> None:
     """From solved nodes to the panel's clamp side."""
     n, W, ends, start, at = len(rule.c), len(w.nu), w.ends, w.start, w.at
@@ -291,7 +291,7 @@ def pass_on(rule: Any, p: int, w: Lanes) -> None:
         at[2, m] += w.h[m] * w.rise[m]
 
 
-@compiled
+@jit
 def at_contact(breaks: Array, w: Lanes) -> None:
     """What a sweep begins with."""
     length = breaks[-1]
@@ -304,7 +304,7 @@ def at_contact(breaks: Array, w: Lanes) -> None:
         w.ends[1, 1, m] = 0.0 if w.s_hat[m] < length else 1.0
 
 
-@compiled
+@jit
 def restart(w: Lanes) -> None:
     """The answers at the end of one panel are those at the start of the next."""
     for i in range(3):

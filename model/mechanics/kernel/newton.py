@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.panel import (
     Work,
     evaluate,
@@ -24,7 +24,7 @@ MOST_STEPS = 25
 SMALL_STEP = 2e-6
 
 
-@compiled
+@jit
 def sweep(
     breaks: Array, kappa: Array, soft: Array, rule: Any, psi: Array, nu: float, s_hat: float,
     dkappa: Array, dsoft: Array, dlength: Array, newton: bool, columns: Array, w: Work,
@@ -89,7 +89,7 @@ def sweep(
     return psi_s, a_s, b_s
 
 
-@compiled
+@jit
 def closure(
     R: float, angle: float, ends: tuple[float, float, float], w: Work, column: int
 ) -> tuple[float, float]:
@@ -101,7 +101,7 @@ def closure(
     )
 
 
-@compiled
+@jit
 def newton(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,

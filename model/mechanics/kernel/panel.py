@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 
 
 class Work(NamedTuple):
@@ -30,7 +30,7 @@ class Work(NamedTuple):
     move: Array  # how the collocation equations change when the top moves
 
 
-@compiled
+@jit
 def new_work(n: int, columns: int) -> Work:
     """Scratch arrays for n nodes."""
     return Work(
@@ -40,7 +40,7 @@ def new_work(n: int, columns: int) -> Work:
     )  # fmt: skip
 
 
-@compiled
+@jit
 def polynomial(row: Array, t: float, half: float) -> tuple[float, float, float]:
     """Value, integral over s from t = 0, and slope d/ds of a panel's polynomial at t."""
     value, integral, slope = 0.0, 0.0, 0.0
@@ -51,7 +51,7 @@ def polynomial(row: Array, t: float, half: float) -> tuple[float, float, float]:
     return value, integral * t * half, slope / half
 
 
-@compiled
+@jit
 def evaluate(
     rule: Any, kappa: Array, soft: Array, psi: Array, t_top: float, half: float, h: float,
     a_top: float, w: Work,
@@ -87,7 +87,7 @@ def evaluate(
     return k_top, K_top - K_bottom
 
 
-@compiled
+@jit
 def matrix(rule: Any, uniform: bool, scale: float, w: Work) -> None:
     """J = 1 + nu h^2 A diag(c) A diag(sin psi), and b diag(c) A."""
     n = len(rule.c)
@@ -111,7 +111,7 @@ def matrix(rule: Any, uniform: bool, scale: float, w: Work) -> None:
         w.J[k, k] += 1.0
 
 
-@compiled
+@jit
 def moving_top(rule: Any, nu: float, h: float, a_top: float, k_top: float, w: Work) -> float:
     """How the equations change with the top, the bottom held; returned: psi at the end."""
     n = len(rule.c)
@@ -127,7 +127,7 @@ def moving_top(rule: Any, nu: float, h: float, a_top: float, k_top: float, w: Wo
     return end
 
 
-@compiled
+@jit
 def parameter_columns(
     rule: Any, nu: float, h: float, t_top: float, half: float, dkappa: Array, dsoft: Array, w: Work
 ) -> None:
@@ -151,7 +151,7 @@ def parameter_columns(
                     w.rhs[i, 2 + q] += nu * h * rule.A[i, j] * dc * w.a[j]
 
 
-@compiled
+@jit
 def solve_in_place(J: Array, rhs: Array) -> None:
     """Gauss elimination with row exchange of J x = rhs; x replaces rhs."""
     n, columns = rhs.shape
@@ -181,7 +181,7 @@ def solve_in_place(J: Array, rhs: Array) -> None:
             rhs[k, j] = total * inverse
 
 
-@compiled
+@jit
 def pass_on(rule: Any, nu: float, h: float, w: Work) -> tuple[float, float, float]:
     """From solved nodes to the panel's end: answers into `w.ends`; b.(c a), b.cos, b.sin returned.
 
@@ -207,7 +207,7 @@ def pass_on(rule: Any, nu: float, h: float, w: Work) -> tuple[float, float, floa
     return moment, run, rise
 
 
-@compiled
+@jit
 def panel_of(breaks: Array, s: float) -> int:
     """The panel that begins before s and does not end before it."""
     m = len(breaks) - 2
@@ -216,7 +216,7 @@ def panel_of(breaks: Array, s: float) -> int:
     return m
 
 
-@compiled
+@jit
 def restart(w: Work) -> None:
     """The answers at the end of one panel are those at the start of the next."""
     for j in range(w.ends.shape[1]):

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.panel import polynomial
 
 
-@compiled
+@jit
 def legendre_weights(rule: Any, theta: float, out: Array, low: Array) -> None:
     """Weights on nodal values for the integral from 0 to theta (a share of the panel)."""
     n = len(rule.c)
@@ -44,7 +44,7 @@ class CurveBuffer(NamedTuple):
     phi_edge: Array
 
 
-@compiled
+@jit
 def new_curve_buffer(P: int, n: int) -> CurveBuffer:
     """Room for a sheet of P panels."""
     return CurveBuffer(
@@ -54,7 +54,7 @@ def new_curve_buffer(P: int, n: int) -> CurveBuffer:
     )  # fmt: skip
 
 
-@compiled
+@jit
 def cut(breaks: Array, top: float, strip: CurveBuffer) -> int:
     """Panels between the breaks and the contact; returns how many."""
     count = 0
@@ -68,7 +68,7 @@ def cut(breaks: Array, top: float, strip: CurveBuffer) -> int:
     return count
 
 
-@compiled
+@jit
 def unroll(
     breaks: Array, kappa: Array, soft: Array, rule: Any, psi: Array, nu: float, top: float,
     phi_hat: float, a_clamp: float, strip: CurveBuffer,
@@ -110,7 +110,7 @@ def unroll(
     return count
 
 
-@compiled
+@jit
 def lever_integral(rule: Any, strip: CurveBuffer, count: int) -> float:
     """Integral of a over the loaded part."""
     total = 0.0
@@ -120,7 +120,7 @@ def lever_integral(rule: Any, strip: CurveBuffer, count: int) -> float:
     return total
 
 
-@compiled
+@jit
 def points(
     breaks: Array, kappa: Array, soft: Array, rule: Any, nu: float, top: float, phi_hat: float,
     x_hat: float, y_hat: float, strip: CurveBuffer, count: int, s: Array, dphi: Array,

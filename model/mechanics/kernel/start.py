@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.newton import newton
 from model.mechanics.kernel.panel import Work, panel_of, polynomial
 
 
-@compiled
+@jit
 def free_angle(breaks: Array, kappa: Array, p: int, s: float, phi: float) -> float:
     """Phi of the free shape at s in panel p, phi being that at the panel's beginning."""
     half = 0.5 * (breaks[p + 1] - breaks[p])
@@ -20,7 +20,7 @@ def free_angle(breaks: Array, kappa: Array, p: int, s: float, phi: float) -> flo
     return phi + high - low
 
 
-@compiled
+@jit
 def free_step(
     breaks: Array, kappa: Array, rule: Any, p: int, phi: float, s: float, end: float
 ) -> tuple[float, float]:
@@ -33,7 +33,7 @@ def free_step(
     return x * (end - s), y * (end - s)
 
 
-@compiled
+@jit
 def free_crossing(breaks: Array, kappa: Array, rule: Any, R: float) -> tuple[float, float]:
     """Where the free shape, or the ray it ends in, first meets the arc: s_hat and polar angle.
 
@@ -59,7 +59,7 @@ def free_crossing(breaks: Array, kappa: Array, rule: Any, R: float) -> tuple[flo
     return s + step, np.arctan2(y, x)
 
 
-@compiled
+@jit
 def free_start(breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array) -> None:
     """Fill psi with the free shape seen from its contact."""
     top, phi = min(s_hat, breaks[-1]), 0.0
@@ -75,7 +75,7 @@ def free_start(breaks: Array, kappa: Array, rule: Any, s_hat: float, psi: Array)
             psi[p, j] = psi[p, j] - phi if p <= contact else 0.0
 
 
-@compiled
+@jit
 def bent_start(breaks: Array, rule: Any, x: Array, psi: Array) -> None:
     """Bend the free shape by the force's moment with the lever of a straight sheet."""
     top = min(x[1], breaks[-1])
@@ -86,7 +86,7 @@ def bent_start(breaks: Array, rule: Any, x: Array, psi: Array) -> None:
             psi[p, j] += 0.5 * x[0] * (lever * lever - (x[1] - top) ** 2)
 
 
-@compiled
+@jit
 def cold(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float,
     angle: float, psi: Array, x: Array, columns: Array, w: Work,

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from model.mechanics.kernel.compiled import Array, compiled
+from model.jit import Array, jit
 from model.mechanics.kernel.panel import polynomial, solve_in_place
 
 MOST_STEPS = 12
@@ -20,7 +20,7 @@ SMALL_STEP = 1e-8
 FAR_RAD = 1.0  # of the tip in one step of the load
 
 
-@compiled
+@jit
 def components(
     force: tuple[float, float], follows: bool, tip: float
 ) -> tuple[float, float, float, float]:
@@ -32,7 +32,7 @@ def components(
     return t, n, n, -t
 
 
-@compiled
+@jit
 def panel(
     rule: Any, kappa: Array, soft: Array, load: tuple[float, float, float, float], h: float,
     psi: Array, state: Array, to: Array, columns: Array, places: Array, J: Array, rows: Array,
@@ -107,7 +107,7 @@ def panel(
         state[2] += h * rule.b[j] * sin[j]
 
 
-@compiled
+@jit
 def newton(
     breaks: Array, kappa: Array, soft: Array, rule: Any, force: tuple[float, float],
     follows: bool, psi: Array, tip: float, places: Array, end: Array,
@@ -149,7 +149,7 @@ def newton(
     return False, tip
 
 
-@compiled
+@jit
 def grow(
     breaks: Array, kappa: Array, soft: Array, rule: Any, along: float, across: float,
     follows: bool, first: float, out: Array,

@@ -168,7 +168,7 @@ def unknown() -> Diagnosis:
     s = np.linspace(0.0, 50.0, 51)
     bump = 0.2 * np.exp(-(((s - 30.0) / 6.0) ** 2))
     profile = Profile("s", tuple(1e-3 * s), tuple(bump), tuple(0.02 + 0.0 * s), "relative")
-    term = ActiveEffect("unknown", profile=profile, slot="eibm", configurations=("long",))
+    term = ActiveEffect("unknown", profile=profile, location="eibm", configurations=("long",))
     return replace(
         one, verdict="unknown_effect", effects=(),
         sentence="Something that no effect of the catalogue explains acts on the EIBM.",

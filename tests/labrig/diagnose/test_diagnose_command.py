@@ -15,9 +15,9 @@ import model.discrepancy
 from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
+from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.diagnosis.figures import FIGURES
-from labrig.report.diagnosis.page import write_diagnosis
-from labrig.report.diagnosis.store import kept_diagnosis
+from labrig.report.page.diagnosis import write_diagnosis
 from labrig.report.page.write import write_report
 from labrig.session import load_measurements
 from model import predict
@@ -97,7 +97,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
     } <= set(found)
     assert set(found["gap"]) == {"fitted", "held_out"}
     for one in found["effects"]:
-        assert one["slot"] == catalogue()[one["name"]].slot
+        assert one["slot"] == catalogue()[one["name"]].location
         assert set(one["parameters"]) == set(one["interval90"])
     if found["next_measurement"] is not None:
         protocol = found["next_measurement"]["protocol"]
@@ -236,8 +236,8 @@ def test_the_catalogue_is_a_table_with_a_line_for_each_effect(capsys):
     out = capsys.readouterr().out
     for name, one in catalogue().items():
         line = next(line for line in out.splitlines() if line.startswith(name + " "))
-        assert one.size.name in line
-        assert one.slot.replace("_", " ") in line
+        assert one.amplitude.name in line
+        assert one.location.replace("_", " ") in line
 
 
 @pytest.mark.parametrize("name", ["nonuniform_eibm", "initial_curvature", "roll_sticking"])
@@ -247,9 +247,9 @@ def test_an_effect_is_shown_with_all_that_is_known_of_it(name, capsys):
     one = catalogue()[name]
     for text in (one.meaning, one.form, one.signature, one.isolates, one.source):
         assert " ".join(text.split()) in out
-    for knob in one.knobs:
-        assert knob.name in out
-        assert knob.meaning in out
+    for parameter in one.parameters:
+        assert parameter.name in out
+        assert parameter.meaning in out
 
 
 def test_effects_as_json_are_the_whole_catalogue(capsys):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.report.diagnosis.store import keep_diagnosis, kept_diagnosis
+from labrig.report.data.kept_diagnosis import keep_diagnosis, kept_diagnosis
 from labrig.report.parts.plain import from_plain, to_plain
 from labrig.session import drop_measurements, load_measurements, store_measurements, verify
 from model.discrepancy.verdict.result import Diagnosis

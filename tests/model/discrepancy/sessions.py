@@ -7,8 +7,8 @@ from functools import cache
 
 from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit, settle
 from model.discrepancy.prepare import Options, prepare
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import Measurements
 
 NOTHING = case(seed=1)
@@ -42,7 +42,7 @@ def without_first_pulses(m: Measurements) -> Measurements:
 def fitted(m: Measurements, options: Options = Options()) -> MixedModelFit:  # noqa: B008 - frozen
     """The base model, settled."""
     ready = prepare(m, options)
-    return settle(ready.problem, ready.theta, ready.found)
+    return fit_mixed_model(ready.problem, ready.theta, ready.found)
 
 
 @cache

@@ -113,7 +113,7 @@ def test_late_pictures_that_differ_from_run_to_run_are_named():
 def test_late_pictures_that_no_catalogue_has_are_a_matter_of_the_camera():
     found = diagnosed(LATE, DiagnoseOptions(exclude=("frame_delay",)))
     assert (found.verdict, names(found)) == ("unknown_effect", [])
-    assert (found.unknown.slot, found.unknown.along) == ("camera", "position")
+    assert (found.unknown.location, found.unknown.along) == ("camera", "position")
     assert found.unknown.unit == "relative"
     assert np.all(found.unknown.profile < 0.0)  # pictures show less EIBM than the forces
 
@@ -143,7 +143,7 @@ def test_what_no_catalogue_has_is_unknown_with_its_slot_and_place():
     found = diagnosed(OUTSIDE)
     assert found.verdict == "unknown_effect"
     assert found.unknown is not None
-    assert found.unknown.slot == "eibm"
+    assert found.unknown.location == "eibm"
     assert found.unknown.configuration == "long"
     assert 22.0 - 10.0 <= found.unknown.peak_mm <= 38.0 + 10.0
     assert len(found.unknown.s_mm) == len(found.unknown.profile) == len(found.unknown.band)
@@ -167,7 +167,7 @@ def test_what_is_alike_in_every_set_up_does_not_hide_in_their_scatter():
     found = diagnosed(TILTED, DiagnoseOptions(exclude=("clamp_angle",)))
     assert found.verdict == "unknown_effect"
     assert found.unknown is not None
-    assert found.unknown.slot == "rest_curvature"
+    assert found.unknown.location == "rest_curvature"
     assert found.unknown.peak_mm < 5.0
 
 
@@ -273,7 +273,7 @@ def test_a_clamp_far_askew_is_something_unknown_where_the_catalogue_lacks_it():
     askew = Case((Hiding("clamp_angle", size=0.07),), seed=12)
     found = diagnosed(askew, DiagnoseOptions(exclude=("clamp_angle",)))
     assert (found.verdict, names(found)) == ("unknown_effect", [])
-    assert found.unknown.slot == "rest_curvature"
+    assert found.unknown.location == "rest_curvature"
 
 
 @pytest.mark.slow

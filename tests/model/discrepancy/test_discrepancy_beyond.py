@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.contact_solution import ConfigurationModel
-from model.discrepancy.likelihood.forward_model import AppliedEffect
 from model.effects import effect
 from model.effects.conformance import plausible
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.forward_model import AppliedEffect
 from tests.model.discrepancy.sessions import base_fit
 
 STRONG = {

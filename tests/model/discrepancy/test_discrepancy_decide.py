@@ -8,8 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.form_error import Found
-from model.discrepancy.likelihood.mixed_model_fit import settle
 from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
@@ -35,6 +33,8 @@ from model.discrepancy.verdict.posterior import (
     with_shapes,
 )
 from model.effects import catalogue, effect
+from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 
@@ -70,8 +70,8 @@ def test_a_free_form_cannot_be_chosen_as_a_name():
         choice(contender("unknown:time", 3.0), [])
 
 
-def named(name: str, gain: float, confidence: float, of_slot: float) -> Choice:
-    return Choice(effect(name), confidence, (), gain, of_slot)
+def named(name: str, gain: float, confidence: float, of_location: float) -> Choice:
+    return Choice(effect(name), confidence, (), gain, of_location)
 
 
 @pytest.mark.parametrize(
@@ -79,8 +79,8 @@ def named(name: str, gain: float, confidence: float, of_slot: float) -> Choice:
     [
         (named("eibm_drift", 12.0, 0.5, 1.0), 1),  # time beside time, and no clear name
         (named("eibm_drift", 12.0, 0.9, 1.0), None),  # a clear name
-        (named("roll_offset", 12.0, 0.5, 0.5), 1),  # several slots would do
-        (named("roll_offset", 12.0, 0.5, 0.9), None),  # a class, but of one slot
+        (named("roll_offset", 12.0, 0.5, 0.5), 1),  # several locations would do
+        (named("roll_offset", 12.0, 0.5, 0.9), None),  # a class, but of one location
         (named("eibm_drift", 200.0, 0.5, 1.0), None),  # the stronger of the two
     ],
 )
@@ -216,7 +216,7 @@ def test_classes_are_of_effects_closer_than_four_sigma_and_an_effect_is_in_one_a
 
 def test_a_fit_ends_where_a_second_one_begins():
     base = base_fit()
-    again = settle(base.problem, base.theta, (), base.solution.log_sigma)
+    again = fit_mixed_model(base.problem, base.theta, (), base.solution.log_sigma)
     sigma = np.sqrt(np.diag(base.solution.covariance))
     assert np.max(np.abs(again.theta - base.theta) / sigma) < 0.06
     assert again.deviance == pytest.approx(base.deviance, abs=0.05)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from model import Condition, Measurements, ModelError, Reading, TimeSeries
-from model.discrepancy.data.data_vector import look, trends
-from model.discrepancy.data.pulses import BINS_S, parts_of_pulses
 from model.discrepancy.prepare import Options, prepare
+from model.identification.data.data_vector import look, trends
+from model.identification.data.pulses import BINS_S, parts_of_pulses
 from tests.model.discrepancy.sessions import (
     base_fit,
     fitted,

@@ -18,7 +18,7 @@ from model.discrepancy.verdict.prediction_error import (
 )
 from model.discrepancy.verdict.prediction_error import gap as gap_of
 from model.discrepancy.verdict.result import BeforeAfter, Gap
-from model.identification.mixed_model import inverse_symmetric
+from model.identification.likelihood.mixed_model import inverse_symmetric
 from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed
 
 SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.data.data_vector import look
 from model.discrepancy.next_measurement.candidate_measurements import (
     MENU,
     extended,
@@ -16,6 +15,7 @@ from model.discrepancy.next_measurement.candidate_measurements import (
 )
 from model.discrepancy.search.evidence import candidates
 from model.effects import effect
+from model.identification.data.data_vector import look
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
 
 ENTRIES = {entry.name: entry for entry in MENU}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.discrepancy.data.data_checks import remarks
 from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.verdict.data_checks import remarks
 from tests.model.discrepancy.sessions import base_fit, session
 
 
@@ -29,10 +29,10 @@ def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
 def test_a_position_out_of_reach_is_named():
     fitted = base_fit()
     state = fitted.linear.states[0]
-    far = state.solved.held.s_hat_m.copy()
+    far = state.solved.contact.s_hat_m.copy()
     far[-1] = 0.08
-    held = replace(state.solved.held, s_hat_m=far)
-    beyond = replace(state, solved=replace(state.solved, held=held))
+    contact = replace(state.solved.contact, s_hat_m=far)
+    beyond = replace(state, solved=replace(state.solved, contact=contact))
     linear = replace(fitted.linear, states=(beyond, *fitted.linear.states[1:]))
     (said,) = remarks(session(), replace(fitted, linear=linear))
     assert said.startswith("'long' cannot reach 30 mm in the model")

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.mixed_model_fit import MixedModelFit
-from model.discrepancy.likelihood.random_effects import ASSUMED
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import Condition, Curve, Measurements
 from tests.model.discrepancy.sessions import Case, Extras, fitted, session
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from model import predict
-from model.discrepancy.data.data_vector import look
-from model.discrepancy.likelihood.contact_solution import ConfigurationModel, projection
-from model.discrepancy.likelihood.forward_model import AppliedEffect, ForwardModel
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
+from model.identification.data.data_vector import look
+from model.identification.likelihood.contact_solution import ConfigurationModel, projection
+from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
 from model.mechanics.field import Field
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
@@ -68,7 +68,7 @@ def test_force_and_modes_answer_as_finite_differences_do(studies, name: str, fie
     solved = scene.solve(beam)
     answers = scene.answers(beam, solved)
     up, down = (change(field, scene, beam, sign * h) for sign in (1.0, -1.0))
-    step = scene.change(beam, up, solved.held) - scene.change(beam, down, solved.held)
+    step = scene.change(beam, up, solved.contact) - scene.change(beam, down, solved.contact)
     force = np.einsum("kq,kq->k", answers.force, step)
     wanted = high.force_N - low.force_N
     touching = scene.touching
@@ -90,7 +90,7 @@ def test_base_conditions_are_those_of_predict(studies, truth, name: str):
     for k in scene.touching:
         wanted = predict(truth, name, scene.stated_m[k], scene.voltage_V[k])
         assert solved.force_N[k] == pytest.approx(wanted.F_N, rel=1e-6, abs=1e-10)
-        assert solved.held.s_hat_m[k] == pytest.approx(wanted.s_hat_m, rel=1e-6)
+        assert solved.contact.s_hat_m[k] == pytest.approx(wanted.s_hat_m, rel=1e-6)
         x = np.interp(wanted.s_m, scene.curve_s[k], solved.x_m[k])
         assert np.max(np.abs(x - wanted.x_m)) < 2e-6
     assert np.nanmax(np.abs(solved.modes_m)) < 2e-7  # the curves were predicted, free ones too
@@ -104,12 +104,12 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
     p = plausible(one)
     start = base(scene, "long")
     state = study.state(0, start, (AppliedEffect(one, {"long": p}),))
-    held = scene.solve(start).held
+    contact = scene.solve(start).contact
     for _ in range(30):
-        held = scene.solve(one.beam(start, held, p)).held
-    change = np.nanmax(np.abs(held.force_N - scene.solve(start).force_N))
+        contact = scene.solve(one.beam(start, contact, p)).contact
+    change = np.nanmax(np.abs(contact.force_N - scene.solve(start).force_N))
     assert change > 1e-6
-    left = np.nanmax(np.abs(state.solved.force_N - held.force_N))
+    left = np.nanmax(np.abs(state.solved.force_N - contact.force_N))
     assert left < 2e-3 * change
 
 

@@ -21,7 +21,7 @@ from model.discrepancy.search.evidence import (
     unit_values,
 )
 from model.effects import catalogue, effect
-from model.identification.mixed_model import Data, weigh
+from model.identification.likelihood.mixed_model import Data, weigh
 from tests.model.discrepancy.sessions import base_fit
 
 
@@ -99,14 +99,14 @@ def test_each_shape_of_an_effect_is_a_candidate_of_its_own():
 def test_every_effect_of_the_catalogue_has_a_shape_to_try():
     for one in catalogue().values():
         for values in members(one):
-            assert set(values) == {k.name for k in one.knobs}
-            assert values[one.size.name] != one.size.neutral
+            assert set(values) == {k.name for k in one.parameters}
+            assert values[one.amplitude.name] != one.amplitude.neutral
 
 
 def made(name: str, amplitude: float) -> Score:
     one = effect(name)
     values = members(one)[0]
-    candidate = Candidate(name, values, np.zeros((1, 1)), (1.0,), one, one.slot)
+    candidate = Candidate(name, values, np.zeros((1, 1)), (1.0,), one, one.location)
     return Score(candidate, 0.0, amplitude, 1.0, 1.0)
 
 
@@ -130,10 +130,16 @@ def test_an_amplitude_is_a_value_in_the_units_of_the_effect():
     one = effect("force_offset")
     assert unit_values(one, {"force_mN": 0.1}, 2.5) == {"force_mN": pytest.approx(0.25)}
     ratio = effect("eibm_asymmetry")
-    usual = ratio.size.plausible if ratio.size.log else ratio.size.neutral + ratio.size.plausible
+    usual = (
+        ratio.amplitude.prior_scale
+        if ratio.amplitude.log
+        else ratio.amplitude.neutral + ratio.amplitude.prior_scale
+    )
     twice = unit_values(ratio, {"ratio": usual}, 2.0)["ratio"]
-    assert abs(twice - ratio.size.neutral) > abs(usual - ratio.size.neutral)
-    assert unit_values(ratio, {"ratio": usual}, 0.0)["ratio"] == pytest.approx(ratio.size.neutral)
+    assert abs(twice - ratio.amplitude.neutral) > abs(usual - ratio.amplitude.neutral)
+    assert unit_values(ratio, {"ratio": usual}, 0.0)["ratio"] == pytest.approx(
+        ratio.amplitude.neutral
+    )
 
 
 def test_shapes_that_nobody_knows_beforehand_share_their_evidence():
@@ -147,8 +153,8 @@ def test_first_pulses_that_exceed_the_others_are_a_surprise():
     transient = effect("first_pulse_transient")
     values = members(transient)[0]
     for amplitude, wanted in ((1.0, 0.0), (-1.0, -4.0)):
-        one = Candidate(transient.name, values, columns, (1.0,), transient, transient.slot)
+        one = Candidate(transient.name, values, columns, (1.0,), transient, transient.location)
         assert surprise(Score(one, 0.0, amplitude, 1.0, 1.0)) == wanted
     either = effect("initial_curvature")
-    one = Candidate(either.name, members(either)[0], columns, (1.0,), either, either.slot)
+    one = Candidate(either.name, members(either)[0], columns, (1.0,), either, either.location)
     assert surprise(Score(one, 0.0, -1.0, 1.0, 1.0)) == 0.0

@@ -1,4 +1,4 @@
-"""How far a form may differ, and what a slot's free shapes act on."""
+"""How far a form may differ, and what a location's free shapes act on."""
 
 from __future__ import annotations
 
@@ -7,7 +7,15 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy.likelihood.form_error import (
+from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
+from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
+from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.search import ranking
+from model.discrepancy.search.evidence import Score
+from model.discrepancy.search.ranking import RankedCandidate
+from model.effects import LOCATIONS, catalogue, effect
+from model.effects.conformance import plausible
+from model.identification.likelihood.form_error import (
     FORM,
     OWN,
     SIGN,
@@ -20,15 +28,7 @@ from model.discrepancy.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.discrepancy.likelihood.forward_model import Perturbation
-from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
-from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
-from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.search import ranking
-from model.discrepancy.search.evidence import Score
-from model.discrepancy.search.ranking import RankedCandidate
-from model.effects import LOCATIONS, catalogue, effect
-from model.effects.conformance import plausible
+from model.identification.likelihood.forward_model import Perturbation
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 
@@ -44,7 +44,7 @@ def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
     """Many draws of the deviations scatter by a third of the form, averaged along the sheet."""
     one, study, states, steps = steps_of("nonuniform_stiffness")
     G, step = study.scenes[0].count, steps[0]
-    ways = list(deviations(one, study, 0, step, states[0].solved.held))
+    ways = list(deviations(one, study, 0, step, states[0].solved.contact))
     k = int(np.argmax(np.max(np.abs(step.beam[:, G : 2 * G]), axis=1)))
     form = step.beam[k, G : 2 * G]
     ratio = np.stack([share * way.beam[k, G : 2 * G] / form for way, share in ways])
@@ -54,8 +54,10 @@ def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
 
 def test_what_may_differ_with_the_polarity_differs_with_it():
     one, study, states, steps = steps_of("nonlinear_stiffness")
-    assert "voltage" in one.tolerance
-    ways = [w for w in deviations(one, study, 0, steps[0], states[0].solved.held) if w[1] == SIGN]
+    assert "voltage" in one.form_error_along
+    ways = [
+        w for w in deviations(one, study, 0, steps[0], states[0].solved.contact) if w[1] == SIGN
+    ]
     volts = study.scenes[0].voltage_V
     assert len(ways) == 2
     G = study.scenes[0].count
@@ -82,20 +84,20 @@ def test_every_effect_is_columns_that_count(name: str):
     assert np.all(np.any(found[:, 1:], axis=0))
 
 
-def test_an_effect_in_the_model_has_its_knobs_first_then_its_tolerance():
+def test_an_effect_in_the_model_has_its_parameters_first_then_its_form_errors():
     base = base_fit()
     problem = base.problem
     for name, by_sheet in (("initial_curvature", 2), ("force_offset", 1)):
         one = effect(name)
         found = Found(one, {n: plausible(one) for n in problem.study.names})
-        assert len(found.knobs()) == by_sheet
+        assert len(found.parameters()) == by_sheet
         columns, precision, away = effect_columns(
             problem.study, base.linear, found, (found.active,)
         )
-        step = 1e-4 * one.size.plausible
+        step = 1e-4 * one.amplitude.prior_scale
         rows = []
         for sign in (-1.0, 1.0):
-            p = {**plausible(one), one.size.name: one.size.plausible + sign * step}
+            p = {**plausible(one), one.amplitude.name: one.amplitude.prior_scale + sign * step}
             whole = [
                 study_rows(base, c, replace(found, values=dict.fromkeys(problem.study.names, p)))
                 for c in range(2)
@@ -107,7 +109,7 @@ def test_an_effect_in_the_model_has_its_knobs_first_then_its_tolerance():
             np.testing.assert_allclose(columns[:, j], slope, atol=2e-3 * size)
         assert np.all(precision[by_sheet:] == 1.0)
         assert not np.any(away[by_sheet:])
-        assert away[0] == pytest.approx(one.size.plausible - one.size.neutral)
+        assert away[0] == pytest.approx(one.amplitude.prior_scale - one.amplitude.neutral)
 
 
 def study_rows(base, c: int, found: Found):
@@ -121,7 +123,7 @@ def test_a_step_of_the_fit_keeps_values_within_their_bounds():
     one = effect("roll_friction")
     found = Found(one, {"long": plausible(one)})
     ((after,), quiet) = moved((found,), np.array([-50.0]), np.array([0.01]), [slice(0, 1)])
-    assert after.values["long"]["coefficient"] == one.size.low == 0.0
+    assert after.values["long"]["coefficient"] == one.amplitude.low == 0.0
     assert after.values["long"]["force_alone"] == plausible(one)["force_alone"]
     assert not quiet
     assert moved((found,), np.array([1e-4]), np.array([0.01]), [slice(0, 1)])[1]
@@ -133,7 +135,7 @@ def test_finite_values_are_brought_to_nought_and_one():
     np.testing.assert_allclose(unit(np.full(2, np.nan)), 0.5)
 
 
-# ------------------------------------------------------------------------------- slots
+# ------------------------------------------------------------------------------- locations
 
 
 def acting(step: Perturbation, G: int) -> set[str]:
@@ -156,21 +158,21 @@ ALLOWED = {
 }
 
 
-@pytest.mark.parametrize("slot", LOCATIONS)
-def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(slot):
+@pytest.mark.parametrize("location", LOCATIONS)
+def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(location):
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
-    made = [one.step for one in _MAKERS[slot](study, 0, state)]
+    made = [one.step for one in _MAKERS[location](study, 0, state)]
     found = set().union(*(acting(step, study.scenes[0].count) for step in made))
-    assert found == ALLOWED[slot]
+    assert found == ALLOWED[location]
 
 
 def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not():
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
     volts, G = study.scenes[0].voltage_V, study.scenes[0].count
-    for slot, sign in (("eibm", -1.0), ("even_moment", 1.0)):
-        for one in _MAKERS[slot](study, 0, state):
+    for location, sign in (("eibm", -1.0), ("even_moment", 1.0)):
+        for one in _MAKERS[location](study, 0, state):
             step = one.step
             up, down = (step.beam[volts == v, :G][0] for v in (2.0, -2.0))
             assert np.all(np.sign(up) == sign * np.sign(down))
@@ -209,13 +211,13 @@ def test_what_the_rig_does_it_does_to_every_configuration_alike():
 
 def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
     base = base_fit()
-    found = [(c.name, c.part) for c in unknowns(base) if c.slot in ("position", "eibm")]
+    found = [(c.name, c.part) for c in unknowns(base) if c.location in ("position", "eibm")]
     assert found == [
         ("unknown:eibm", ""), ("unknown:eibm", "s"), ("unknown:eibm", "position"),
         ("unknown:position", ""), ("unknown:position", "position"),
         ("unknown:position", "polarity"), ("unknown:position", "zero"),
     ]  # fmt: skip
-    whole, *parts = [c.columns for c in unknowns(base) if c.slot == "position"]
+    whole, *parts = [c.columns for c in unknowns(base) if c.location == "position"]
     # what is constant is a wave of "position", too
     assert [p.shape[1] for p in parts] == [7, 7, 1]
     assert whole.shape[1] == 7 + 7
@@ -241,19 +243,22 @@ def test_waves_along_the_sheet_have_the_form_s_standard_deviation_however_many()
 def test_what_is_looked_for_alone_has_a_profile_to_be_told():
     base = base_fit()
     for one in unknowns(base):
-        found = shapes(base, one.slot, one.part)
+        found = shapes(base, one.location, one.part)
         assert len(found) == one.columns.shape[1]
-        assert one.slot == "camera" or any(shape.wave for shape in found), (one.slot, one.part)
+        assert one.location == "camera" or any(shape.wave for shape in found), (
+            one.location,
+            one.part,
+        )
 
 
 def test_whatever_is_unknown_can_be_told():
     base = base_fit()
     for one in unknowns(base):
         told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
-        assert told.slot == one.slot
-        assert np.all(np.isfinite(told.profile)), (one.slot, one.part)
-        assert np.any(told.band > 0.0), (one.slot, one.part)
-        assert (told.unit == "mm") == (one.slot in ("position", "camera") and one.part != "age")
+        assert told.location == one.location
+        assert np.all(np.isfinite(told.profile)), (one.location, one.part)
+        assert np.any(told.band > 0.0), (one.location, one.part)
+        assert (told.unit == "mm") == (one.location in ("position", "camera") and one.part != "age")
 
 
 def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
@@ -263,8 +268,8 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
         "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
     }  # fmt: skip
-    for one in (c for c in unknowns(base) if c.part and c.slot in ("position", "time")):
-        found = shapes(base, one.slot, one.part)
+    for one in (c for c in unknowns(base) if c.part and c.location in ("position", "time")):
+        found = shapes(base, one.location, one.part)
         keys = {(s.configuration, s.part, s.along) for s in found}
         assert len(keys) == 1
         told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
@@ -276,12 +281,12 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         else:
             assert (told.s_mm[-1], told.at_unit) == (pytest.approx(30.0), "mm")
         units = {"force, run": "mN", "clamp, session": "rad"}
-        assert told.unit == units.get(one.part, "mm" if one.slot == "position" else "relative")
+        assert told.unit == units.get(one.part, "mm" if one.location == "position" else "relative")
 
 
 def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
     base = base_fit()
-    one = next(c for c in unknowns(base) if (c.slot, c.part) == ("load_cell", "force"))
+    one = next(c for c in unknowns(base) if (c.location, c.part) == ("load_cell", "force"))
     told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
     measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
@@ -313,18 +318,18 @@ def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: in
     assert np.linalg.norm(left) < 1e-6 * np.linalg.norm(rows)
 
 
-@pytest.mark.parametrize("slot", ["load_cell", "compliance"])
-def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(slot):
+@pytest.mark.parametrize("location", ["load_cell", "compliance"])
+def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(location):
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
     part, volts = study.part(0), study.scenes[0].voltage_V
-    for one in _MAKERS[slot](study, 0, state):
+    for one in _MAKERS[location](study, 0, state):
         if one.part != "voltage":
             continue
-        acts = part.mean(one.step.force_N) if slot == "load_cell" else one.step.beam[:, -10]
+        acts = part.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]
         assert not np.any(acts[volts == 0.0])
         np.testing.assert_allclose(acts[volts == 2.0], acts[volts == -2.0])
-    names = [s.part for s in shapes(base, slot)]
+    names = [s.part for s in shapes(base, location)]
     assert "voltage" in names
 
 
@@ -354,15 +359,15 @@ def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
         return one.log_bayes, fitted.solution
 
     monkeypatch.setattr(ranking, "rescored", rescored)
-    found = ranking.rank(base, [effect("gravity"), effect("clamp_angle")], slots=False)
+    found = ranking.rank(base, [effect("gravity"), effect("clamp_angle")], locations=False)
     assert {c.name for c in found} >= {"gravity", "clamp_angle"}
     assert "gravity" in seen
 
 
 def test_a_slot_as_a_whole_has_each_shape_once():
     base = base_fit()
-    for slot in ("rest_curvature", "position", "load_cell"):
-        rows = np.stack([s.rows for s in shapes(base, slot)], axis=1)
+    for location in ("rest_curvature", "position", "load_cell"):
+        rows = np.stack([s.rows for s in shapes(base, location)], axis=1)
         unit = rows / np.linalg.norm(rows, axis=0)
         cosine = unit.T @ unit - np.eye(rows.shape[1])
-        assert np.max(np.abs(cosine)) < 1.0 - 1e-9, slot
+        assert np.max(np.abs(cosine)) < 1.0 - 1e-9, location

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.data.data_vector import look
-from model.discrepancy.data.periodic_terms import PeriodicTerm, wave_in
+from model.identification.data.data_vector import look
+from model.identification.data.periodic_terms import PeriodicTerm, wave_in
 from model.measurements import Measurements
 from tests.model.discrepancy.sessions import NOTHING, Case, Hiding, diagnosed, session
 
@@ -79,11 +79,11 @@ def test_what_a_wave_adds_to_the_force():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("case", "slot"), [(BEATING, "load_cell"), (BREATHING, "time")])
-def test_it_is_unknown_and_told_with_its_period(case, slot):
+@pytest.mark.parametrize(("case", "location"), [(BEATING, "load_cell"), (BREATHING, "time")])
+def test_it_is_unknown_and_told_with_its_period(case, location):
     found = diagnosed(case)
     assert (found.verdict, found.effects) == ("unknown_effect", ())
-    assert found.unknown.slot == slot
+    assert found.unknown.location == location
     assert "in the course of each period" in found.sentence
     assert found.unknown.s_mm[-1] < 12.0  # s
     assert found.fitted.after.chi2_per_dof < 1.3

@@ -23,12 +23,13 @@ class Doubled(Effect):
         return p["force_mN"] * 1e-3 * weighed.session
 
 EFFECT = Doubled(
-    name="moon", meaning="m", form="f", slot="load_cell", signature="s", isolates="i", source="s",
-    knobs=(EffectParameter("force_mN", "pull", "mN", 0.1),),
+    name="moon", meaning="m", form="f", location="load_cell", signature="s", isolates="i",
+    source="s",
+    parameters=(EffectParameter("force_mN", "pull", "mN", 0.1),),
 )
 OURS = replace(EFFECT, name="gravity")
 WORDLESS = replace(EFFECT, name="wordless", meaning="")
-KNOBLESS = replace(EFFECT, name="knobless", knobs=None)
+PARAMETERLESS = replace(EFFECT, name="parameterless", parameters=None)
 NUMBER = 3
 """
 
@@ -45,7 +46,7 @@ def install(folder: Path, name: str, points: str, module: str = GOOD) -> None:
 
 
 def test_the_order_is_by_slot_then_by_name():
-    found = [(LOCATIONS.index(e.slot), name) for name, e in catalogue().items()]
+    found = [(LOCATIONS.index(e.location), name) for name, e in catalogue().items()]
     assert found == sorted(found)
     assert list(catalogue()) == list(catalogue())
 
@@ -96,7 +97,7 @@ def test_an_effect_of_another_distribution_is_found(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     found = catalogue()
     assert list(found)[-1] == "moon"
-    assert effect("moon").knobs[0].plausible == 0.1
+    assert effect("moon").parameters[0].prior_scale == 0.1
     monkeypatch.undo()
     assert "moon" not in catalogue()
 
@@ -109,7 +110,7 @@ def test_an_effect_of_another_distribution_is_found(tmp_path, monkeypatch):
         ("gone = NAME:EFFECT", "1 / 0", "ZeroDivisionError"),
         ("gone = NAME:NUMBER", GOOD, "it is of type int, not a model.effects.Effect"),
         ("gone = NAME:WORDLESS", GOOD, "its meaning is empty"),
-        ("gone = NAME:KNOBLESS", GOOD, "failed with TypeError"),
+        ("gone = NAME:PARAMETERLESS", GOOD, "failed with TypeError"),
         ("gone = NAME:OURS", GOOD, "there is an effect 'gravity' already"),
     ],
 )

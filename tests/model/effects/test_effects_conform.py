@@ -11,7 +11,7 @@ import pytest
 from model.effects import LOCATIONS, Effect, EffectParameter, catalogue
 from model.effects.conformance import acts, faults, faults_of_form, neutral, plausible
 
-# name: slot, parameters people are told, further knobs that are only tried
+# name: location, parameters people are told, further parameters that are only tried
 TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "nonuniform_eibm": ("eibm", ("decay_length_mm", "end_to_root_ratio"), ()),
     "initial_curvature": ("rest_curvature", ("curvature_error_per_m",), ("like_stated",)),
@@ -64,11 +64,13 @@ def test_the_catalogue_holds_these_effects_and_no_others():
 
 @pytest.mark.parametrize("name", TABLE)
 def test_slot_and_parameters_are_those_agreed_on(name: str):
-    effect, (slot, told, tried) = EFFECTS[name], TABLE[name]
-    assert effect.slot == slot
-    assert {k.name for k in effect.knobs} | set(effect.extra) == {*told, *tried}
-    assert effect.size.name in told
-    assert all(knob.tried for knob in effect.knobs[1:])  # nobody refines them from nothing
+    effect, (location, told, tried) = EFFECTS[name], TABLE[name]
+    assert effect.location == location
+    assert {k.name for k in effect.parameters} | set(effect.extra) == {*told, *tried}
+    assert effect.amplitude.name in told
+    assert all(
+        parameter.starting_values for parameter in effect.parameters[1:]
+    )  # nobody refines them from nothing
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -77,13 +79,13 @@ def test_an_effect_conforms(name: str):
 
 
 @pytest.mark.parametrize("name", TABLE)
-def test_a_knob_is_in_the_unit_of_its_name(name: str):
-    for knob in EFFECTS[name].knobs:
-        ends = [end for end in UNITS if knob.name.endswith(end)]
+def test_a_parameter_is_in_the_unit_of_its_name(name: str):
+    for parameter in EFFECTS[name].parameters:
+        ends = [end for end in UNITS if parameter.name.endswith(end)]
         wanted = UNITS[max(ends, key=len)] if ends else ""
-        if knob.name == "relative_change_at_10_per_m":
+        if parameter.name == "relative_change_at_10_per_m":
             wanted = ""  # relative; the ending says at which curvature
-        assert knob.unit == wanted, knob.name
+        assert parameter.unit == wanted, parameter.name
 
 
 def test_only_what_may_differ_between_sheets_is_free_by_configuration():
@@ -94,9 +96,9 @@ def test_only_what_may_differ_between_sheets_is_free_by_configuration():
 
 def test_effects_of_the_load_cell_leave_the_shape_alone_and_those_of_the_camera_the_force():
     for effect in EFFECTS.values():
-        if effect.slot == "camera":
+        if effect.location == "camera":
             assert acts(effect) <= {"curve", "pictured"}
-        elif effect.slot == "load_cell" and effect.name != "load_cell_compliance":
+        elif effect.location == "load_cell" and effect.name != "load_cell_compliance":
             assert acts(effect) == {"force"}
 
 
@@ -113,8 +115,10 @@ class Offset(Effect):
 
 def made(kind: type[Effect] = Offset, **other) -> Effect:
     words = dict.fromkeys(("meaning", "form", "signature", "isolates", "source"), "words")
-    knobs = (EffectParameter("force_mN", "more", "mN", 0.1),)
-    return kind(**{"name": "mine", "slot": "load_cell", "knobs": knobs, **words, **other})
+    parameters = (EffectParameter("force_mN", "more", "mN", 0.1),)
+    return kind(
+        **{"name": "mine", "location": "load_cell", "parameters": parameters, **words, **other}
+    )
 
 
 def test_a_good_effect_of_somebody_else_conforms():
@@ -126,16 +130,25 @@ def test_a_good_effect_of_somebody_else_conforms():
     [
         ({"name": "two words"}, "must be one word"),
         ({"meaning": " "}, "its meaning is empty"),
-        ({"slot": "elsewhere"}, "is none of rest_curvature"),
-        ({"tolerance": ("mood",)}, "its tolerance mood is none of s, "),
-        ({"knobs": ()}, "it has no knob"),
+        ({"location": "elsewhere"}, "is none of rest_curvature"),
+        ({"form_error_along": ("mood",)}, "along mood, which is none of s, "),
+        ({"parameters": ()}, "it has no parameter"),
         (
-            {"knobs": (EffectParameter("a", "", "", 1.0), EffectParameter("a", "", "", 1.0))},
+            {"parameters": (EffectParameter("a", "", "", 1.0), EffectParameter("a", "", "", 1.0))},
             "the same name",
         ),
-        ({"knobs": (EffectParameter("a", "", "", 5.0, high=1.0),)}, "must lie between -inf and 1"),
-        ({"knobs": (EffectParameter("a", "", "", 1.0, log=True),)}, "lower bound must be positive"),
-        ({"knobs": (EffectParameter("a", "", "", 0.0),)}, "plausible value is the neutral one"),
+        (
+            {"parameters": (EffectParameter("a", "", "", 5.0, high=1.0),)},
+            "must lie between -inf and 1",
+        ),
+        (
+            {"parameters": (EffectParameter("a", "", "", 1.0, log=True),)},
+            "lower bound must be positive",
+        ),
+        (
+            {"parameters": (EffectParameter("a", "", "", 0.0),)},
+            "plausible value is the neutral one",
+        ),
         ({"kind": Effect}, "so it changes nothing"),
     ],
 )
@@ -188,7 +201,7 @@ class Remembers(Offset):
 class AddsUp(Offset):
     """Adds to the beam it was given."""
 
-    def beam(self, beam, held, p):
+    def beam(self, beam, contact, p):
         beam.bend[:] += p["force_mN"]
         return beam
 
@@ -217,15 +230,15 @@ def test_what_is_wrong_with_its_behaviour_is_said(kind: type[Effect], said: str)
     assert any(said in fault for fault in found), found
 
 
-def test_neutral_and_plausible_values_name_every_knob():
+def test_neutral_and_plausible_values_name_every_parameter():
     for effect in EFFECTS.values():
         for values in (neutral(effect), plausible(effect)):
-            assert set(values) == {knob.name for knob in effect.knobs}
-        assert neutral(effect)[effect.size.name] == effect.size.neutral
-        assert effect.slot in LOCATIONS
+            assert set(values) == {parameter.name for parameter in effect.parameters}
+        assert neutral(effect)[effect.amplitude.name] == effect.amplitude.neutral
+        assert effect.location in LOCATIONS
 
 
 def test_an_effect_is_a_value_that_can_be_changed_into_another():
     other = replace(EFFECTS["force_offset"], name="mine")
-    assert (other.name, other.slot) == ("mine", "load_cell")
+    assert (other.name, other.location) == ("mine", "load_cell")
     assert EFFECTS["force_offset"].name == "force_offset"

@@ -37,10 +37,10 @@ def values(name: str, **own: float) -> dict[str, float]:
 
 @pytest.mark.parametrize("decay_mm", [3.5, 8.0, 35.0, 120.0, 1e5, 1e9, np.inf])
 def test_eibm_that_falls_keeps_its_mean_and_falls_by_the_ratio(decay_mm: float):
-    beam, held = example_beam()
+    beam, contact = example_beam()
     fall = effect("nonuniform_eibm")
     p = values("nonuniform_eibm", decay_length_mm=decay_mm)
-    other = fall.beam(beam, held, p).eibm
+    other = fall.beam(beam, contact, p).eibm
     assert other @ WEIGHTS == pytest.approx(beam.eibm @ WEIGHTS, rel=1e-4)
     ratio = fall.derived(p, example_sheet())["end_to_root_ratio"]
     assert ratio == pytest.approx(np.exp(-50.0 / decay_mm))
@@ -49,8 +49,8 @@ def test_eibm_that_falls_keeps_its_mean_and_falls_by_the_ratio(decay_mm: float):
 
 
 def test_a_stiffness_that_grows_makes_the_end_softer_by_less_than_the_root():
-    beam, held = example_beam()
-    soft = effect("nonuniform_stiffness").beam(beam, held, {"relative_change": 0.4}).soft
+    beam, contact = example_beam()
+    soft = effect("nonuniform_stiffness").beam(beam, contact, {"relative_change": 0.4}).soft
     at = beam.s_m / LENGTH_M
     assert soft[2] == pytest.approx(1.2 / (1.0 + 0.4 * at))
     assert soft[0, 0] > 1.0 > soft[0, -1]
@@ -95,34 +95,36 @@ def test_a_sheet_that_softens_with_a_power_of_the_bending_does_not_give_way(powe
 
 
 def test_a_nonlinear_sheet_bends_by_the_law_under_all_its_moments():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     beam = replace(beam, bend=beam.bend + 1.5, soft=beam.soft * 0.9)
     p = {"relative_change_at_10_per_m": 0.3, "power": 0.0}
-    other = effect("nonlinear_stiffness").beam(beam, held, p)
-    contact = -np.nan_to_num(held.normal_N / beam.stiffness)[:, None] * held.lever
-    change = other.soft * (other.eibm + other.bend + contact)  # k - k0
+    other = effect("nonlinear_stiffness").beam(beam, contact, p)
+    by_contact = -np.nan_to_num(contact.normal_N / beam.stiffness)[:, None] * contact.lever
+    change = other.soft * (other.eibm + other.bend + by_contact)  # k - k0
     law = change * (1.0 + (change / 10.0) ** 2) ** np.log2(1.3)
-    assert law == pytest.approx(beam.soft * (beam.eibm + beam.bend + contact), rel=1e-10)
-    assert np.all(np.abs(change) < np.abs(beam.soft * (beam.eibm + beam.bend + contact)))  # stiffer
+    assert law == pytest.approx(beam.soft * (beam.eibm + beam.bend + by_contact), rel=1e-10)
+    assert np.all(
+        np.abs(change) < np.abs(beam.soft * (beam.eibm + beam.bend + by_contact))
+    )  # stiffer
     assert np.all(other.soft < beam.soft)
 
 
 def test_gravity_bends_a_straight_level_cantilever_as_in_the_textbook():
-    beam, held = example_beam()
-    s, flat = beam.s_m, np.zeros_like(held.x_m)
+    beam, contact = example_beam()
+    s, flat = beam.s_m, np.zeros_like(contact.x_m)
     sheet = replace(beam.sheet, elongation_m=0.0)
-    held = replace(held, x_m=flat + s, y_m=flat, phi_rad=flat, end_phi_rad=np.zeros(7))
-    bend = effect("gravity").beam(replace(beam, sheet=sheet), held, {"load_N_per_m": 0.01}).bend
+    contact = replace(contact, x_m=flat + s, y_m=flat, phi_rad=flat, end_phi_rad=np.zeros(7))
+    bend = effect("gravity").beam(replace(beam, sheet=sheet), contact, {"load_N_per_m": 0.01}).bend
     wanted = -0.01 * (LENGTH_M - s) ** 2 / 2.0
     assert bend * beam.stiffness[:, None] == pytest.approx(flat + wanted, rel=1e-12)
-    bend = effect("gravity").beam(beam, held, {"load_N_per_m": 0.01}).bend  # 20 mm more
+    bend = effect("gravity").beam(beam, contact, {"load_N_per_m": 0.01}).bend  # 20 mm more
     wanted = -0.01 * (LENGTH_M + 0.02 - s) ** 2 / 2.0
     assert bend * beam.stiffness[:, None] == pytest.approx(flat + wanted, rel=1e-12)
 
 
 def test_the_weight_of_a_bent_sheet_counts_with_its_arm():
-    beam, held = example_beam()
-    bend = effect("gravity").beam(beam, held, {"load_N_per_m": 0.01}).bend
+    beam, contact = example_beam()
+    bend = effect("gravity").beam(beam, contact, {"load_N_per_m": 0.01}).bend
     k, s, end = 45.0, beam.s_m, LENGTH_M
     x, cos_end = np.sin(k * s) / k, np.cos(k * end)
     on_sheet = (np.cos(k * s) - cos_end) / k**2 - (end - s) * x
@@ -132,10 +134,10 @@ def test_the_weight_of_a_bent_sheet_counts_with_its_arm():
 
 
 def test_the_weight_changes_sides_where_the_rig_is_turned_over_and_nothing_else_does():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     turned = replace(beam, upright=np.array([1.0, -1, 1, -1, 1, -1, 0.5]))
     for one in catalogue().values():
-        before, after = (one.beam(b, held, plausible(one)) for b in (beam, turned))
+        before, after = (one.beam(b, contact, plausible(one)) for b in (beam, turned))
         for name in ("rest", "eibm", "soft", "shift_m", "tilt_rad", "offset_m", "stiffness"):
             np.testing.assert_array_equal(getattr(after, name), getattr(before, name))
         sign = turned.upright[:, None] if one.name == "gravity" else 1.0
@@ -146,21 +148,23 @@ def test_the_weight_changes_sides_where_the_rig_is_turned_over_and_nothing_else_
 
 
 def test_the_clamp_turns_by_the_loads_moment_about_it():
-    beam, held = example_beam()
-    tilt = effect("clamp_compliance").beam(beam, held, {"rotation_rad_per_Nm": 20.0}).tilt_rad
-    moment = -held.force_N * RADIUS_M  # of the force on the sheet: it answers the push it gives
+    beam, contact = example_beam()
+    tilt = effect("clamp_compliance").beam(beam, contact, {"rotation_rad_per_Nm": 20.0}).tilt_rad
+    moment = -contact.force_N * RADIUS_M  # of the force on the sheet: it answers the push it gives
     assert tilt[:6] == pytest.approx(20.0 * moment[:6])
     assert tilt[6] == 0.0
-    phi_hat = held.gamma_rad + beam.stated_m / RADIUS_M
-    to_node = held.x_m[:, 0] * np.cos(phi_hat) + held.y_m[:, 0] * np.sin(phi_hat)
-    by_lever = -held.normal_N * (held.lever[:, 0] + to_node)
+    phi_hat = contact.gamma_rad + beam.stated_m / RADIUS_M
+    to_node = contact.x_m[:, 0] * np.cos(phi_hat) + contact.y_m[:, 0] * np.sin(phi_hat)
+    by_lever = -contact.normal_N * (contact.lever[:, 0] + to_node)
     assert moment[:6] == pytest.approx(by_lever[:6], rel=1e-12)
 
 
 def test_the_load_cell_gives_way_where_it_is_pushed():
-    beam, held = example_beam()
-    shift = effect("load_cell_compliance").beam(beam, held, {"compliance_mm_per_mN": 0.01}).shift_m
-    assert shift[:6] * 1e3 == pytest.approx(0.01 * held.force_N[:6] * 1e3)
+    beam, contact = example_beam()
+    shift = (
+        effect("load_cell_compliance").beam(beam, contact, {"compliance_mm_per_mN": 0.01}).shift_m
+    )
+    assert shift[:6] * 1e3 == pytest.approx(0.01 * contact.force_N[:6] * 1e3)
     assert shift[6] == 0.0
 
 
@@ -180,35 +184,37 @@ def test_the_load_cell_gives_way_where_it_is_pushed():
     ],
 )
 def test_what_is_simply_added(name, p, field, wanted):
-    beam, held = example_beam()
+    beam, contact = example_beam()
     before = replace(beam, **{field: getattr(beam, field) + 0.25})
-    after = getattr(effect(name).beam(before, held, values(name, **p)), field)
+    after = getattr(effect(name).beam(before, contact, values(name, **p)), field)
     assert after == pytest.approx(getattr(before, field) + wanted)
 
 
 def test_without_an_elongation_none_can_give_way():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     beam = replace(beam, sheet=replace(beam.sheet, elongation_m=0.0))
-    assert effect("elongation_flexibility").beam(beam, held, {"relative_compliance": 1.0}) is beam
+    assert (
+        effect("elongation_flexibility").beam(beam, contact, {"relative_compliance": 1.0}) is beam
+    )
 
 
 def test_the_asymmetry_adds_at_one_polarity_what_it_takes_from_the_other():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     p = values("eibm_asymmetry", ratio=0.8)
-    other = effect("eibm_asymmetry").beam(beam, held, p).eibm
+    other = effect("eibm_asymmetry").beam(beam, contact, p).eibm
     np.testing.assert_allclose(other[2], -0.8 * other[1])
     np.testing.assert_allclose(other[1] - other[2], beam.eibm[1] - beam.eibm[2])
     assert not np.any(other[beam.voltage_V == 0.0])
-    falling = effect("eibm_asymmetry").beam(beam, held, {**p, "fall_mm": 25.0}).eibm
+    falling = effect("eibm_asymmetry").beam(beam, contact, {**p, "fall_mm": 25.0}).eibm
     assert falling @ WEIGHTS == pytest.approx(other @ WEIGHTS)
     more, length_m = falling[1] / beam.eibm[1] - 1.0, beam.s_m[-1] - beam.s_m[0]
     assert more[-1] / more[0] == pytest.approx(np.exp(-length_m / 0.025))
 
 
 def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     p = {"relative_compliance": 0.03, "in_the_joint": 1.0}
-    other = effect("elongation_flexibility").beam(beam, held, p)
+    other = effect("elongation_flexibility").beam(beam, contact, p)
     turn = np.sum((other.soft - beam.soft) * beam.piece_m, axis=1)  # rad for each N m over B
     lever = beam.sheet.arc_radius_m - beam.sheet.free_length_m
     np.testing.assert_allclose(turn * lever**2, 0.03 * lever**3 / 3.0)
@@ -221,25 +227,25 @@ def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
 
 
 def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():
-    beam, held = example_beam()
-    way = slid(beam, held)
+    beam, contact = example_beam()
+    way = slid(beam, contact)
     assert way[1] == 1.0  # at +2 V farther out than at -2 V
     assert way[2] == -1.0
-    lean = np.sin(held.gamma_rad)
+    lean = np.sin(contact.gamma_rad)
     assert way[0] == pytest.approx(lean[0] / np.hypot(lean[0], 0.02))  # approached from below
     assert way[3] == pytest.approx(-lean[3] / np.hypot(lean[3], 0.02))  # from above
     assert way[0] > 0.99 > -0.99 > way[3]
     assert way[6] == 0.0  # free
     only = np.array([0, 1])  # without the opposite voltage: from where 0 V held them
     few = replace(beam, **{n: getattr(beam, n)[only] for n in ("voltage_V", "stated_m", "up")})
-    kept = replace(held, s_hat_m=held.s_hat_m[only], gamma_rad=held.gamma_rad[only])
+    kept = replace(contact, s_hat_m=contact.s_hat_m[only], gamma_rad=contact.gamma_rad[only])
     assert slid(few, kept)[1] == 1.0
 
 
 def test_sliding_too_little_leaves_friction_as_the_placing_left_it():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     um = np.array([0.0, 3.0, -5.0, 0.0, 4.0, -5.0, np.nan]) * 1e-6
-    way = slid(beam, replace(held, s_hat_m=0.042 + um))
+    way = slid(beam, replace(contact, s_hat_m=0.042 + um))
     placed = way[0]
     assert way[1] == 1.0 > placed  # pushed up, then a little further by +2 V, where it ends
     assert way[2] == pytest.approx(way[1] - 0.8)  # 8 um of the 20 that turn it round
@@ -249,23 +255,23 @@ def test_sliding_too_little_leaves_friction_as_the_placing_left_it():
 
 def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward():
     """What Held has is N t_hat's share and n_hat's; the moment makes the rest of T."""
-    beam, held = example_beam()
+    beam, contact = example_beam()
     mu, k = 0.1, 1
-    other = effect("roll_friction").beam(beam, held, values("roll_friction", coefficient=mu))
-    way, lean, kept = slid(beam, held)[k], np.tan(held.gamma_rad[k]), held.normal_N[k]
+    other = effect("roll_friction").beam(beam, contact, values("roll_friction", coefficient=mu))
+    way, lean, kept = slid(beam, contact)[k], np.tan(contact.gamma_rad[k]), contact.normal_N[k]
     N = kept / (1.0 - mu * way * np.sign(kept) * lean)
     T = mu * way * abs(N)  # on the sheet, along t_hat
     assert kept == pytest.approx(N - T * lean)
-    true = -N * held.lever[k] - T * held.offset[k]
-    moment = -kept * held.lever[k] + other.bend[k] * beam.stiffness[k]
+    true = -N * contact.lever[k] - T * contact.offset[k]
+    moment = -kept * contact.lever[k] + other.bend[k] * beam.stiffness[k]
     assert moment == pytest.approx(true, rel=1e-12)
 
 
 def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothing():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     w = replace(example_weighed(), slid=np.where(np.arange(32) % 2, 1.0, -1.0))
     p = values("roll_friction", coefficient=0.1, force_alone=1.0)
-    assert effect("roll_friction").beam(beam, held, p) is beam
+    assert effect("roll_friction").beam(beam, contact, p) is beam
     pulled = -0.1 * np.abs(w.normal_N) * w.slid * np.sin(w.gamma_rad)
     np.testing.assert_allclose(effect("roll_friction").force(w, p), pulled, atol=1e-15)
     in_the_beam = values("roll_friction", coefficient=0.1, force_alone=0.0)
@@ -368,20 +374,22 @@ def test_a_sheet_that_is_pulled_one_way_shows_as_much_more_of_every_force():
 
 
 def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
-    beam, held = example_beam()
-    held = replace(held, normal_N=np.array([1.0, -1.0, 0.0, np.nan, 1.0, -1.0, 1.0]) * 1e-3)
+    beam, contact = example_beam()
+    contact = replace(contact, normal_N=np.array([1.0, -1.0, 0.0, np.nan, 1.0, -1.0, 1.0]) * 1e-3)
     p = {"offset_mm": 0.4, "at_the_pressed": 1.0}
-    moved = effect("roll_offset").beam(beam, held, p).offset_m - beam.offset_m
+    moved = effect("roll_offset").beam(beam, contact, p).offset_m - beam.offset_m
     assert moved * 1e3 == pytest.approx([0.4, -0.4, 0.0, 0.0, 0.4, -0.4, 0.4])
 
 
 def test_a_rest_curvature_may_be_off_in_proportion():
-    beam, held = example_beam()
+    beam, contact = example_beam()
     stated = (np.array([0.0, 0.05]), np.array([30.0, 10.0]))
     beam = replace(beam, sheet=replace(beam.sheet, initial_curvature=stated))
     p = values("initial_curvature", curvature_error_per_m=2.0)
-    assert effect("initial_curvature").beam(beam, held, p).rest - beam.rest == pytest.approx(2.0)
-    like = effect("initial_curvature").beam(beam, held, {**p, "like_stated": 1.0}).rest - beam.rest
+    assert effect("initial_curvature").beam(beam, contact, p).rest - beam.rest == pytest.approx(2.0)
+    like = (
+        effect("initial_curvature").beam(beam, contact, {**p, "like_stated": 1.0}).rest - beam.rest
+    )
     assert like[0] == pytest.approx(2.0 * np.interp(beam.s_m, *stated) / 20.0, rel=1e-6)
 
 
@@ -445,12 +453,14 @@ def creep(**own: float) -> dict[str, float]:
 
 @pytest.mark.parametrize("from_run", [0.0, 1.0])
 def test_a_strain_that_stays_becomes_the_shape_at_rest(from_run):
-    beam, held = example_beam()
-    bent = -(held.normal_N / beam.stiffness)[:, None] * held.lever  # at 0 V, by the contact
+    beam, contact = example_beam()
+    bent = -(contact.normal_N / beam.stiffness)[:, None] * contact.lever  # at 0 V, by the contact
     clock = beam.clock
     held_s = clock.run_s if from_run else clock.wetted_s
     share = 0.02 / (np.exp(-0.25) - np.exp(-2.5)) * -np.expm1(-held_s / 8.0)
-    rest = effect("viscoelastic_creep").beam(beam, held, creep(from_run=from_run)).rest - beam.rest
+    rest = (
+        effect("viscoelastic_creep").beam(beam, contact, creep(from_run=from_run)).rest - beam.rest
+    )
     for k in (0, 3):
         mean = np.mean(share[beam.reading_of == k])
         np.testing.assert_allclose(rest[k], mean * bent[k], atol=1e-12)
@@ -458,14 +468,14 @@ def test_a_strain_that_stays_becomes_the_shape_at_rest(from_run):
 
 
 def test_what_lags_behind_is_on_the_average_in_the_beam_already():
-    beam, held = example_beam()
-    lagging = effect("viscoelastic_creep").lagging(beam, held, creep(spread=5.0))
+    beam, contact = example_beam()
+    lagging = effect("viscoelastic_creep").lagging(beam, contact, creep(spread=5.0))
     assert len(lagging) == 3
     for _, much in lagging:
         assert np.bincount(beam.reading_of, beam.share * much) == pytest.approx(
             np.zeros(7), abs=1e-12
         )
-    assert effect("viscoelastic_creep").lagging(beam, held, creep(time_s=0.0)) == []
+    assert effect("viscoelastic_creep").lagging(beam, contact, creep(time_s=0.0)) == []
 
 
 def alternating(seconds: float, step_s: float) -> np.ndarray:

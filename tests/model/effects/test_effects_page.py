@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from model.effects import LOCATIONS, catalogue
-from model.effects.page import SLOT_NAMES, page
+from model.effects.page import LOCATION_MEANINGS, page
 
 PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
 
@@ -21,7 +21,7 @@ def test_the_page_is_what_the_catalogue_makes():
 def test_every_effect_and_slot_has_a_section():
     text = page()
     assert all(f"\n### {name}\n" in text for name in catalogue())
-    assert set(SLOT_NAMES) == set(LOCATIONS)
+    assert set(LOCATION_MEANINGS) == set(LOCATIONS)
 
 
 def test_the_page_is_printed_by_the_command_it_names():

@@ -1,0 +1,84 @@
+"""The application: our commands, and those of other distributions."""
+
+from __future__ import annotations
+
+import keyword
+import warnings
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from importlib.util import find_spec
+
+import typer
+from typer.core import TyperGroup
+
+from labrig.cli.command import Command, faults
+
+PACKAGE = "labrig.cli.commands"
+GROUP = "labrig.commands"
+
+
+def app_for(arguments: Sequence[str]) -> TyperGroup:
+    """Return the application with the commands that these arguments need.
+
+    Where they begin with one of our commands, it alone is imported. Else all are, and those of
+    other distributions are looked up.
+    """
+    own = _own_command(arguments[0]) if arguments else None
+    return _app(all_commands() if own is None else [own])
+
+
+def all_commands() -> list[Command]:
+    """Return all commands in their order; warn of each that is left out."""
+    from drivers.plugins import PluginFolder, PluginWarning  # the drivers are slow to import
+
+    folder: PluginFolder[Command] = PluginFolder("command", PACKAGE, "COMMAND", GROUP, faults)
+    by_name: dict[str, Command] = {}
+    for part in folder.parts().values():
+        if part.part.name in by_name:
+            text = (
+                f"the command '{part.part.name}' of {part.distribution} is left out: "
+                "there is a command of that name already."
+            )
+            warnings.warn(text, PluginWarning, stacklevel=2)
+            continue
+        by_name[part.part.name] = part.part
+    return sorted(by_name.values(), key=lambda command: (command.order, command.name))
+
+
+def module_of(name: str) -> str:
+    """Return the name of the module that holds a command of ours."""
+    module = name.replace("-", "_")
+    return f"{module}_" if keyword.iskeyword(module) else module
+
+
+def _own_command(name: str) -> Command | None:
+    module = module_of(name)
+    if not module.isidentifier() or find_spec(f"{PACKAGE}.{module}") is None:
+        return None
+    command: Command | None = getattr(import_module(f"{PACKAGE}.{module}"), "COMMAND", None)
+    return command if command is not None and command.name == name else None
+
+
+def _app(commands: Iterable[Command]) -> TyperGroup:
+    app = typer.Typer(
+        name="labrig",
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode=None,
+        help="Run, record and understand force and shape experiments on ionic-polymer actuator "
+        "sheets.",
+    )
+    app.callback()(_nothing_first)
+    names = []
+    for command in commands:
+        command.add_to(app)
+        names.append(command.name)
+    group = typer.main.get_command(app)
+    assert isinstance(group, TyperGroup)  # noqa: S101 - it has a callback
+    group.commands = {name: group.commands[name] for name in names}  # groups among the others
+    return group
+
+
+def _nothing_first() -> None:
+    """Make the application a group, also where it has one command alone."""

@@ -1,0 +1,83 @@
+"""A command of the command line: what it must provide.
+
+A command is one file of `labrig/cli/commands`, or a module of another distribution with an entry
+point of the group `labrig.commands`. The file defines COMMAND.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import typer
+
+_NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command, or a group of commands under one name.
+
+    `action` is a function whose parameters are typer's arguments and options and whose docstring
+    is the help, or a `typer.Typer` with `help=` whose commands are the subcommands. The function
+    is called once, in the main thread, and may block; it prints with `labrig.cli.screen` and ends
+    a failure with a `LabrigError` of one sentence, or `typer.Exit` with a documented exit code.
+    Whatever else it raises is reported as a fault of the program.
+
+    The module is imported whenever labrig starts: import what is slow inside the function.
+    """
+
+    name: str  # as typed: lower case, words joined with "-"
+    action: Callable[..., None] | typer.Typer
+    order: int = 1000  # commands are listed in `labrig --help` in this order, then by name
+
+    @property
+    def help(self) -> str:
+        """Return the help; its first sentence is shown in `labrig --help`."""
+        if isinstance(self.action, typer.Typer):
+            text = self.action.info.help
+            return text if isinstance(text, str) else ""
+        return inspect.getdoc(self.action) or ""
+
+    def add_to(self, app: typer.Typer) -> None:
+        """Add this command to the application."""
+        if isinstance(self.action, typer.Typer):
+            app.add_typer(self.action, name=self.name)
+        else:
+            app.command(name=self.name)(self.action)
+
+
+def faults(command: object) -> list[str]:
+    """Return what is wrong with a command, a sentence without its full stop each."""
+    if not isinstance(command, Command):
+        return [f"COMMAND is a {type(command).__name__}, not a labrig.Command"]
+    found = []
+    name, order, action = _unchecked(command)
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        found.append(f"its name {name!r} is not lower-case words joined with '-'")
+    if not isinstance(order, int):
+        found.append(f"its order {order!r} is not a whole number")
+    if not isinstance(action, typer.Typer) and not callable(action):
+        return [*found, "its action is neither a function nor a typer.Typer"]
+    if not command.help.strip():
+        found.append("it has no help: give its function a docstring, or its typer.Typer help=")
+    return found or _not_built(command)
+
+
+def _unchecked(command: Command) -> tuple[object, object, object]:
+    """Return the fields as they are: other people's code may break the types."""
+    return command.name, command.order, command.action
+
+
+def _not_built(command: Command) -> list[str]:
+    """Return why typer cannot make a command of it, if it cannot."""
+    app = typer.Typer()
+    app.callback()(lambda: None)
+    try:
+        command.add_to(app)
+        typer.main.get_command(app)
+    except Exception as error:  # noqa: BLE001 - typer raises what it meets in the annotations
+        return [f"typer cannot read its arguments and options ({type(error).__name__}: {error})"]
+    return []

@@ -1,0 +1,49 @@
+"""The preflight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.options import Json, RigFile
+from labrig.cli.screen import print_json, print_table
+from labrig.errors import NotReadyError
+
+
+def check(
+    rig: RigFile,
+    protocol: Annotated[
+        Path | None, typer.Option(help="protocol.toml; by default the one beside rig.toml")
+    ] = None,
+    sheet: Annotated[
+        Path | None, typer.Option(help="sheet.toml; by default the one beside rig.toml")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Preflight: everything that rig.toml names is there, quiet, calibrated and at 0 V.
+
+    Nothing but 0 V is written. Ends with code 3 when a check fails.
+    """
+    from labrig.experiment.preflight import check_rig
+
+    checks = check_rig(rig, protocol, sheet)
+    good = all(item.ok for item in checks)
+    if as_json:
+        print_json({"ok": good, "checks": [item.as_dict() for item in checks]})
+    else:
+        rows = [[c.word, c.name, _short(c.found), c.wanted] for c in checks]
+        print_table(f"Preflight of {rig}", ["", "check", "found", "wanted"], rows)
+    if not good:
+        failed = "; ".join(f"{c.name}: {c.found}" for c in checks if not c.ok)
+        raise NotReadyError(f"{rig} is not ready: {failed}.")
+
+
+def _short(text: str) -> str:
+    """What fits into a table; a long fault stands below it, too, and there in full."""
+    return text if len(text) < 70 else "see below"
+
+
+COMMAND = Command("check", check, order=40)

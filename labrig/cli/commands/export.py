@@ -1,0 +1,25 @@
+"""CSV tables of a session."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+
+
+def export(
+    session: Annotated[Path, typer.Argument(help="an analysed session")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
+) -> None:
+    """Write forces.csv, curves.csv and signals.csv of a session."""
+    from labrig.session import export_session
+
+    for path in export_session(session, output):
+        say(f"wrote {path}")
+
+
+COMMAND = Command("export", export, order=230)

@@ -1,0 +1,29 @@
+"""A session made of CSV tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say, warn
+
+
+def import_tables(
+    sheet: Annotated[Path, typer.Option(help="sheet.toml")],
+    forces: Annotated[Path, typer.Option(help="forces.csv")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="the session file to make")],
+    curves: Annotated[Path | None, typer.Option(help="curves.csv")] = None,
+    signals: Annotated[Path | None, typer.Option(help="signals.csv")] = None,
+) -> None:
+    """Make a session of CSV tables, such as those of older measurements."""
+    from labrig.session import import_session
+
+    for text in import_session(sheet, forces, output, curves=curves, signals=signals).warnings:
+        warn(f"warning: {text}")
+    say(f"wrote {output}")
+
+
+COMMAND = Command("import", import_tables, order=220)

@@ -1,0 +1,27 @@
+"""Files to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+
+
+def init(
+    folder: Annotated[Path, typer.Argument(help="made when it is not there")],
+    simulated: Annotated[
+        bool, typer.Option("--simulated", help="a rig that needs no hardware")
+    ] = False,
+) -> None:
+    """Write commented rig.toml, sheet.toml, protocol.toml and calibrations to start from."""
+    from labrig.config.templates import write_templates
+
+    for path in write_templates(folder, simulated=simulated):
+        say(f"wrote {path}")
+
+
+COMMAND = Command("init", init, order=20)

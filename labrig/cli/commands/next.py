@@ -1,0 +1,82 @@
+"""The next measurement, which separates two effects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.diagnosis import known_model
+from labrig.cli.measurements import of_sessions_or_tables
+from labrig.cli.options import (
+    CurvesFile,
+    ForcesFile,
+    Json,
+    KnownModel,
+    Sessions,
+    SheetFile,
+    SignalsFile,
+    Symmetric,
+)
+from labrig.cli.screen import print_json, say
+from labrig.errors import BadInputError
+from labrig.files import write_text
+
+
+def next_measurement(
+    sessions: Sessions = None,
+    between: Annotated[
+        tuple[str, str] | None, typer.Option(help="two effects to be told apart")
+    ] = None,
+    sheet: SheetFile = None,
+    forces: ForcesFile = None,
+    curves: CurvesFile = None,
+    signals: SignalsFile = None,
+    model: KnownModel = None,
+    symmetric: Symmetric = False,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the protocol.toml to write")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="overwrite the protocol")] = False,
+    as_json: Json = False,
+) -> None:
+    """Say which further measurement tells two effects apart, and write its protocol."""
+    from labrig.experiment.next_protocol import protocol_text
+    from labrig.report.diagnosis.tables import next_told
+    from model.discrepancy import DiagnoseOptions
+    from model.discrepancy import next_measurement as find
+
+    if between is None:
+        raise BadInputError(
+            "name two effects with --between, such as --between gravity clamp_angle."
+        )
+    if between[0] == between[1]:
+        raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
+    if output is not None and output.exists() and not force:
+        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
+    options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
+    found = find(measurements, between, options)
+    text = protocol_text(found, measurements, sessions[0] if sessions else None)
+    if output is not None:
+        write_text(output, text)
+    if as_json:
+        from labrig.config.base import parse_toml
+
+        print_json({
+            "why": found.why, "extra": found.extra, "separation_now": found.separation,
+            "separation_expected": found.expected, "minutes": found.minutes,
+            "protocol": parse_toml(text, "protocol.toml"),
+        })  # fmt: skip
+        return
+    say(next_told(found))
+    if output is None:
+        say()
+        say(text)
+    else:
+        say(f"wrote {output}")
+
+
+COMMAND = Command("next", next_measurement, order=190)

@@ -1,0 +1,58 @@
+"""The schedule of a protocol."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.options import Json
+from labrig.cli.screen import print_json, print_table, say
+
+
+def plan(
+    protocol: Annotated[Path, typer.Argument(help="protocol.toml")],
+    picture: Annotated[
+        Path | None, typer.Option(help="draw one run's voltages and readings (png, svg, pdf)")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Show the schedule: times, voltages, readings, total duration, time under voltage."""
+    from labrig.config import load_protocol
+    from labrig.report.tables.schedule import overview_rows, run_rows
+    from protocols import describe, schedule_to_dict
+
+    schedule = load_protocol(protocol).schedule(str(protocol))
+    if picture is not None:
+        from labrig.report.figures.schedule import draw_schedule
+
+        draw_schedule(schedule, picture)
+    if as_json:
+        print_json(schedule_to_dict(schedule))
+        return
+    found = describe(schedule)
+    print_table(
+        f"One {schedule.protocol} run", ["", "time s", "volts", "reading at s"], run_rows(schedule)
+    )
+    columns = [
+        "run",
+        "starts",
+        "configuration",
+        "at mm",
+        "first",
+        "readings",
+        "lasts s",
+        "under V s",
+    ]
+    print_table("All runs", columns, overview_rows(found))
+    say(
+        f"{len(schedule.runs)} runs: {found.running_s:.1f} s, {found.under_voltage_s:.1f} s of it "
+        f"under voltage; about {found.estimate_s / 60:.0f} min with what is done between them."
+    )
+    if picture is not None:
+        say(f"wrote {picture}")
+
+
+COMMAND = Command("plan", plan, order=30)

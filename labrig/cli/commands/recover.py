@@ -1,0 +1,44 @@
+"""An ordinary file of a session whose program died."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+from labrig.errors import BadInputError
+
+
+def recover(
+    session: Annotated[Path, typer.Argument(help="a session whose program died")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the whole file to make")
+    ] = None,
+    in_place: Annotated[
+        bool, typer.Option("--in-place", help="put it in the place of the original")
+    ] = False,
+) -> None:
+    """Make an ordinary file of a session whose program was killed or whose power failed.
+
+    The original is never altered without --in-place; the new file is NAME-recovered.h5 by default.
+    """
+    from labrig.session import recover as recover_session
+
+    if in_place and output is not None:
+        raise BadInputError("--in-place and --output exclude each other; give one of them.")
+    report = recover_session(session, output, in_place=in_place)
+    for note in report.notes:
+        say(note)
+    if report.output is None:
+        say(f"{session}: is whole; there is nothing to recover.")
+        return
+    say(
+        f"wrote {report.output}: {report.outcome.value}, {report.runs_completed} runs complete, "
+        f"{report.readings} readings, {report.frames} frames."
+    )
+
+
+COMMAND = Command("recover", recover, order=90)

@@ -1,0 +1,29 @@
+"""A recorded session, played again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.options import Recorded
+
+
+def replay(
+    session: Recorded,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="record what is replayed, too")
+    ] = None,
+) -> None:
+    """Play a recorded session through the same drivers and scheduler that recorded it.
+
+    Its configuration comes from the session itself. The measurements are those of the original.
+    """
+    from labrig.cli.follow import finish, replay_and_follow
+
+    finish(replay_and_follow(session, output))
+
+
+COMMAND = Command("replay", replay, order=60)

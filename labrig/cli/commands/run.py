@@ -1,0 +1,76 @@
+"""The experiment."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.errors import BadInputError
+
+
+def run(
+    rig: Annotated[Path | None, typer.Argument(help="rig.toml")] = None,
+    protocol: Annotated[Path | None, typer.Argument(help="protocol.toml")] = None,
+    sheet: Annotated[Path | None, typer.Argument(help="sheet.toml")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="the session file to make")
+    ] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
+    ] = False,
+    resume: Annotated[
+        Path | None,
+        typer.Option("--resume", help="a session to go on with; the files can be left out"),
+    ] = None,
+    diagnose: Annotated[
+        bool,
+        typer.Option(
+            "--diagnose", help="then say what the model is missing, and measure what separates it"
+        ),
+    ] = False,
+) -> None:
+    """Run the experiment and record it.
+
+    Asks for moves and moistening. Ctrl-C once stops after the current pulse, twice at once; the
+    output is 0 V either way. With a rig whose rig.toml says replay = "session.h5", plays that.
+
+    With --resume, runs what a session lacks: its complete runs are copied into a new session
+    (NAME-resumed.h5 unless -o says otherwise), the first incomplete one is begun anew.
+
+    With --diagnose, goes on after the run: where the data leave several effects open, proposes the
+    measurement that separates them, runs it as a session of its own (NAME-2.h5, ...) and diagnoses
+    all together, three times at most.
+    """
+    from labrig.cli.follow import finish, replay_and_follow, resume_and_follow, run_and_follow
+    from labrig.config import ReplayConfig, load_rig
+
+    if diagnose and resume is not None:
+        raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
+    if resume is not None and rig is None:
+        finish(resume_and_follow(resume, None, output, yes=yes))
+        return
+    if rig is None or protocol is None or sheet is None:
+        raise BadInputError(
+            "labrig run needs rig.toml, protocol.toml and sheet.toml, in this order; with --resume "
+            "none of them."
+        )
+    if resume is not None:
+        finish(resume_and_follow(resume, (rig, protocol, sheet), output, yes=yes))
+        return
+    if output is None:
+        raise BadInputError("labrig run needs -o with the name of the session file to make.")
+    config = load_rig(rig)
+    if isinstance(config, ReplayConfig):
+        finish(replay_and_follow(config.replay, output))
+        return
+    finish(run_and_follow(rig, protocol, sheet, output, yes=yes))
+    if diagnose:
+        from labrig.cli.follow_up import follow_up
+
+        follow_up(output, rig, sheet, yes=yes)
+
+
+COMMAND = Command("run", run, order=50)

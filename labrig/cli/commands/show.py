@@ -1,0 +1,43 @@
+"""What a session holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.options import Json
+from labrig.cli.screen import print_json, print_table, say
+
+
+def show(
+    session: Annotated[Path, typer.Argument(help="a recorded session, also a running one")],
+    compare: Annotated[
+        Path | None, typer.Option(help="another session: what differs, dataset by dataset")
+    ] = None,
+    log: Annotated[bool, typer.Option("--log", help="the event log, line by line")] = False,
+    as_json: Json = False,
+) -> None:
+    """Show what a session holds: outcome, runs, readings, losses, lateness."""
+    from labrig.report.tables.overview import overview
+    from labrig.session import compare_sessions, open_session
+
+    if compare is not None:
+        differences = compare_sessions(session, compare)
+        if as_json:
+            print_json({"equal": not differences, "differences": differences})
+        else:
+            say("\n".join(differences) or "the sessions are equal")
+        return
+    with open_session(session, live=True) as opened:
+        found = overview(opened)
+    if as_json:
+        print_json(found.as_dict())
+        return
+    for table in found.tables(log=log):
+        print_table(table.title, table.columns, table.rows)
+
+
+COMMAND = Command("show", show, order=80)

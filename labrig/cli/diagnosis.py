@@ -1,0 +1,80 @@
+"""Diagnose, print and keep a diagnosis: for `diagnose` and for `run --diagnose`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.cli.screen import print_table, progress, say, warn
+from labrig.errors import BadInputError, LabrigError
+
+if TYPE_CHECKING:
+    from labrig.report.parts.table import Table
+    from model import Measurements, SheetModel
+    from model.discrepancy import DiagnoseOptions, Diagnosis
+
+
+def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis:
+    """Diagnose with a progress bar."""
+    from model.discrepancy import diagnose
+
+    if not any(c.voltage_V for c in measurements.conditions):
+        raise BadInputError(
+            "nothing was measured under voltage, so there is no EIBM to be found; measure at 0 V"
+            " and at one voltage at least."
+        )
+    with progress("diagnose") as advance:
+        return diagnose(measurements, options, lambda text, share: advance(share, text))
+
+
+def known_model(path: Path | None) -> SheetModel | None:
+    """Load the model file whose effects are known, where one is given."""
+    if path is None:
+        return None
+    from labrig.model_file import load_model
+
+    return load_model(path)
+
+
+def keep(session: Path, found: Diagnosis) -> None:
+    """Store a diagnosis in the session; warn where the session cannot be written."""
+    from labrig.report.data.kept_diagnosis import keep_diagnosis
+
+    try:
+        keep_diagnosis(session, found)
+    except LabrigError as error:
+        warn(f"not kept in the session: {error}")
+
+
+def print_diagnosis(found: Diagnosis) -> None:
+    """Print the whole diagnosis, in the order in which it was made."""
+    from labrig.report.diagnosis import tables as made
+
+    say(made.gap_sentence(found))
+    print_noted_table(made.where_table(found))
+    for text in made.visibility(found):
+        say(text)
+    say()
+    print_noted_table(made.invisible_table(found))
+    print_noted_table(made.ranking_table(found))
+    for text in made.verdict_sentences(found):
+        say(text)
+    say()
+    print_noted_table(made.parameter_table(found))
+    print_noted_table(made.improvement_table(found))
+    scatter = made.scatter_sentence(found)
+    for text in [scatter] * bool(scatter) + made.further_sentences(found):
+        say(text)
+    for text in made.next_sentences(found):
+        say(text)
+
+
+def print_noted_table(table: Table | None) -> None:
+    """Print a table, where there is one, and the note below it."""
+    if table is None:
+        return
+    if table.rows:
+        print_table(table.title, table.columns, table.rows)
+    if table.note:
+        say(table.note)
+        say()

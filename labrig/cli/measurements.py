@@ -1,0 +1,59 @@
+"""The measurements that a command's arguments name, and the fit to them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.cli.screen import progress, warn
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from model import Fit, FitOptions, Measurements
+
+
+def of_sessions(sessions: list[Path]) -> Measurements:
+    """Return the measurements of sessions, combined; analyse what is not analysed yet."""
+    from labrig.analysis.together import together
+    from labrig.report.data.findings import measured
+
+    with progress("analyze") as advance:
+        return together([(path, measured(path, advance, warn)) for path in sessions])
+
+
+def of_sessions_or_tables(
+    sessions: list[Path] | None,
+    sheet: Path | None,
+    forces: Path | None,
+    curves: Path | None,
+    signals: Path | None,
+) -> Measurements:
+    """Return the measurements of sessions, or of CSV tables with a sheet.toml."""
+    tables = [path for path in (sheet, forces, curves, signals) if path is not None]
+    if sessions and tables:
+        raise BadInputError("give either a session or CSV tables, not both.")
+    if sessions:
+        return of_sessions(sessions)
+    if sheet is None or forces is None:
+        raise BadInputError("give a session, or CSV tables with --sheet and --forces.")
+    from labrig.config import load_sheet
+    from labrig.session import read_tables
+
+    found = read_tables(load_sheet(sheet), forces, curves, signals)
+    for text in found.warnings:
+        warn(text)
+    return found
+
+
+def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
+    """Fit all configurations that allow it; warn of the others with the reason."""
+    from labrig.report.data.fitted import fit_what_can_be
+
+    fitted = fit_what_can_be(measurements, options)
+    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
+    if fitted.fit is None:
+        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
+        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
+    for name, why in lacking.items():
+        warn(f"{name}: could not be fitted: {why}.")
+    return fitted.fit

@@ -1,0 +1,34 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
+RigFile = Annotated[Path, typer.Argument(help="rig.toml")]
+ModelFile = Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")]
+EachConfiguration = Annotated[
+    list[str] | None, typer.Option(help="repeatable; by default all that the model has")
+]
+
+# What `diagnose` and `next` measure the model against: sessions or CSV tables.
+Sessions = Annotated[
+    list[Path] | None,
+    typer.Argument(help="a session; further ones of the same sheet are taken together with it"),
+]
+SheetFile = Annotated[
+    Path | None, typer.Option(help="sheet.toml, with CSV tables instead of a session")
+]
+ForcesFile = Annotated[Path | None, typer.Option(help="forces.csv")]
+CurvesFile = Annotated[Path | None, typer.Option(help="curves.csv")]
+SignalsFile = Annotated[Path | None, typer.Option(help="signals.csv")]
+KnownModel = Annotated[
+    Path | None, typer.Option("--model", help="a model file, whose effects are taken as known")
+]
+Symmetric = Annotated[
+    bool, typer.Option("--symmetric", help="one |EIBM| for both polarities: asymmetry is a finding")
+]

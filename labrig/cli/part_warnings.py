@@ -1,0 +1,39 @@
+"""Warnings of parts that are left out, as sentences of the command line."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TextIO
+
+from labrig.cli.screen import warn
+
+# `drivers`, `model` and `sim_hardware` have a class of this name each. Comparing the classes would
+# import all three, which takes longer than the start of the program.
+_CATEGORY = "PluginWarning"
+
+
+@contextmanager
+def shown_as_sentences() -> Iterator[None]:
+    """Print the warning of a part that is left out once, as one sentence on standard error."""
+    printed: set[str] = set()
+    with warnings.catch_warnings():
+        as_python_does = warnings.showwarning
+
+        def show(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
+            if category.__name__ != _CATEGORY:
+                as_python_does(message, category, filename, lineno, file, line)
+            elif str(message) not in printed:
+                printed.add(str(message))
+                warn(f"labrig: {message}")
+
+        warnings.showwarning = show
+        yield

@@ -1,0 +1,87 @@
+"""A diagnosis as one self-contained page with its figures beside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from labrig.errors import BadInputError
+from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
+from labrig.report.diagnosis.tables import VERDICTS, percent
+from labrig.report.page.diagnosis_sections import sections_of
+from labrig.report.page.page import render_page, write_page
+from labrig.report.page.summary import Card
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.table import fixed
+from model.discrepancy.verdict.messages import CLEARLY
+from model.discrepancy.verdict.result import Diagnosis
+
+# title, name of the gap, decimals
+MEANS = (
+    ("Error of the force (RMS), mN", "force_rmse_mN", 3),
+    ("Error of the curve (RMS), mm", "curve_rmse_mm", 3),
+)
+IN_TIME = (
+    ("Error of the force along a run (RMS), mN", "drift_rmse_mN", 4),
+    ("Error of the curve along a run (RMS), mm", "drift_rmse_mm", 4),
+    ("Error of the force within a pulse (RMS), mN", "pulse_rmse_mN", 4),
+)
+
+
+def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
+    """Write the page and its figures and return the page's path."""
+    if folder.exists() and not folder.is_dir():
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.")
+    figures = FigureFolder(folder / "figures")
+    drawn = draw_diagnosis(found, figures)
+    figures.remove_others(FIGURES)
+    text = render_page(
+        "diagnosis.html.j2",
+        title=_title(found),
+        found=found,
+        cards=_cards(found),
+        remarks=[],
+        sections=sections_of(found, drawn),
+    )
+    write_page(text, folder / "index.html")
+    return folder / "index.html"
+
+
+def _title(found: Diagnosis) -> str:
+    return f"{found.model.source or 'measurements'}: {VERDICTS[found.verdict]}"
+
+
+def _cards(found: Diagnosis) -> list[Card]:
+    cards = []
+    named = [(e.name.replace("_", " "), percent(e.confidence), "") for e in found.effects]
+    if named:
+        cards.append(Card("Named, and how sure", tuple(named)))
+    if found.unknown is not None:
+        where = f"{found.unknown.peak_mm:.3g} {found.unknown.at_unit}"
+        cards.append(
+            Card("Unknown", ((found.unknown.location.replace("_", " "), f"most at {where}", ""),))
+        )
+    cards += [
+        Card(title, tuple(_gap_line(found, part, key, decimals) for part in ("fitted", "held_out")))
+        for title, key, decimals in (*MEANS, *IN_TIME)
+        if _worth_a_card(found, key)
+    ]
+    if np.isfinite(found.closed):
+        share = ("closed on left-out positions", f"{100 * found.closed:.1f} %", "")
+        cards.append(Card("The gap", (share,)))
+    return cards
+
+
+def _worth_a_card(found: Diagnosis, key: str) -> bool:
+    """Of the gaps in time only what shrinks: most sessions have none."""
+    before, after = (getattr(g, key) for g in (found.held_out.before, found.held_out.after))
+    in_time = key in {own for _, own, _ in IN_TIME}
+    measured = bool(np.isfinite(getattr(found.fitted.before, key)))
+    return measured and (not in_time or before > CLEARLY * after)
+
+
+def _gap_line(found: Diagnosis, part: str, key: str, decimals: int) -> tuple[str, str, str]:
+    both = getattr(found, part)
+    before, after = (fixed(getattr(g, key), decimals) for g in (both.before, both.after))
+    return "fitted" if part == "fitted" else "left out", f"{before} to {after}", ""

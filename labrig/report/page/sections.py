@@ -1,0 +1,63 @@
+"""The sections of one report: each is asked in turn, and one that fails costs itself alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from labrig.report.data.findings import Findings
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.section import Section
+from labrig.report.sections.conformance import content_faults
+from labrig.report.sections.interface import ReportSection
+
+
+@dataclass(frozen=True)
+class ReportContent:
+    """What the page shows, and a sentence for each section that could not be made."""
+
+    sections: tuple[Section, ...]
+    left_out: tuple[str, ...]
+
+
+def report_content(
+    findings: Findings,
+    figures: FigureFolder,
+    known: Mapping[str, ReportSection],
+) -> ReportContent:
+    """Return the known sections that apply. Raises LabrigError when figures are not written."""
+    sections: dict[str, Section] = {}
+    left_out = []
+    for name, part in known.items():
+        try:
+            made = _made(part, findings, figures)
+            if made is not None and made.anchor in sections:
+                raise ValueError(f"there is a section called {part.title} already")
+        except Exception as error:
+            if error is figures.failure:
+                raise
+            left_out.append(_why(name, part, error))
+            continue
+        if made is not None:
+            sections[made.anchor] = made
+    figures.remove_others([figure for part in known.values() for figure in part.figures])
+    return ReportContent(tuple(sections.values()), tuple(left_out))
+
+
+def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Section | None:
+    if not part.applies(findings):
+        return None
+    made = part.make(findings, figures)
+    faults = content_faults(made, part.figures)
+    if faults:
+        raise ValueError("; ".join(faults))
+    section = Section(sentences=(made,)) if isinstance(made, str) else made
+    return None if section.is_empty else replace(section, title=part.title)
+
+
+def _why(name: str, part: ReportSection, error: Exception) -> str:
+    text = " ".join(str(error).split()).rstrip(".")
+    return (
+        f"The section '{part.title}' ({name}) is left out: "
+        f"making it failed with {type(error).__name__}: {text}."
+    )

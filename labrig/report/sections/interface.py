@@ -1,0 +1,44 @@
+"""The contract of a report's section."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from drivers.plugins import PluginFolder
+from labrig.report.data.findings import Findings
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.section import Section
+from labrig.report.sections.conformance import faults
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportSection:
+    """A section of every report to which it applies; its name is that of its file or entry point.
+
+    Both functions are called once for each report, in one thread, and may take as long as drawing
+    takes. They only read: the session is open for reading and is closed after the last section.
+    What either raises leaves this section out of the page with a sentence; the others are written.
+    """
+
+    title: str  # its heading, unlike any other section's
+    order: float  # sections stand in ascending order; fractions leave room between two
+    applies: Callable[[Findings], bool]  # whether it has something to show of these findings
+    # Return the section, without a title, or one sentence that says why nothing can be shown.
+    make: Callable[[Findings, FigureFolder], Section | str]
+    figures: tuple[str, ...] = ()  # names it may draw; files of those not drawn are removed
+
+
+SECTIONS: PluginFolder[ReportSection] = PluginFolder(
+    what="report section",
+    package="labrig.report.sections",
+    constant="SECTION",
+    group="labrig.report_sections",
+    faults=faults,
+)
+
+
+def ordered() -> dict[str, ReportSection]:
+    """Return all sections by name, in the order in which a report shows them."""
+    parts = {name: part.part for name, part in SECTIONS.parts().items()}
+    return dict(sorted(parts.items(), key=lambda item: (item[1].order, item[0])))

@@ -1,0 +1,30 @@
+"""The record: what the session file says of itself, its versions, its event log."""
+
+from __future__ import annotations
+
+from labrig.report.data.findings import Findings
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.section import Folded, Section
+from labrig.report.parts.table import Table
+from labrig.report.sections.interface import ReportSection
+from labrig.report.tables.overview import overview
+
+
+def make(findings: Findings, _figures: FigureFolder) -> Section | str:
+    """Return the session's facts and checksums, and folded its log."""
+    session = findings.session
+    facts, _, log = overview(session).tables(log=True)
+    sums = [("recorded data, sha256", session.checksum)]
+    if findings.measurements is not None and findings.measurements.checksum:
+        sums.append(("measurements were made from", findings.measurements.checksum))
+    versions = tuple(sorted(session.versions.items()))
+    return Section(
+        (
+            Table("Session", facts.columns, (*facts.rows, *sums)),
+            Table("Recorded with", ("", ""), versions),
+            Folded(f"Event log, {len(log.rows)} lines", log),
+        )
+    )
+
+
+SECTION = ReportSection(title="Record", order=70, applies=lambda _findings: True, make=make)

@@ -1,1 +1,0 @@
-"""The data vector of a diagnosis: summary statistics, acquisition times, row index."""

@@ -1,0 +1,60 @@
+"""What is odd about data that can be fitted all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from model.discrepancy.verdict.fitted_model import base_parameters
+from model.identification.data.acquisition_times import run_key
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.measurements import Measurements
+
+SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, steel
+SLIPS_OUT = 1.02  # contact over the length of sheet and elongation
+
+
+def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
+    """One sentence for each oddity."""
+    yield from _moduli(base)
+    yield from _out_of_reach(base)
+    yield from _of_no_run(measurements)
+
+
+def _moduli(base: MixedModelFit) -> Iterator[str]:
+    for name, found in base_parameters(base).items():
+        study = base.problem.study
+        sheet = study.scenes[study.names.index(name)].sheet
+        area = sheet.width_m * sheet.thickness_m**3 / 12.0
+        if area <= 0.0:
+            continue
+        modulus = found["B_Nm2"].value / area
+        if not SOFTEST_PA < modulus < STIFFEST_PA:
+            yield (
+                f"the stiffness of '{name}' would mean a Young's modulus of {modulus:.1e} Pa, which"
+                " no sheet has; check that forces are in mN, lengths in mm"
+            )
+
+
+def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
+    study = base.problem.study
+    for c, state in enumerate(base.linear.states):
+        scene = study.scenes[c]
+        whole = scene.sheet.free_length_m + scene.sheet.elongation_m
+        far = state.solved.contact.s_hat_m > SLIPS_OUT * whole
+        for at_m in np.unique(scene.stated_m[far & np.isfinite(scene.stated_m)]):
+            yield (
+                f"'{study.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip out"
+                " of the rolls before"
+            )
+
+
+def _of_no_run(measurements: Measurements) -> Iterator[str]:
+    known = {run_key(c)[:3] for c in measurements.conditions}
+    for series in measurements.series:
+        if series.position_m is not None and run_key(series)[:3] not in known:
+            yield (
+                f"the series of '{series.configuration}' at {series.position_m * 1e3:g} mm is left"
+                " out: no force was measured there"
+            )

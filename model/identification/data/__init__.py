@@ -1,0 +1,1 @@
+"""The data vector: summary statistics of the readings, curves and pulses, acquisition times."""

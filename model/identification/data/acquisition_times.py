@@ -1,0 +1,182 @@
+"""When each reading was taken: in its pulse, in its run, in the session.
+
+What nobody wrote down is taken as the protocol has it: readings are spaced by the pulses, runs go
+by the order of the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.pulses import SAMPLE_S
+from model.measurements import Condition, FloatArray, Reading, TimeSeries
+
+PULSE_S = 0.6
+AMID = 10.0  # number of a pulse long after the first one
+OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
+# configuration, position (inf: free), mounting, run, tilt of the rig
+RunKey = tuple[str, float, int, int, float]
+
+
+def run_key(condition: Condition | TimeSeries) -> RunKey:
+    """What the conditions of one set-up share."""
+    position = np.inf if condition.position_m is None else condition.position_m
+    # a series does not say how the rig was tilted
+    tilt_rad = condition.tilt_rad if isinstance(condition, Condition) else 0.0
+    return condition.configuration, float(position), condition.mounting, condition.run, tilt_rad
+
+
+@dataclass(frozen=True)
+class SessionTimes:
+    """When in the session readings were taken.
+
+    Where nobody wrote it down, runs are taken to have been made in the order of the table.
+    """
+
+    first_s: float
+    last_s: float
+    runs: list[RunKey]  # in the order of the table; empty: times are known
+    worked_s: dict[RunKey, float]  # under voltage before each run
+    driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
+
+    @staticmethod
+    def of(conditions: Sequence[Condition]) -> SessionTimes:
+        """Of all readings of all configurations."""
+        held = [c for c in conditions if c.position_m is not None]
+        times = [r.session_s for c in conditions for r in c.readings]
+        known = [t for t in times if t is not None]
+        first, last = (min(known), max(known)) if known else (0.0, 0.0)
+        runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
+        return SessionTimes(first, last, runs, *_worked(held))
+
+    def share(self, condition: Condition, reading: Reading) -> float:
+        """0 to 1 over the session; 0.5 where only this reading's time is not known."""
+        key = run_key(condition)
+        if key in self.runs:
+            return (self.runs.index(key) + 0.5) / len(self.runs)
+        if reading.session_s is None or self.last_s <= self.first_s:
+            return 0.5
+        return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
+
+
+@dataclass(frozen=True)
+class ReadingTimes:
+    """What the clocks of a condition's readings have in common."""
+
+    voltage_V: float
+    zeros: int  # readings of the run before its first pulse
+    ratio: float  # |EIBM(-)/EIBM(+)|
+    rise_s: float
+    worked_s: float  # under voltage before the run
+    driven_s: float = 0.0  # ... since the sheet was last wetted
+
+    def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
+        """Of readings in time order; those without times are taken as spaced by the pulses."""
+        index = np.array([r.index for r in readings], dtype=float)
+        run_s = np.array(
+            [r.index * PULSE_S + SAMPLE_S if r.time_s is None else r.time_s for r in readings]
+        )
+        wetted = np.array(
+            [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
+        )
+        return self._clock(index, run_s, np.array(session), wetted)
+
+    def of_no_reading(self, session: float) -> AcquisitionTimes:
+        """Of a free shape, at this time of the session, in a pulse amid others."""
+        pulse = np.full(1, AMID)
+        run_s = PULSE_S * pulse + SAMPLE_S
+        return replace(self, zeros=0)._clock(pulse, run_s, np.full(1, session), run_s)
+
+    def _clock(
+        self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray
+    ) -> AcquisitionTimes:
+        shape = index.shape
+        pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
+        driven = PULSE_S * np.maximum(pulse, 0.0)
+        dried = self.driven_s + driven
+        before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
+        opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
+        return AcquisitionTimes(
+            np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
+            wetted, dried, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
+        )  # fmt: skip
+
+
+def _worked(
+    conditions: Sequence[Condition],
+) -> tuple[dict[RunKey, float], dict[RunKey, float]]:
+    """Time under voltage before each run, and since the last wetting, in s.
+
+    Runs go by their times, else by the table. Where nobody wrote down when the sheet was wetted it
+    was just before each run.
+    """
+    begun, wetted, pulses = dict[RunKey, float](), dict[RunKey, float](), dict[RunKey, int]()
+    first = first_pulses(conditions)
+    for c in conditions:
+        key = run_key(c)
+        for r in c.readings:
+            if r.session_s is not None:
+                begun[key] = min(begun.get(key, np.inf), r.session_s)
+                since = 0.0 if r.wetted_s is None else r.wetted_s
+                wetted[key] = min(wetted.get(key, np.inf), r.session_s - since)
+        begun.setdefault(key, np.inf)
+        last = max((r.index for r in c.readings if c.voltage_V), default=-1)
+        pulses[key] = max(pulses.get(key, 0), 1 + last - first.get(key, 0))
+    order = sorted(begun, key=begun.__getitem__)
+    worked, driven = dict[RunKey, float](), dict[RunKey, float]()
+    for i, key in enumerate(order):
+        worked[key] = PULSE_S * sum(pulses[one] for one in order[:i])
+        same = [one for one in order[:i] if begun[one] > wetted.get(key, np.inf)]
+        driven[key] = PULSE_S * sum(pulses[one] for one in same)
+    return worked, driven
+
+
+def first_pulses(conditions: Sequence[Condition]) -> dict[RunKey, int]:
+    """The number that a reading of each run's first pulse has, or would have.
+
+    Readings that are not recorded, such as those of discarded pulses, may have no number: then
+    their times say how many there were.
+    """
+    readings: dict[RunKey, list[tuple[Reading, float]]] = {}
+    for c in conditions:
+        readings.setdefault(run_key(c), []).extend((r, c.voltage_V) for r in c.readings)
+    result = {}
+    for key, every in readings.items():
+        zeros = [r for r, volts in every if volts == 0.0]
+        pulses = [r for r, volts in every if volts != 0.0]
+        if not zeros:
+            continue
+        last = max(zeros, key=lambda r: r.index)
+        result[key] = 1 + last.index
+        if pulses:
+            first = min(pulses, key=lambda r: r.index)
+            result[key] = first.index - _before(last, first)
+    return result
+
+
+def _before(last: Reading, first: Reading) -> int:
+    """Pulses between the last reading at 0 V and the first one under voltage."""
+    numbered = first.index - last.index - 1
+    if last.time_s is None or first.time_s is None:
+        return numbered
+    timed = (first.time_s - last.time_s) / PULSE_S - 1.0
+    whole = abs(timed - round(timed)) < OFF_PULSE and 0 <= round(timed) <= MOST_DISCARDED
+    return round(timed) if whole else numbered
+
+
+def opposite_ratio(conditions: list[Condition]) -> float:
+    """Rough |EIBM(-)/EIBM(+)|, from how far the forces move."""
+    mean: dict[float, list[float]] = {}
+    for c in conditions:
+        if c.position_m is not None and c.used():
+            mean.setdefault(np.sign(c.voltage_V), []).append(
+                float(np.mean([r.force_N for r in c.used()]))
+            )
+    if not {-1.0, 0.0, 1.0} <= set(mean):
+        return 1.0
+    zero, up, down = (float(np.mean(mean[k])) for k in (0.0, 1.0, -1.0))
+    return float(np.clip(abs(down - zero) / max(abs(up - zero), 1e-9), 0.3, 3.0))

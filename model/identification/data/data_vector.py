@@ -1,0 +1,301 @@
+"""What `diagnose` looks at: every condition's readings in time order, its curve, and the pulses.
+
+Ten readings become a few numbers: their mean, and how they go with time (orthonormal polynomials up
+to the third degree; what is left of them only says how noisy a reading is). The readings of the
+first pulses, which are in no mean, stand for themselves, less that mean. A curve becomes the
+coefficients of its distance from the prediction ("modes"). A recorded series becomes the force in
+parts of a pulse, relative to the sampling point, averaged over the pulses of a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial import legendre
+
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.acquisition_times import (
+    ReadingTimes,
+    RunKey,
+    SessionTimes,
+    first_pulses,
+    opposite_ratio,
+    run_key,
+)
+from model.identification.data.pulses import BINS_S, parts_of_pulses
+from model.identification.observations import check_sheet, checked_curve
+from model.measurements import (
+    Condition,
+    Curve,
+    FloatArray,
+    Measurements,
+    ModelError,
+    Reading,
+    SheetGeometry,
+    TimeSeries,
+)
+
+TRENDS = 4  # the mean, and polynomials in time up to the third degree
+FEWEST_PULSES = 3  # of one polarity, to know how much they scatter
+EDGE_STEPS = 0.3  # the uncertainty of an edge's time, in sampling intervals (uniform: 1/sqrt(12))
+Index = npt.NDArray[np.int64]
+Which = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ConditionData:
+    """One condition."""
+
+    name: str
+    configuration: str
+    run: RunKey
+    position_m: float  # NaN: free
+    voltage_V: float
+    up: float
+    force_N: FloatArray  # (n,) readings in time order; none where there is no load cell
+    clock: AcquisitionTimes  # of these readings, arrays (n,)
+    counts: Which  # (n,) whether a reading is in the mean: not those of the discarded first pulses
+    curve: Curve | None  # of the mean image, or the mean of the readings' curves
+    # of each reading, or of those that count; empty: not recorded one by one
+    own_curves: tuple[Curve, ...]
+    identical: bool = False  # the readings were, which no load cell's are
+    tilt_rad: float = 0.0  # of the rig about the sheet's long axis
+    zero: bool = False  # the load cell's own, with nothing to touch: no shape of the sheet
+
+    @property
+    def free(self) -> bool:
+        """Whether nothing touches the sheet."""
+        return bool(np.isnan(self.position_m))
+
+    @property
+    def kept_N(self) -> FloatArray:
+        """The readings that count."""
+        return self.force_N[self.counts]
+
+    @property
+    def kept_clock(self) -> AcquisitionTimes:
+        """When these were taken."""
+        return self.clock.of(self.counts)
+
+
+@dataclass(frozen=True)
+class PulseSeries:
+    """The force in parts of the pulses of one run at one voltage, less that at the sample."""
+
+    configuration: str
+    run: RunKey
+    condition: int  # index among the configuration's conditions
+    middle_s: FloatArray  # (bins,) times in the pulse
+    width_s: FloatArray
+    force_N: FloatArray  # (bins,) mean over the pulses
+    variance_N2: FloatArray  # (bins,) of that mean
+    edge_s: float  # how well the edges' times are known
+
+
+@dataclass(frozen=True)
+class DataVector:
+    """One configuration."""
+
+    sheet: SheetGeometry
+    seen: tuple[ConditionData, ...]
+    pulses: tuple[PulseSeries, ...]
+    session_s: float = 0.0  # from the first reading of all configurations to the last; 0: unknown
+
+    @property
+    def voltages_V(self) -> list[float]:
+        """Driving voltages, ascending."""
+        return sorted({s.voltage_V for s in self.seen if s.voltage_V != 0.0})
+
+
+def look(measurements: Measurements, configuration: str) -> DataVector:
+    """Everything usable of a configuration; a `ModelError` where there is nothing."""
+    sheet = measurements.sheets.get(configuration)
+    if sheet is None:
+        known = ", ".join(sorted(measurements.sheets)) or "none"
+        raise ModelError(f"there is no configuration '{configuration}' (known: {known})")
+    check_sheet(sheet)
+    every = _told_apart(measurements.conditions)
+    own = [c for c in every if c.configuration == configuration]
+    if not own:
+        raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
+    session = SessionTimes.of(every)
+    zeros = first_pulses(own)
+    ratio = opposite_ratio(own)
+    begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
+    found = [_seen(c, sheet, session, zeros, ratio, begun) for c in own]
+    seen = tuple(s for s in found if s is not None)
+    if not seen:
+        reasons = sorted({r.why for c in own for r in c.readings if r.why})
+        why = f" ({'; '.join(reasons)})" if reasons else ""
+        raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
+    zeros_N = (_load_cell_zero(c, session, begun) for c in own)
+    seen += tuple(s for s in zeros_N if s is not None)
+    series = [s for s in measurements.series if s.configuration == configuration]
+    pulses = [p for s in series for p in _pulses(s, seen)]
+    return DataVector(sheet, seen, tuple(pulses), session.last_s - session.first_s)
+
+
+def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
+    """A position approached from above is a run of its own, also where nobody says so."""
+
+    def place(one: Condition) -> tuple[object, ...]:
+        return one.configuration, one.position_m, one.mounting, one.run, one.tilt_rad
+
+    below = {place(one) for one in conditions if one.approach != "down"}
+    return [
+        replace(one, run=one.run + 1) if one.approach == "down" and place(one) in below else one
+        for one in conditions
+    ]
+
+
+def _seen(
+    condition: Condition,
+    sheet: SheetGeometry,
+    session: SessionTimes,
+    zeros: dict[RunKey, int],
+    ratio: float,
+    begun: float,
+) -> ConditionData | None:
+    """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite.
+
+    Free shapes are taken before the positions, so as the first of these begins, at `begun`.
+    """
+    at_m, free = condition.position_m, condition.position_m is None
+    place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
+    name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
+    readings = sorted(condition.used(), key=_index)
+    if (not free and not readings) or (free and condition.curve is None):
+        return None
+    if not np.isfinite(condition.voltage_V):
+        raise ModelError(f"the voltage of condition {name} is not a finite number")
+    identical = not free and len(readings) > 1 and len({r.force_N for r in readings}) == 1
+    if identical:  # one reading each, from the middle of them
+        readings = readings[len(readings) // 2 :][:1]
+    curve, own = _curves(condition, readings, name)
+    early = [] if free or identical else _early(condition)
+    own = (*_alike([r.curve for r in early], own, name), *own)
+    readings = [*early, *readings]
+    forces = np.array([] if free else [r.force_N for r in readings])
+    if not np.all(np.isfinite(forces)):
+        raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
+    key = run_key(condition)
+    timing = ReadingTimes(
+        condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s,
+        session.worked_s.get(key, 0.0), session.driven_s.get(key, 0.0),
+    )  # fmt: skip
+    return ConditionData(
+        name, condition.configuration, key, np.nan if at_m is None else float(at_m),
+        condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
+        timing.of_no_reading(begun)
+        if free else timing.of(readings, [session.share(condition, r) for r in readings]),
+        np.arange(len(forces)) >= len(early), curve, () if free else own, identical,
+        condition.tilt_rad,
+    )  # fmt: skip
+
+
+def _load_cell_zero(
+    condition: Condition, session: SessionTimes, begun: float
+) -> ConditionData | None:
+    """What the load cell shows at 0 V without contact; None: nothing, or always the same.
+
+    Taken at a position it belongs to the run there, else it is a set-up of its own.
+    """
+    chosen = [r for r in condition.readings if r.kind == "no_contact" and r.valid]
+    readings = sorted(chosen, key=_index)
+    forces = np.array([r.force_N for r in readings])
+    if condition.voltage_V != 0.0 or len(set(forces.tolist())) < 2:
+        return None
+    name = f"{condition.configuration}, without contact, +0 V"
+    if not np.all(np.isfinite(forces)):
+        raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
+    times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
+    return ConditionData(
+        name, condition.configuration, run_key(condition), np.nan, 0.0, 1.0, forces,
+        ReadingTimes(0.0, 0, 1.0, 0.0, 0.0).of(readings, times), np.ones(len(forces), dtype=bool),
+        None, (), tilt_rad=condition.tilt_rad, zero=True,
+    )  # fmt: skip
+
+
+def _alike(curves: list[Curve | None], others: tuple[Curve, ...], name: str) -> tuple[Curve, ...]:
+    """Curves of as many points as the others have; none where one has not."""
+    found = tuple(checked_curve(c, name) for c in curves if c is not None)
+    lengths = {len(c.s_m) for c in (*found, *others)}
+    return found if others and len(found) == len(curves) and len(lengths) == 1 else ()
+
+
+def _index(reading: Reading) -> int:
+    """Readings go by their numbers."""
+    return reading.index
+
+
+def _early(condition: Condition) -> list[Reading]:
+    """The valid readings of the discarded first pulses, in time order.
+
+    Without a reading that counts, there is nothing to which they might be compared; what is
+    discarded later, such as while a sheet relaxes from a hold, is none of them.
+    """
+    first = min((r.index for r in condition.used()), default=-1)
+    found = [r for r in condition.readings if r.kind == "discarded" and r.valid and r.index < first]
+    return sorted(found, key=_index) if condition.voltage_V != 0.0 else []
+
+
+def _curves(
+    condition: Condition, readings: list[Reading], name: str
+) -> tuple[Curve | None, tuple[Curve, ...]]:
+    """The curve of the mean image, and those of all readings where they can be compared."""
+    own = tuple(checked_curve(r.curve, name) for r in readings if r.curve is not None)
+    alike = len({len(c.s_m) for c in own}) == 1
+    curve = None if condition.curve is None else checked_curve(condition.curve, name)
+    if curve is None and alike:
+        curve = _mean_curve(own)
+    if curve is None or not alike or not len(own) == len(readings) > 1:
+        return curve, ()
+    return curve, own if len(own[0].s_m) == len(curve.s_m) else ()
+
+
+def _mean_curve(curves: tuple[Curve, ...]) -> Curve:
+    s, x, y = (np.mean([getattr(c, a) for c in curves], axis=0) for a in ("s_m", "x_m", "y_m"))
+    return Curve(s, x, y)
+
+
+def _pulses(series: TimeSeries, seen: tuple[ConditionData, ...]) -> Iterator[PulseSeries]:
+    """Parts of the kept pulses of one run, for each driving voltage."""
+    if series.position_m is None:
+        return
+    parts = parts_of_pulses(series)
+    for i, one in enumerate(seen):
+        # a series does not say how the rig was tilted
+        if one.run[:4] != run_key(series)[:4] or one.voltage_V == 0.0:
+            continue
+        own = parts.get(float(np.sign(one.voltage_V)))
+        if own is None or len(own) < FEWEST_PULSES:
+            continue
+        yield PulseSeries(
+            one.configuration, one.run, i, 0.5 * (BINS_S[1:] + BINS_S[:-1]), np.diff(BINS_S),
+            own.mean(axis=0), np.var(own, axis=0, ddof=1) / len(own),
+            EDGE_STEPS * float(np.median(np.diff(series.time_s))),
+        )  # fmt: skip
+
+
+def shares(seen: ConditionData) -> FloatArray:
+    """Of each reading in the mean of its condition: (n,)."""
+    count = int(np.count_nonzero(seen.counts))
+    return np.asarray(seen.counts / max(1, count), dtype=float)
+
+
+def trends(clock: AcquisitionTimes) -> FloatArray:
+    """Rows that turn n readings into their mean and orthonormal trends in time: (m, n)."""
+    n = len(clock.run_s)
+    if n == 0:
+        return np.zeros((0, 0))
+    t = clock.run_s - clock.run_s.mean()
+    scale = float(np.max(np.abs(t))) or 1.0
+    V = legendre.legvander(t / scale, min(TRENDS, n) - 1)
+    Q, _ = np.linalg.qr(V)
+    Q = Q * np.sign(Q[-1])
+    rows: FloatArray = Q.T.copy()
+    rows[0] = 1.0 / n
+    return rows

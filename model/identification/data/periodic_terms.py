@@ -1,0 +1,207 @@
+"""What comes again and again in the readings: a cell that beats, an EIBM that breathes.
+
+Readings are looked at by their means and slow trends; what swings faster would only make them look
+noisy. A period and a phase that explain most of what the trends leave of all readings at once, of
+their forces or of how far out their curves are, are no noise, nor a wander, which keeps no time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal, get_args
+
+import numpy as np
+
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.data_vector import TRENDS, ConditionData, DataVector, trends
+from model.measurements import Curve, FloatArray
+
+What = Literal["force", "EIBM"]
+Since = Literal["run", "worked", "session"]
+LONGEST_S, SHORTEST_S = 12.0, 1.25  # slower is a trend; quicker looks like a slower one
+MOST = 0.8  # share of what the trends leave that a wave must explain
+LEAST_N = 1e-4  # amplitude in the forces: a load cell's wander may be a smaller wave by itself
+FEWEST = 40  # numbers in which it is looked for
+FINE, MOST_TRIED = 3, 10_000  # rates tried for each that the readings can tell apart, and in all
+NEAR = 41  # tried once more about the best one
+MORE = 0.01  # of the share that another clock must explain more
+
+
+def cosine(phase: FloatArray) -> FloatArray:
+    """Of a phase in periods."""
+    return np.asarray(np.cos(2.0 * np.pi * phase))
+
+
+def sine(phase: FloatArray) -> FloatArray:
+    """Of a phase in periods."""
+    return np.asarray(np.sin(2.0 * np.pi * phase))
+
+
+PHASES = (cosine, sine)
+
+
+@dataclass(frozen=True)
+class PeriodicTerm:
+    """What comes again in all readings, always in the same phase."""
+
+    what: What  # adds to the force, or to the EIBM in proportion to it
+    period_s: float
+    since: Since  # anew in each run, or on through the session, or through its time under voltage
+    session_s: float  # length of the session
+    amplitudes: tuple[float, float]  # of cosine and sine: N, or relative
+
+    def phase(self, clock: AcquisitionTimes) -> FloatArray:
+        """In periods: (n,)."""
+        return _seconds(clock, self.since, self.session_s) / self.period_s
+
+    def added_N(self, clock: AcquisitionTimes) -> FloatArray | float:
+        """What it adds to the force of readings: (n,)."""
+        if self.what != "force":
+            return 0.0
+        phase = self.phase(clock)
+        a, b = self.amplitudes
+        return np.asarray(a * cosine(phase) + b * sine(phase))
+
+
+@dataclass(frozen=True)
+class _Series:
+    """A number of each reading, of all conditions that have more of them than trends."""
+
+    values: FloatArray  # (n,) N, or m times the root of a curve's points
+    clock: AcquisitionTimes
+    lever: FloatArray  # (n,) how much of the values the EIBM makes
+    trends: tuple[FloatArray, ...]  # of each condition (rows, own readings), orthonormal
+    session_s: float
+    least: float  # amplitude of a wave in the values that counts
+
+    @staticmethod
+    def of(
+        found: Sequence[tuple[ConditionData, FloatArray, float]],
+        session_s: float,
+        least: float = 0.0,
+    ) -> _Series | None:
+        """Of conditions with their numbers and levers; None: too few, or not measured yet."""
+        T = [_orthonormal(one.kept_clock) for one, _, _ in found]
+        few = sum(rows.shape[1] - len(rows) for rows in T) < FEWEST
+        if few or not any(np.any(values) for _, values, _ in found):
+            return None
+        levers = [np.full(len(values), lever) for _, values, lever in found]
+        return _Series(
+            np.concatenate([values for _, values, _ in found]),
+            AcquisitionTimes.joined([one.kept_clock for one, _, _ in found]),
+            np.concatenate(levers), tuple(T), session_s, least,
+        )  # fmt: skip
+
+    def left(self, values: FloatArray) -> FloatArray:
+        """What trends leave of values (n, ...)."""
+        result, start = values.copy(), 0
+        for T in self.trends:
+            own = slice(start, start + T.shape[1])
+            result[own] -= T.T @ (T @ values[own])
+            start = own.stop
+        return result
+
+    def best(self, what: What, since: Since) -> tuple[PeriodicTerm, float] | None:
+        """The wave that explains most, and the share of what trends leave that it explains."""
+        at_s = _seconds(self.clock, since, self.session_s)
+        rates = _rates(float(np.ptp(at_s)))
+        if not len(rates):
+            return None
+        lever = self.lever if what == "EIBM" else np.ones(len(at_s))
+        i = int(np.argmax(self._fitted(lever, at_s, rates)[2]))
+        near = rates[i] + np.linspace(-1.0, 1.0, NEAR) * (rates[1] - rates[0])
+        near = near[near > 0.0]
+        a, b, share = self._fitted(lever, at_s, near)
+        i = int(np.argmax(share))
+        amplitudes = float(a[i]), float(b[i])
+        if np.hypot(*amplitudes) * np.sqrt(np.mean(lever**2)) < self.least:
+            return None
+        return PeriodicTerm(what, float(1.0 / near[i]), since, self.session_s, amplitudes), float(
+            share[i]
+        )
+
+    def _fitted(
+        self, lever: FloatArray, at_s: FloatArray, rates: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Amplitudes of cosine and sine at each rate (1/s), and the share that they explain."""
+        phase = at_s[:, None] * rates
+        y = self.left(self.values)
+        c, s = (self.left(lever[:, None] * wave(phase)) for wave in PHASES)
+        # of each rate, two normal equations by hand
+        cc, ss, cs, cy, sy = np.sum(c * c, 0), np.sum(s * s, 0), np.sum(c * s, 0), y @ c, y @ s
+        det = cc * ss - cs**2
+        det = np.where(det > 1e-6 * cc * ss, det, np.inf)
+        a, b = (ss * cy - cs * sy) / det, (cc * sy - cs * cy) / det
+        return a, b, (a * cy + b * sy) / max(float(y @ y), 1e-300)
+
+
+def wave_in(looks: Sequence[DataVector]) -> PeriodicTerm | None:
+    """The wave that explains most of what trends leave of the readings; None: there is none."""
+    session_s = max(look.session_s for look in looks)
+    forces = _Series.of([x for look in looks for x in _forces(look)], session_s, LEAST_N)
+    curves = _Series.of([x for look in looks for x in _curves(look)], session_s)
+    kinds: list[tuple[_Series | None, What]]
+    kinds = [(forces, "force"), (forces, "EIBM"), (curves, "EIBM")]
+    best, most = None, MOST
+    for (series, what), since in product(kinds, get_args(Since)):
+        found = None if series is None else series.best(what, since)
+        if found is not None and found[1] > most:
+            best, most = found[0], found[1] + MORE
+    return best
+
+
+def _forces(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
+    """Of each condition that is repeated; the EIBM makes what the force is more than at 0 V."""
+    for one, rest in _with_rest(look):
+        known = one.voltage_V != 0.0 and rest is not None and len(rest.kept_N) > 0
+        at_rest_N = np.mean(rest.kept_N) if known and rest is not None else np.mean(one.kept_N)
+        yield one, one.kept_N, float(np.mean(one.kept_N) - at_rest_N)
+
+
+def _curves(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
+    """How far each reading's curve is from the mean one, the way that this is from that at 0 V."""
+    for one, rest in _with_rest(look):
+        own = one.own_curves[-len(one.kept_N) :]
+        if not own or not one.voltage_V or rest is None or rest.curve is None or one.curve is None:
+            continue
+        n = min(len(own[0].s_m), len(rest.curve.s_m), len(one.curve.s_m))
+        mean, still = _points(one.curve, n), _points(rest.curve, n)
+        reach = float(np.linalg.norm(mean - still))
+        way = (mean - still) / max(reach, 1e-12)
+        yield one, np.array([(_points(c, n) - mean) @ way for c in own]), reach
+
+
+def _with_rest(look: DataVector) -> Iterator[tuple[ConditionData, ConditionData | None]]:
+    """Conditions that are repeated more often than there are trends, with their run's at 0 V."""
+    rest = {one.run: one for one in look.seen if not one.voltage_V and not one.zero}
+    for one in look.seen:
+        if not one.free and len(one.kept_N) > TRENDS:
+            yield one, rest.get(one.run)
+
+
+def _points(curve: Curve, n: int) -> FloatArray:
+    """The first n points' x, then their y."""
+    return np.concatenate([curve.x_m[:n], curve.y_m[:n]])
+
+
+def _orthonormal(clock: AcquisitionTimes) -> FloatArray:
+    """Trends in time, the mean among them: (rows, n)."""
+    T = trends(clock)
+    T[0] *= np.sqrt(T.shape[1])
+    return T
+
+
+def _seconds(clock: AcquisitionTimes, since: Since, session_s: float) -> FloatArray:
+    """When readings were taken."""
+    if since == "session":
+        return clock.session * session_s
+    return np.asarray(clock.run_s if since == "run" else clock.worked_s, dtype=float)
+
+
+def _rates(span_s: float) -> FloatArray:
+    """Inverse periods to try in readings over so long a time, evenly spaced (1/s)."""
+    fastest, slowest = 1.0 / SHORTEST_S, 1.0 / LONGEST_S
+    count = int(np.ceil((fastest - slowest) * span_s * FINE))
+    return np.linspace(slowest, fastest, count) if 2 <= count <= MOST_TRIED else np.zeros(0)

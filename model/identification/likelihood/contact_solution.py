@@ -1,0 +1,387 @@
+"""Solves the conditions of one configuration and says how forces and curves answer to anything.
+
+Quantities along the sheet are values at Gauss-Legendre nodes; a change of any of them, of
+stiffness, contact or clamp becomes a change of forces and curve modes through one matrix, so that
+the signatures of all effects cost next to nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
+from model.identification.data.data_vector import DataVector, Index, shares
+from model.identification.residual_vector import STEEPEST_PER_M, legendre_field
+from model.measurements import FloatArray, ModelError
+from model.mechanics.collocation import rule
+from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
+from model.mechanics.field import Field, merged_breaks, padded
+from model.mechanics.free_shape import free_shape
+
+NODES_LONG, NODES_SHORT = 14, 6
+MODES_LONG, MODES_SHORT = 10, 5
+MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """Derivatives of force (K, Q) and modes (K, M, Q), by the `ConfigurationModel.columns`."""
+
+    force: FloatArray
+    modes: FloatArray
+
+
+@dataclass(frozen=True)
+class SolvedConditions:
+    """What a `BeamProblem` gives."""
+
+    contact: ContactSolution
+    force_N: FloatArray  # (K,) NaN: free
+    modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
+    x_m: FloatArray  # (K, S) predicted points at the measured s, in the frame of the picture
+    y_m: FloatArray
+    nx: FloatArray  # (K, S) normal there
+    ny: FloatArray
+
+
+class ConfigurationModel:
+    """One configuration's geometry, and the conditions it was measured in."""
+
+    def __init__(self, look: DataVector, rest: Field) -> None:
+        self.look, self.sheet, self.rest = look, look.sheet, rest
+        R, self.length = look.sheet.arc_radius_m, look.sheet.free_length_m
+        long = self.length > 0.4 * R
+        self.modes = MODES_LONG if long else MODES_SHORT
+        self.count = G = NODES_LONG if long else NODES_SHORT
+        nodes = rule(G)
+        self.s_m = self.length * np.asarray(nodes.c)
+        self.weights = np.asarray(nodes.b)  # of a mean over the free length
+        self.piece_m = self.length * self.weights
+        self._make_panels(look, G)
+        seen = look.seen
+        self.clock = AcquisitionTimes.joined([o.clock for o in seen if len(o.force_N)])
+        self.reading_of = np.array(
+            [k for k, o in enumerate(seen) for _ in o.force_N], dtype=np.int64
+        )
+        self.share = np.concatenate([np.zeros(0), *(shares(o) for o in seen)])
+        self.K = len(seen)
+        self.voltage_V = np.array([o.voltage_V for o in seen])
+        self.stated_m = np.array([o.position_m for o in seen])
+        self.up = np.array([o.up for o in seen])
+        self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
+        self.touching = np.flatnonzero(~np.isnan(self.stated_m))
+        # not those in which the load cell alone is read
+        self.free = np.flatnonzero([o.free and not o.zero for o in seen])
+        self.free_clock = AcquisitionTimes.joined([seen[k].clock for k in self.free])
+        self._stack_curves()
+        # by condition: angle and solution where the contact was last beside the point on the arc
+        self._beside: dict[int, tuple[float, Equilibria]] = {}
+        self._last: Equilibria | None = None
+        self._found: list[tuple[Index, Equilibria]] = []
+
+    def _make_panels(self, look: DataVector, G: int) -> None:
+        R, sheet = look.sheet.arc_radius_m, look.sheet
+        breaks = finer(merged_breaks([self.rest.breaks_m]), STEEPEST_PER_M, R)
+        degree = max(G, self.rest.coefficients.shape[1])
+        basis = [legendre_field(i, self.length).on(breaks) for i in range(G)]
+        rows = np.stack([padded(f.coefficients, degree) for f in basis])
+        rest = padded(self.rest.on(breaks).coefficients, degree)
+        P = len(breaks) - 1
+        self.rigid = sheet.elongation_m > 0.0
+        if self.rigid:  # the elongation as a part of the sheet that does not bend
+            breaks = np.append(breaks, self.length + sheet.elongation_m)
+            rows = np.concatenate([rows, np.zeros((G, 1, degree))], axis=1)
+            rest = np.concatenate([rest, np.zeros((1, degree))])
+        self.breaks, self._rest = breaks, rest
+        t = 2.0 * self.s_m / self.length - 1.0
+        to_legendre = np.linalg.inv(legendre.legvander(t, G - 1))  # values at nodes -> coefficients
+        self.rows = np.einsum("ig,ipd->gpd", to_legendre, rows)  # (G, P, D)
+        self.ones = np.zeros((len(breaks) - 1, degree))
+        self.ones[:P, 0] = 1.0
+        self.stiff_end = np.zeros_like(self.ones)
+        if self.rigid:
+            self.stiff_end[-1, 0] = 1.0
+
+    def _stack_curves(self) -> None:
+        end = self.length + self.sheet.elongation_m
+        curves = [o.curve for o in self.look.seen]
+        longest = max([2, *(len(c.s_m) for c in curves if c is not None)])
+        self.has_curve = np.array([c is not None for c in curves])
+        shape = (self.K, longest)
+        self.curve_s, self.curve_x, self.curve_y = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        self.project = np.zeros((self.K, self.modes, longest))
+        self.points = np.zeros(self.K, dtype=np.int64)
+        for k, curve in enumerate(curves):
+            if curve is None:
+                continue
+            use = curve.s_m <= end * 1.001
+            s = np.minimum(curve.s_m[use], end)
+            self.points[k] = n = len(s)
+            self.curve_s[k, n:] = s[-1]
+            self.curve_s[k, :n] = s
+            self.curve_x[k, :n], self.curve_y[k, :n] = curve.x_m[use], curve.y_m[use]
+            self.project[k, :, :n] = projection(s, self.modes)
+        self._grid_s = np.broadcast_to(self.s_m, (self.K, self.count))
+
+    def measured(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """s, x and y of a condition's curve as far as the sheet goes, m; empty: none."""
+        n = int(self.points[k])
+        return self.curve_s[k, :n], self.curve_x[k, :n], self.curve_y[k, :n]
+
+    def along(self, k: int, modes: FloatArray) -> FloatArray:
+        """Distance at each point of the padded curve (S,) that has these modes (M,), m."""
+        result: FloatArray = np.linalg.pinv(self.project[k]) @ modes
+        return result
+
+    def beam(
+        self, stiffness: float, eibm: dict[float, float], rest: FloatArray | None = None
+    ) -> BeamProblem:
+        """The base model: B, and Me/B for each driving voltage; `rest` (G,) changes k0."""
+        K, G = self.K, self.count
+        level = np.array([eibm.get(v, 0.0) for v in self.voltage_V])
+        none = np.zeros(K)
+        change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
+        return BeamProblem(
+            self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
+            change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
+            none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
+            self.share, self.upright,
+        )  # fmt: skip
+
+    # -- solving
+
+    def _kappa(self, beam: BeamProblem, k: Index) -> FloatArray:
+        """k* = k0 + rest + soft (eibm + bend), without the contact: (len(k), panels, degree)."""
+        values = beam.rest[k] + (beam.eibm[k] + beam.bend[k]) * beam.soft[k]
+        rows: FloatArray = self._rest + np.tensordot(values, self.rows, axes=(1, 0))
+        return rows
+
+    def _soft(self, beam: BeamProblem, k: Index) -> FloatArray:
+        """B/B(s), the elongation's too: (len(k), panels, degree)."""
+        rows: FloatArray = self.ones + np.tensordot(beam.soft[k] - 1.0, self.rows, axes=(1, 0))
+        return rows + beam.elongation_soft[k][:, None, None] * self.stiff_end
+
+    def solve(self, beam: BeamProblem) -> SolvedConditions:
+        """All conditions; a `ModelError` names one that has no equilibrium."""
+        K, G, S = self.K, self.count, self.curve_s.shape[1]
+        contact = _nothing_held(K, G)
+        x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
+        self._found = self._equilibria(beam) if len(self.touching) else []
+        for rows, found in self._found:
+            at = [self._grid_s[rows], self.curve_s[rows], np.full((len(rows), 1), self.length)]
+            shapes = found.shapes(np.concatenate(at, axis=1))
+            contact.x_m[rows], contact.y_m[rows] = shapes.x_m[:, :G], shapes.y_m[:, :G]
+            contact.phi_rad[rows] = shapes.phi_rad[:, :G]
+            contact.curvature[rows] = shapes.curvature_per_m[:, :G]
+            contact.end_phi_rad[rows] = shapes.phi_rad[:, -1]
+            x[rows], y[rows] = shapes.x_m[:, G:-1], shapes.y_m[:, G:-1]
+            phi[rows] = shapes.phi_rad[:, G:-1]
+            self._hold(beam, rows, found, contact)
+        for k in self.free.tolist():
+            x[k], y[k], phi[k] = self._hang(beam, k, contact)
+        tilt = beam.tilt_rad[:, None]
+        cos, sin = np.cos(tilt), np.sin(tilt)
+        px, py = cos * x - sin * y, sin * x + cos * y
+        nx, ny = -np.sin(phi + tilt), np.cos(phi + tilt)
+        off = (self.curve_x - px) * nx + (self.curve_y - py) * ny
+        modes = np.einsum("kms,ks->km", self.project, off)
+        modes[~self.has_curve] = np.nan
+        return SolvedConditions(contact, contact.force_N.copy(), modes, px, py, nx, ny)
+
+    def forces(self, beam: BeamProblem) -> FloatArray:
+        """Forces alone (K,); the solution kept for derivatives stays as it is."""
+        last, kept = self._last, self._found
+        result = np.full(self.K, np.nan)
+        for rows, found in self._equilibria(beam) if len(self.touching) else []:
+            gamma = found.phi_hat_rad - self._beta(beam, rows)
+            result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+        self._last, self._found = last, kept
+        return result
+
+    def modes_of(self, beam: BeamProblem) -> FloatArray:
+        """Modes of the distances measured - predicted alone (K, M), likewise."""
+        last, kept = self._last, self._found
+        result = self.solve(beam).modes_m
+        self._last, self._found = last, kept
+        return result
+
+    def _beta(self, beam: BeamProblem, rows: Index) -> FloatArray:
+        """Polar angle of the point on the arc, seen along the clamp."""
+        at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
+        return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
+
+    def _equilibria(self, beam: BeamProblem) -> list[tuple[Index, Equilibria]]:
+        """Groups of conditions whose contacts lie at the same radius."""
+        rows, R = self.touching, self.sheet.arc_radius_m
+        beta, offset = self._beta(beam, rows), beam.offset_m[rows]
+        if not np.any(offset):
+            start = self._last
+            self._last = self._solve(beam, rows, beta, R, start)
+            return [(rows, self._last)]
+        each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
+        return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
+
+    def _beside_arc(self, beam: BeamProblem, row: int, beta: float, d: float) -> Equilibria:
+        """One condition whose curve passes beside the point on the arc, by `d`."""
+
+        def solved(gamma: float, start: Equilibria | None) -> Equilibria:
+            tangential, radial = -d * np.cos(gamma), R + d * np.sin(gamma)
+            angle = np.array([beta + np.arctan2(tangential, radial)])
+            radius_m = float(np.hypot(tangential, radial))
+            return self._solve(beam, np.array([row]), angle, radius_m, start)
+
+        R = self.sheet.arc_radius_m
+        last = self._beside.get(row)
+        gamma = last[0] if last else 0.0
+        found = solved(gamma, last[1] if last else None)
+        for _ in range(MOST_BESIDE - 1):
+            before, gamma = gamma, float(found.phi_hat_rad[0]) - beta
+            if abs(gamma - before) < SAME_RAD:
+                break
+            found = solved(gamma, found)
+        self._beside[row] = gamma, found
+        return found
+
+    def _solve(
+        self,
+        beam: BeamProblem,
+        rows: Index,
+        angle: FloatArray,
+        radius_m: float,
+        start: Equilibria | None = None,
+    ) -> Equilibria:
+        reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
+        kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
+        found = solve(Problems(self.breaks, kappa, soft, radius_m, reach, angle), start)
+        if np.any(found.status != SolverStatus.SOLVED):
+            bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
+            raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
+        return found
+
+    def _hold(
+        self, beam: BeamProblem, rows: Index, found: Equilibria, contact: ContactSolution
+    ) -> None:
+        R, beta, B = self.sheet.arc_radius_m, self._beta(beam, rows), beam.stiffness[rows]
+        phi, offset = found.phi_hat_rad, beam.offset_m[rows]
+        contact.normal_N[rows], contact.gamma_rad[rows] = B * found.nu, phi - beta
+        contact.force_N[rows] = B * found.nu * np.cos(phi - beta)
+        contact.s_hat_m[rows] = found.s_hat_m
+        dx = (R * np.cos(beta) + offset * np.sin(phi))[:, None] - contact.x_m[rows]
+        dy = (R * np.sin(beta) - offset * np.cos(phi))[:, None] - contact.y_m[rows]
+        cos, sin = np.cos(phi)[:, None], np.sin(phi)[:, None]
+        before = self._grid_s[rows] <= found.s_hat_m[:, None]
+        contact.lever[rows] = np.where(before, dx * cos + dy * sin, 0.0)
+        contact.offset[rows] = np.where(before, dy * cos - dx * sin, 0.0)
+
+    def _hang(
+        self, beam: BeamProblem, k: int, contact: ContactSolution
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """A free shape: no force, no solving."""
+        G = self.count
+        kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+        at = np.concatenate([self.s_m, self.curve_s[k], [self.length]])
+        places, back = np.unique(at, return_inverse=True)
+        x, y, phi = (a[back] for a in free_shape(kappa, places)[:3])
+        contact.x_m[k], contact.y_m[k], contact.phi_rad[k] = x[:G], y[:G], phi[:G]
+        contact.curvature[k], contact.end_phi_rad[k] = kappa(self.s_m), phi[-1]
+        return x[G:-1], y[G:-1], phi[G:-1]
+
+    # -- derivatives
+
+    @property
+    def columns(self) -> int:
+        """Numbers in a step.
+
+        k* at the nodes (G), c at the nodes (G), elongation, the contact's polar angle and radius,
+        the arc's direction, ln B at the same k*, tilt of the picture.
+        """
+        return 2 * self.count + 6
+
+    def answers(self, beam: BeamProblem, solved: SolvedConditions) -> Sensitivities:
+        """How force and modes answer to a change of a `BeamProblem`, at a solution of it."""
+        K, G, M, Q = self.K, self.count, self.modes, self.columns
+        force, modes = np.zeros((K, Q)), np.zeros((K, M, Q))
+        kappa = np.concatenate([self.rows, np.zeros((G + 3, *self.rows.shape[1:]))])
+        soft = np.concatenate(
+            [
+                np.zeros_like(self.rows),
+                self.rows,
+                self.stiff_end[None],
+                np.zeros((2, *self.rows.shape[1:])),
+            ]
+        )
+        one = np.zeros((1, 2 * G + 3))
+        angle, radius = one.copy(), one.copy()
+        angle[0, -2], radius[0, -1] = 1.0, 1.0
+        to = Directions.of(kappa[None], soft[None], angle, radius)
+        for rows, equilibria in self._found:
+            B, gamma = beam.stiffness[rows], solved.contact.gamma_rad[rows]
+            _, found = equilibria.answers(self.curve_s[rows], to)
+            turn = solved.contact.normal_N[rows] * np.sin(gamma)
+            n = 2 * G + 3
+            force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu - turn[
+                :, None
+            ] * found.phi_hat
+            force[rows, n] = turn  # gamma = phi_hat - beta
+            force[rows, n + 1] = solved.contact.force_N[rows]
+            cos, sin = (f(beam.tilt_rad[rows])[:, None, None] for f in (np.cos, np.sin))
+            dx, dy = cos * found.x - sin * found.y, sin * found.x + cos * found.y
+            sideways = dx * solved.nx[rows][:, None] + dy * solved.ny[rows][:, None]
+            modes[rows, :, :n] = np.einsum("kms,kqs->kmq", self.project[rows], sideways)
+        for k in self.free.tolist():
+            modes[k, :, :G] = self._free_answers(beam, k, solved)
+        turned = solved.x_m * solved.ny - solved.y_m * solved.nx
+        modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
+        return Sensitivities(force, modes)
+
+    def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
+        kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+        _, _, _, found = free_shape(
+            kappa, self.curve_s[k], [Field(self.breaks, r) for r in self.rows]
+        )
+        cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
+        dx = cos * found[..., 0] - sin * found[..., 1]
+        dy = sin * found[..., 0] + cos * found[..., 1]
+        sideways = dx * solved.nx[k] + dy * solved.ny[k]
+        result: FloatArray = self.project[k] @ sideways.T
+        return result
+
+    def change(self, base: BeamProblem, other: BeamProblem, contact: ContactSolution) -> FloatArray:
+        """The step (K, Q) in `columns` from one `BeamProblem` to another, to first order."""
+        G, K, R = self.count, self.K, self.sheet.arc_radius_m
+        step = np.zeros((K, self.columns))
+        step[:, :G] = (other.rest - base.rest) + (
+            (other.eibm + other.bend) * other.soft - (base.eibm + base.bend) * base.soft
+        )
+        step[:, G : 2 * G] = other.soft - base.soft
+        step[:, 2 * G] = other.elongation_soft - base.elongation_soft
+        tilt, shift = other.tilt_rad - base.tilt_rad, other.shift_m - base.shift_m
+        offset = other.offset_m - base.offset_m
+        gamma = np.nan_to_num(contact.gamma_rad)
+        step[:, 2 * G + 1] = shift / R - tilt - offset * np.cos(gamma) / R
+        step[:, 2 * G + 2] = offset * np.sin(gamma)
+        step[:, 2 * G + 3] = shift / R - tilt
+        step[:, -2] = other.stiffness / base.stiffness - 1.0
+        step[:, -1] = tilt
+        return step
+
+
+def _nothing_held(K: int, G: int) -> ContactSolution:
+    nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
+    return ContactSolution(
+        nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
+        along.copy(), along.copy(), zero,
+    )  # fmt: skip
+
+
+def projection(s: FloatArray, modes: int) -> FloatArray:
+    """From values at s to coefficients of Legendre polynomials of unit mean square: (modes, n)."""
+    t = 2.0 * s / s[-1] - 1.0
+    count = min(modes, len(s))
+    V = legendre.legvander(t, count - 1) * np.sqrt(2.0 * np.arange(count) + 1.0)
+    result = np.zeros((modes, len(s)))
+    result[:count] = np.linalg.pinv(V)
+    return result

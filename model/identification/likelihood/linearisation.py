@@ -1,0 +1,151 @@
+"""The data about a point of the base parameters: residuals, and derivatives by them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.effects.interface import BeamProblem
+from model.identification.likelihood.drive_rise import RISE, rise_columns
+from model.identification.likelihood.forward_model import (
+    AppliedEffect,
+    ForwardModel,
+    ModelState,
+    Perturbation,
+)
+from model.identification.likelihood.mixed_model import Data
+from model.identification.likelihood.random_effects import Columns, groups_of, scatter_columns
+from model.identification.likelihood.row_noise import RowNoise, width_of
+from model.measurements import FloatArray
+
+WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
+
+
+@dataclass(frozen=True)
+class BaseParameters:
+    """Base parameters of one configuration in the vector of all."""
+
+    stiffness: int
+    eibm: dict[float, tuple[int, float]]  # voltage -> place, sign
+    rest: dict[int, FloatArray]  # place -> change of k0 at the nodes by it
+    prior: dict[int, tuple[float, float]]  # place -> mean, width
+
+
+@dataclass(frozen=True)
+class Bases:
+    """Places of all base parameters."""
+
+    parts: tuple[BaseParameters, ...]
+    size: int
+    rise: int | None = None  # first place of what is not known of all pulses' rise alike
+
+    def beam(self, study: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
+        """The base model of a configuration."""
+        one, scene = self.parts[c], study.scenes[c]
+        rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
+        eibm = {v: sign * float(theta[i]) for v, (i, sign) in one.eibm.items()}
+        return scene.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
+
+
+def base_steps(
+    study: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
+) -> dict[int, Perturbation]:
+    """Derivatives by the base parameters of a configuration."""
+    one, scene, G = bases.parts[c], study.scenes[c], study.scenes[c].count
+    result = {}
+    none = study.no_step(c)
+    by = np.zeros_like(none.beam)
+    by[:, -2] = 1.0
+    result[one.stiffness] = replace(none, beam=by)
+    for voltage, (i, sign) in one.eibm.items():
+        by = np.zeros_like(none.beam)
+        own = scene.voltage_V == voltage
+        by[own, :G] = sign * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
+        if i in result:  # one |EIBM| for both polarities
+            by += result[i].beam
+        result[i] = replace(none, beam=by)
+    for i, row in one.rest.items():
+        by = np.zeros_like(none.beam)
+        by[:, :G] = row
+        result[i] = replace(none, beam=by)
+    return result
+
+
+def _form(shaped: FloatArray, base: FloatArray) -> FloatArray:
+    """The EIBM along the sheet as effects have shaped it: it goes in proportion to its size."""
+    there = np.abs(base) > 1e-9
+    return np.where(there, shaped / np.where(there, base, 1.0), 1.0)
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """The data about a point: base parameters and active effects as columns of `data.X`."""
+
+    states: tuple[ModelState, ...]
+    residual: FloatArray  # (N,)
+    columns: FloatArray  # (N, p)
+    data: Data
+
+
+def linearise(
+    study: ForwardModel,
+    bases: Bases,
+    noise: RowNoise,
+    theta: FloatArray,
+    active: tuple[AppliedEffect, ...] = (),
+) -> Linearisation:
+    """Everything about a point."""
+    N, states = study.layout.size, []
+    residual, columns = np.zeros(N), np.zeros((N, bases.size))
+    scatter: Columns = {}
+    for c in range(len(study.names)):
+        base = bases.beam(study, c, theta)
+        state = study.state(c, base, active)
+        states.append(state)
+        residual += state.residual
+        for i, step in base_steps(study, bases, c, state, base).items():
+            columns[:, i] += study.rows_of(c, state, step)
+        for name, found in scatter_columns(study, c, state).items():
+            scatter.setdefault(name, []).extend(found)
+    if bases.rise is not None:
+        own = slice(bases.rise, bases.rise + len(RISE))
+        columns[:, own] = sum(rise_columns(study, c, state) for c, state in enumerate(states))
+        residual -= columns[:, own] @ theta[own]
+    priors = [_prior(bases, i) for i in range(bases.size)]
+    pad = study.layout.pad
+    empty = pad(np.ones(N)) == 0.0
+    data = Data(
+        pad(residual), pad(columns), groups_of(study, scatter, noise.constant),
+        [pad(m) for m in noise.masks], np.where(empty, 1.0, pad(noise.fixed)),
+        np.array([width**-2.0 for _, width in priors]),
+        theta - np.array([mean for mean, _ in priors]), width_of(noise),
+    )  # fmt: skip
+    return Linearisation(tuple(states), residual, columns, data)
+
+
+def with_columns(
+    study: ForwardModel, linear: Linearisation, extra: FloatArray,
+    precision: FloatArray | float = 1.0,
+    away: FloatArray | float = 0.0,
+) -> Linearisation:  # fmt: skip
+    """More columns (N, q) with Gaussian priors."""
+    q = extra.shape[1]
+    X = np.concatenate([linear.data.X, study.layout.pad(extra)], axis=2)
+    data = replace(
+        linear.data, X=X,
+        precision=np.concatenate([linear.data.precision, np.broadcast_to(precision, q)]),
+        away=np.concatenate([linear.data.away, np.broadcast_to(away, q)]),
+    )  # fmt: skip
+    return replace(linear, columns=np.concatenate([linear.columns, extra], axis=1), data=data)
+
+
+def _prior(bases: Bases, i: int) -> tuple[float, float]:
+    if bases.rise is not None and 0 <= i - bases.rise < len(RISE):
+        return RISE[i - bases.rise]
+    for one in bases.parts:
+        if i in one.prior:
+            return one.prior[i]
+        if i == one.stiffness:
+            return 0.0, WIDE_LN_B
+    return 0.0, WIDE_EIBM_PER_M

@@ -1,0 +1,210 @@
+"""Where each number stands: the rows of all runs, padded to equal length for the noise model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from model.effects.interface import AcquisitionTimes
+from model.identification.data.acquisition_times import RunKey
+from model.identification.data.data_vector import (
+    ConditionData,
+    DataVector,
+    Index,
+    PulseSeries,
+    Which,
+    shares,
+    trends,
+)
+from model.identification.data.pulses import SAMPLE_S, WINDOW_S
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.measurements import FloatArray
+
+WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
+MOST_SWAYS = 3  # trends over the readings of how far out a curve is
+
+
+@dataclass(frozen=True)
+class RowBlock:
+    """Rows of one configuration, indices into the vector of all data."""
+
+    reading_of: Index  # (n,) condition of each reading
+    clock: AcquisitionTimes  # (n,) of the readings
+    measured_N: FloatArray  # (n,)
+    in_time: Index  # (n,) the readings in the order in which they were taken
+    share: FloatArray  # (n,) of each reading in the mean of its condition
+    trend: FloatArray  # (rows, n) from readings to mean, trends and first pulses
+    trend_rows: Index  # (rows,)
+    trend_of: Index  # (rows,) condition
+    is_mean: Which  # (rows,)
+    is_early: Which  # (rows,) a first pulse less the mean
+    mode_rows: Index  # (K, M); -1: no curve
+    sway: FloatArray  # (rows, n) likewise, to trends and first pulses of how far out the curve is
+    sway_rows: Index
+    sway_of: Index
+    bin_clock: AcquisitionTimes  # (m,) each part in each of the pulses
+    bin_sample: AcquisitionTimes  # (m,) the sampling points of these pulses
+    bin_at: Index  # (m,) which part
+    bin_of: Index  # (b,) condition
+    bin_rows: Index
+    bin_set: Index  # (b,) which of the pulses
+    bin_N: FloatArray  # (b,) measured
+    bin_variance: FloatArray  # (b,)
+    edge_s: float  # how well the pulses' edges are known in time
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """Mean over the readings that count: (n,) to (K,)."""
+        return np.asarray(
+            np.bincount(self.reading_of, self.share * values, len(self.mode_rows)), dtype=float
+        )
+
+    def bin_mean(self, values: FloatArray) -> FloatArray:
+        """Mean over the pulses: (m,) to (b,)."""
+        count = np.bincount(self.bin_at, minlength=len(self.bin_of))
+        total = np.bincount(self.bin_at, values, len(self.bin_of))
+        mean: FloatArray = total / np.maximum(count, 1)
+        return mean
+
+
+class RowIndex:
+    """Rows of all configurations, run by run."""
+
+    def __init__(self, looks: list[DataVector], scenes: list[ConfigurationModel]) -> None:
+        self.runs: list[RunKey] = []
+        self._run_of: list[int] = []
+        self.size = 0
+        self.parts = [self._part(look, scene) for look, scene in zip(looks, scenes, strict=True)]
+        self.run_of = np.array(self._run_of, dtype=np.int64)
+        self.row_of = np.zeros(self.size, dtype=np.int64)
+        counts = np.zeros(len(self.runs), dtype=np.int64)
+        for i, r in enumerate(self._run_of):
+            self.row_of[i] = counts[r]
+            counts[r] += 1
+        self.height = int(counts.max(initial=1))
+
+    def pad(self, flat: FloatArray) -> FloatArray:
+        """(N, ...) to (R, n, ...); rows that a run does not have are 0."""
+        result = np.zeros((len(self.runs), self.height, *flat.shape[1:]))
+        result[self.run_of, self.row_of] = flat
+        return result
+
+    def _new(self, run: RunKey, count: int) -> Index:
+        if run not in self.runs:
+            self.runs.append(run)
+        self._run_of += [self.runs.index(run)] * count
+        self.size += count
+        return np.arange(self.size - count, self.size)
+
+    def _part(self, look: DataVector, scene: ConfigurationModel) -> RowBlock:
+        seen = look.seen
+        n = sum(len(o.force_N) for o in seen)
+        trend, sway = _Rows(n), _Rows(n)
+        is_mean, is_early = list[bool](), list[bool]()
+        modes = np.full((len(seen), scene.modes), -1)
+        start = 0
+        for k, o in enumerate(seen):
+            own = slice(start, start + len(o.force_N))
+            start = own.stop
+            T = trends(o.kept_clock) if len(o.force_N) else np.zeros((0, 0))
+            early = _firsts(o)
+            trend.add(_spread(T, o.counts), own, self._new(o.run, len(T)), k)
+            trend.add(early, own, self._new(o.run, len(early)), k)
+            is_mean += [j == 0 for j in range(len(T) + len(early))]
+            is_early += [j >= len(T) for j in range(len(T) + len(early))]
+            if o.curve is not None:
+                modes[k] = self._new(o.run, scene.modes)
+            if o.own_curves and o.voltage_V != 0.0:
+                slopes = _spread(T[1 : 1 + MOST_SWAYS], o.counts)
+                if len(o.own_curves) == len(o.counts):
+                    slopes = np.concatenate([slopes, early])
+                sway.add(slopes, own, self._new(o.run, len(slopes)), k)
+        bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
+        reading_of, clock = scene.reading_of, scene.clock
+        bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
+        return RowBlock(
+            reading_of, clock, np.concatenate([o.force_N for o in seen]),
+            _in_time(clock, reading_of, look), scene.share, trend.stacked(), _ints(trend.rows),
+            _ints(trend.of), np.array(is_mean, dtype=bool), np.array(is_early, dtype=bool), modes,
+            sway.stacked(),
+            _ints(sway.rows), _ints(sway.of), bin_clock, bin_sample, bin_at,
+            _ints([p.condition for p in look.pulses for _ in p.force_N]),
+            np.concatenate([_ints([]), *bins]),
+            _ints([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
+            np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
+            np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
+            max([0.0, *(p.edge_s for p in look.pulses)]),
+        )  # fmt: skip
+
+
+@dataclass
+class _Rows:
+    """Weights of readings, row by row, with the places of these rows and their conditions."""
+
+    n: int  # readings
+    weights: list[FloatArray] = field(default_factory=list)
+    rows: list[int] = field(default_factory=list)
+    of: list[int] = field(default_factory=list)
+
+    def add(self, weights: FloatArray, own: slice, places: Index, condition: int) -> None:
+        """Weights (rows, readings of `own`)."""
+        for row, place in zip(weights, places, strict=True):
+            whole = np.zeros(self.n)
+            whole[own] = row
+            self.weights.append(whole)
+            self.rows.append(int(place))
+            self.of.append(condition)
+
+    def stacked(self) -> FloatArray:
+        """(rows, n)."""
+        return np.array(self.weights) if self.weights else np.zeros((0, self.n))
+
+
+def _spread(weights: FloatArray, counts: Which) -> FloatArray:
+    """Weights of the readings that count, (rows, m), as weights of all: (rows, n)."""
+    result = np.zeros((len(weights), len(counts)))
+    result[:, counts] = weights
+    return result
+
+
+def _firsts(seen: ConditionData) -> FloatArray:
+    """Weights that turn n readings into each of the first pulses', less the mean: (rows, n)."""
+    every = np.eye(len(seen.counts)) - shares(seen)
+    result: FloatArray = every[~seen.counts]
+    return result
+
+
+def _moments(
+    seen: tuple[ConditionData, ...], pulses: tuple[PulseSeries, ...]
+) -> tuple[AcquisitionTimes, AcquisitionTimes, Index]:
+    """Moments of all parts in all pulses, those of the pulses' sampling points, and which part."""
+    parts = [(seen[p.condition].kept_clock, at, width)
+             for p in pulses for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+    inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
+    sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]
+    at = [np.full(len(WITHIN) * len(c.run_s), i) for i, (c, _, _) in enumerate(parts)]
+    return (
+        AcquisitionTimes.joined(inside),
+        AcquisitionTimes.joined(sample),
+        np.concatenate([_ints([]), *at]),
+    )
+
+
+def _in_pulse(sample: AcquisitionTimes, at_s: float) -> AcquisitionTimes:
+    """Another moment of the same pulses."""
+    later = at_s - sample.pulse_s
+    return replace(
+        sample, pulse_s=sample.pulse_s + later, run_s=sample.run_s + later,
+        wetted_s=sample.wetted_s + later, driven_s=sample.driven_s + later,
+        worked_s=sample.worked_s + later,
+    )  # fmt: skip
+
+
+def _in_time(clock: AcquisitionTimes, of: Index, look: DataVector) -> Index:
+    keys = list(dict.fromkeys(o.run for o in look.seen))
+    run = np.array([keys.index(look.seen[int(k)].run) for k in of])
+    return np.lexsort((clock.run_s, run, np.round(clock.session, 12)))
+
+
+def _ints(values: list[int]) -> Index:
+    return np.array(values, dtype=np.int64)

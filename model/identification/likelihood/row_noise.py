@@ -1,0 +1,125 @@
+"""How noisy the rows are by themselves, as assumed before the misfit has said how much it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.data.data_vector import DataVector, Index
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.random_effects import ASSUMED, constant_groups
+from model.identification.likelihood.row_index import RowBlock
+from model.measurements import FloatArray
+
+LEAST_MODE_M = 1e-7
+LEAST_PULSE_N = 1e-8
+CURVE_M = 2e-5  # of a curve's point where none is stated
+READING_N = 3e-5  # of a reading where repeats do not say it
+SWAY_M = 5e-6  # of how far out a reading's curve is
+
+
+@dataclass(frozen=True)
+class RowNoise:
+    """Fixed variances, further noises and their priors; the same for all states."""
+
+    fixed: FloatArray  # (N,)
+    masks: list[FloatArray]  # (N,)
+    names: list[str]
+    guess: FloatArray  # ln of the standard deviations
+    width: FloatArray  # how sure that is
+    constant: dict[str, FloatArray]  # groups (R, n, q) that are the same for all states
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """Rows that are equally noisy, but for known weights of their variances."""
+
+    name: str
+    rows: Index
+    weight: FloatArray | float
+    size: float  # standard deviation, as assumed
+    unsure: float  # standard deviation of its logarithm
+    least: float = 0.0  # standard deviation that is there in any case
+
+
+def noise_of(study: ForwardModel) -> RowNoise:
+    """Readings, modes, sways and pulses of each configuration have a noise of their own."""
+    N = study.layout.size
+    fixed, kinds = np.zeros(N), list[_Kind]()
+    for name, part, scene, look in zip(
+        study.names, study.layout.parts, study.scenes, study.looks, strict=True
+    ):
+        wave_N = 0.0 if study.wave is None else study.wave.added_N(part.clock)
+        kinds += _kinds(name, part, scene, look, part.measured_N - wave_N)
+    masks = []
+    for kind in kinds:
+        mask = np.zeros(N)
+        mask[kind.rows] = kind.weight
+        masks.append(mask)
+        fixed[kind.rows] = kind.least**2
+    return RowNoise(
+        fixed, masks, [k.name for k in kinds], np.log([k.size for k in kinds]),
+        np.array([k.unsure for k in kinds]), constant_groups(study),
+    )  # fmt: skip
+
+
+def guess_of(noise: RowNoise) -> FloatArray:
+    """Ln of all standard deviations, as assumed: scatters, then noises."""
+    return np.concatenate([[np.log(v) for v, _ in ASSUMED.values()], noise.guess])
+
+
+def width_of(noise: RowNoise) -> FloatArray:
+    """How sure these are."""
+    return np.concatenate([[w for _, w in ASSUMED.values()], noise.width])
+
+
+def _kinds(
+    name: str, part: RowBlock, scene: ConfigurationModel, look: DataVector, reading_N: FloatArray
+) -> Iterator[_Kind]:
+    if len(part.trend_rows):
+        # of independent readings: those of a mean are fewer times as noisy
+        weight = np.sum(part.trend**2, axis=1)
+        size, unsure = _reading_noise(part, reading_N)
+        yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
+    stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
+    known = [float(np.mean(s)) for s in stated if s is not None]
+    typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
+    for m in range(scene.modes):
+        rows = part.mode_rows[scene.has_curve, m]
+        if len(rows):
+            yield _Kind(f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), 1.5, LEAST_MODE_M)
+    if len(part.sway_rows):
+        weight = np.sum(part.sway**2, axis=1)
+        yield _Kind(f"{name} sway", part.sway_rows, weight, SWAY_M, 2.0)
+    if len(part.bin_rows):
+        # the scatter of the pulses says how sure each part is, up to a factor near one
+        pooled = _pooled(part.bin_variance, part.bin_set)
+        yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
+
+
+def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]:
+    """Standard deviation of a reading about its trend in time, and of its logarithm."""
+    total, degrees = 0.0, 0
+    for k in np.unique(part.reading_of):
+        own = (part.reading_of == k) & (part.share > 0.0)
+        rows = part.trend[(part.trend_of == k) & ~part.is_early][:, own]
+        n = int(own.sum())
+        if n <= len(rows):
+            continue
+        values = reading_N[own]
+        smooth = n * values.mean() ** 2 + float(np.sum((rows[1:] @ values) ** 2))
+        total += float(values @ values) - smooth
+        degrees += n - len(rows)
+    if not degrees:
+        return READING_N, 1.5
+    return max(float(np.sqrt(max(total, 0.0) / degrees)), 1e-7), max(0.05, (2.0 * degrees) ** -0.5)
+
+
+def _pooled(variance: FloatArray, sets: Index) -> FloatArray:
+    """The same part of a pulse scatters alike in all runs."""
+    count = int(np.bincount(sets)[0])
+    table = variance.reshape(-1, count)
+    return np.maximum(np.tile(np.median(table, axis=0), len(table)), LEAST_PULSE_N**2)

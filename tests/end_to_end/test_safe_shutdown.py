@@ -1,0 +1,128 @@
+"""Every way out of a run leads through one function; the last of them is the interpreter's end."""
+
+from __future__ import annotations
+
+import atexit
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from drivers.interfaces import DeviceError
+from drivers.safe_shutdown import Safety, SafetyReport
+from labrig.experiment.operator import NoOperator
+from labrig.experiment.preflight import plan_of
+from labrig.experiment.rig import Rig, opened
+from labrig.experiment.safe_shutdown import safe_shutdown
+from labrig.experiment.wiring import wire
+from tests.end_to_end.small_rig import make_rig
+
+SCRIPT = """
+import atexit, os, sys
+from pathlib import Path
+from labrig.experiment.operator import NoOperator
+from labrig.experiment.preflight import plan_of
+from labrig.experiment.rig import opened
+from labrig.experiment.safe_shutdown import safe_shutdown
+from labrig.experiment.wiring import wire
+
+rig = wire(plan_of(Path(sys.argv[1])), NoOperator(print))
+held = [opened(rig)]
+held[0].__enter__()
+
+def look():
+    print(f"at the end: {rig.signals.measure(0.02)[2].mean():.1f} V", flush=True)
+    os._exit(7)  # what was left open is not to be closed
+
+atexit.register(look)
+held.append(safe_shutdown(rig))
+held[1].__enter__()
+rig.output.write(2.0)
+print(f"before: {rig.signals.measure(0.1)[2][-20:].mean():.1f} V")
+sys.exit(1)
+"""
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[Rig]:
+    folder = make_rig(tmp_path / "rig")
+    with opened(wire(plan_of(folder / "rig.toml"), NoOperator(print))) as rig:
+        yield rig
+
+
+def sheet_V(rig: Rig) -> float:
+    rig.clock.sleep_until(rig.clock.now() + 0.05)
+    return float(rig.signals.measure(0.02)[2].mean())
+
+
+class Guarding:
+    """A guard that says what it found; by then nobody else may hold the boards."""
+
+    def __init__(self, rig: Rig, state: Safety) -> None:
+        self.rig, self.state = rig, state
+
+    def new_run(self) -> None: ...
+
+    def beat(self) -> None: ...
+
+    def energised(self, on: bool) -> None: ...
+
+    def act(self) -> SafetyReport:
+        with pytest.raises(DeviceError, match="not open"):
+            self.rig.output.write(0.0)
+        return SafetyReport(self.state, 0.0, ("the guard had to wait",))
+
+
+@pytest.mark.slow
+def test_an_interpreter_that_ends_with_the_sheet_energised_makes_it_safe(tmp_path: Path) -> None:
+    folder = make_rig(tmp_path / "rig")
+    command = [sys.executable, "-c", SCRIPT, str(folder / "rig.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 7, done.stderr
+    assert done.stdout.splitlines() == ["before: 2.0 V", "at the end: 0.0 V"]
+
+
+def test_an_exception_makes_safe_before_it_goes_on(rig: Rig) -> None:
+    way = None
+    try:
+        with safe_shutdown(rig) as way:
+            rig.output.write(2.0)
+            raise ZeroDivisionError
+    except ZeroDivisionError:
+        pass
+    assert way is not None
+    assert way.report is not None
+    assert way.report.is_safe
+    assert abs(sheet_V(rig)) < 0.05
+
+
+def test_a_run_that_was_made_safe_is_not_made_safe_again(rig: Rig) -> None:
+    with safe_shutdown(rig) as way:
+        first = way.make_safe()
+    assert way.report is first
+    atexit.unregister(way.make_safe)  # it was already: nothing to remove, nothing raised
+
+
+@pytest.mark.parametrize("state", Safety)
+def test_what_the_guard_finds_counts_when_the_program_cannot_do_it(
+    rig: Rig, state: Safety, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(_board_V: float) -> None:
+        raise DeviceError("the board refuses")
+
+    with safe_shutdown(rig) as way:
+        way.watch = Guarding(rig, state)
+        monkeypatch.setattr(rig.output._output, "write", refuse)
+        monkeypatch.setattr(rig.output._output, "open", lambda: None)
+        real = rig.output.abandon
+
+        def abandon() -> None:
+            real()
+            monkeypatch.undo()
+
+        monkeypatch.setattr(rig.output, "abandon", abandon)
+        report = way.make_safe()
+    assert report.state is state
+    assert report.failures == ("the board refuses", "the guard had to wait")

@@ -1,0 +1,121 @@
+"""Commands: a file each, and those of other distributions."""
+
+from __future__ import annotations
+
+import os
+import pkgutil
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+import typer
+
+import labrig.cli.commands
+from labrig.cli.app import all_commands, module_of
+from labrig.cli.command import Command, faults
+
+ROOT = Path(__file__).parents[2]
+OWN = [module.name for module in pkgutil.iter_modules(labrig.cli.commands.__path__)]
+COUNT = '''
+import labrig
+
+def count(file: str) -> None:
+    """Count the lines of a file."""
+    with open(file) as lines:
+        print(sum(1 for line in lines))
+
+COMMAND = labrig.Command("count-lines", count)
+'''
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_each_file_of_the_folder_is_one_command_that_keeps_the_contract(name: str) -> None:
+    command = import_module(f"labrig.cli.commands.{name}").COMMAND
+    assert faults(command) == []
+    assert module_of(command.name) == name
+
+
+def test_the_order_of_the_commands_is_given_by_themselves() -> None:
+    orders = [command.order for command in all_commands()]
+    assert orders == sorted(orders)
+    assert len(set(orders)) == len(orders)
+
+
+def nothing() -> None: ...
+
+
+def list_nothing() -> None:
+    """List nothing."""
+
+
+def documented(speed: int | str) -> None:
+    """Do what no command line can say."""
+
+
+@pytest.mark.parametrize(
+    ("part", "fault"),
+    [
+        (nothing, "COMMAND is a function"),
+        (Command("do it", list_nothing), "its name 'do it' is not lower-case words"),
+        (Command("do", list_nothing, order="last"), "its order 'last'"),  # type: ignore[arg-type]
+        (Command("do", "it"), "its action is neither"),  # type: ignore[arg-type]
+        (Command("do", nothing), "it has no help"),
+        (Command("do", typer.Typer()), "it has no help"),
+        (Command("do", documented), "typer cannot read its arguments and options"),
+    ],
+)
+def test_what_is_wrong_with_a_command_is_said(part: object, fault: str) -> None:
+    assert fault in "; ".join(faults(part))
+
+
+def install(where: Path, module: str, point: str, code: str) -> None:
+    """Install a distribution with one module and one entry point."""
+    (where / f"{module}.py").write_text(code)
+    info = where / f"{module}-1.2.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.2\n")
+    (info / "entry_points.txt").write_text(f"[labrig.commands]\n{point} = {module}:COMMAND\n")
+
+
+def labrig_with(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(ROOT), str(folder)])
+    return subprocess.run(
+        [sys.executable, "-m", "labrig", *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_a_command_of_another_distribution_is_listed_and_runs(tmp_path: Path) -> None:
+    install(tmp_path, "counting", "count-lines", COUNT)
+    shown = labrig_with(tmp_path, "--help")
+    assert "count-lines  Count the lines of a file." in shown.stdout
+    assert shown.stderr == ""
+    assert labrig_with(tmp_path, "count-lines", "counting.py").stdout == "9\n"
+
+
+@pytest.mark.parametrize(
+    ("point", "code", "why"),
+    [
+        ("broken", "raise RuntimeError('no board')", "loading it failed with RuntimeError: no boa"),
+        ("undocumented", COUNT.replace('    """Count the lines of a file."""\n', ""), "no help"),
+        ("plan", COUNT, "there is a command of that name already"),
+        ("imported", COUNT.replace("count-lines", "import"), "a command of that name already"),
+    ],
+)
+def test_a_broken_command_is_left_out_with_one_sentence(
+    tmp_path: Path, point: str, code: str, why: str
+) -> None:
+    install(tmp_path, "counting", point, code)
+    shown = labrig_with(tmp_path, "--help")
+    assert shown.returncode == 0
+    assert "Commands:" in shown.stdout
+    assert shown.stderr.startswith("labrig: the command '")
+    assert "of counting" in shown.stderr
+    assert why in shown.stderr
+    assert len(shown.stderr.splitlines()) == 1

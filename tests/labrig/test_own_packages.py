@@ -1,0 +1,73 @@
+"""A file of the user's that has the name of one of labrig's packages."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from labrig.own_packages import NAMES
+
+ROOT = Path(__file__).parents[2]
+
+
+def ended(command: list[str], folder: Path, path: str = "") -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [path, str(ROOT)]))}
+    return subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+def assert_told(result: subprocess.CompletedProcess[str], hiding: Path) -> None:
+    assert result.returncode == 3
+    assert result.stderr.startswith(f"labrig: {hiding}: hides labrig's own package")
+    assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_module_in_the_folder_that_hides_a_package_is_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / f"{name}.py").write_text("x = 1\n")
+    result = ended([sys.executable, "-m", "labrig", "--help"], tmp_path)
+    assert_told(result, tmp_path / f"{name}.py")
+
+
+def test_a_package_in_the_folder_that_hides_one_is_named(tmp_path: Path) -> None:
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "__init__.py").write_text("")
+    result = ended([sys.executable, "-m", "labrig", "plan", "protocol.toml"], tmp_path)
+    assert_told(result, tmp_path / "model")
+
+
+def test_a_folder_that_is_no_package_hides_nothing(tmp_path: Path) -> None:
+    (tmp_path / "model").mkdir()
+    result = ended([sys.executable, "-m", "labrig", "--help"], tmp_path)
+    assert result.returncode == 0, result.stderr
+
+
+def test_the_script_names_a_module_on_the_path(tmp_path: Path) -> None:
+    script = Path(sys.executable).with_name("labrig")
+    if not script.is_file():
+        pytest.skip("labrig is not installed as a script beside this Python")
+    (tmp_path / "drivers.py").write_text("x = 1\n")
+    assert_told(ended([str(script), "--help"], ROOT, path=str(tmp_path)), tmp_path / "drivers.py")
+
+
+def test_the_script_runs_in_a_folder_with_a_module_of_that_name(tmp_path: Path) -> None:
+    script = shutil.which("labrig", path=str(Path(sys.executable).parent))
+    if script is None:
+        pytest.skip("labrig is not installed as a script beside this Python")
+    (tmp_path / "model.py").write_text("x = 1\n")
+    assert ended([script, "effects"], tmp_path).returncode == 0
+
+
+def test_other_peoples_code_is_told_by_an_import_error(tmp_path: Path) -> None:
+    (tmp_path / "model.py").write_text("x = 1\n")
+    (tmp_path / "mine.py").write_text(
+        "import labrig\ntry:\n    labrig.fit\nexcept ImportError as error:\n    print(error)\n"
+    )
+    told = ended([sys.executable, "mine.py"], tmp_path).stdout
+    assert told.startswith(f"{tmp_path / 'model.py'}: hides labrig's own package 'model'")

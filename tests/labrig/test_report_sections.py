@@ -1,0 +1,184 @@
+"""The report's sections: each a plug-in, ours and those of other distributions."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from drivers.plugins import PluginWarning
+from labrig.errors import BadInputError
+from labrig.report.data.findings import Findings
+from labrig.report.data.fitted import FittedSheets
+from labrig.report.page.page import render
+from labrig.report.page.sections import ReportContent, report_content
+from labrig.report.page.write import write_report
+from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.section import Folded, Section
+from labrig.report.parts.style import figure
+from labrig.report.parts.table import Table
+from labrig.report.sections.conformance import content_faults, faults
+from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
+from labrig.session import open_session
+from tests.labrig.report_data import session, stopped_session
+
+PLUGIN = """
+from labrig.report.parts.section import Section
+from labrig.report.sections.interface import ReportSection
+
+NOTES = ReportSection(
+    title="Notes of the day",
+    order=45.5,
+    applies=lambda findings: True,
+    make=lambda findings, figures: f"{findings.session.path.name} has no notes.",
+)
+BAD = "no section"
+"""
+
+
+@pytest.fixture
+def findings(tmp_path):
+    with open_session(session(tmp_path / "made.h5", None)) as opened:
+        yield Findings(opened, None, FittedSheets(None), "it was not tried")
+
+
+def made(title: str, make, order: float = 1.0, figures: tuple[str, ...] = ()) -> ReportSection:
+    return ReportSection(
+        title=title, order=order, applies=lambda _findings: True, make=make, figures=figures
+    )
+
+
+def content(findings: Findings, folder: Path, *sections: ReportSection) -> ReportContent:
+    known = {f"part{i}": section for i, section in enumerate(sections)}
+    return report_content(findings, FigureFolder(folder / "figures"), known)
+
+
+@pytest.mark.parametrize("name", SECTIONS.parts())
+def test_each_of_our_sections_keeps_the_contract(name):
+    assert faults(SECTIONS.get(name)) == []
+
+
+def test_each_fault_of_a_section_is_named():
+    class Odd:
+        title, order, applies, make, figures = " ", float("nan"), None, 1, ("../out",)
+
+    assert len(faults(Odd())) == 5
+    assert len(faults("no section")) >= 4
+
+
+def test_sections_stand_in_the_order_of_their_numbers():
+    orders = [section.order for section in ordered().values()]
+    assert orders == sorted(orders)
+
+
+def test_a_section_that_fails_is_left_out_with_a_sentence_and_the_others_are_written(
+    findings, tmp_path
+):
+    def fail(_findings, _figures):
+        raise KeyError("temperature_K")
+
+    found = content(
+        findings, tmp_path, made("Climate", fail), made("Words", lambda *_: "All is well.")
+    )
+    assert [section.title for section in found.sections] == ["Words"]
+    assert found.left_out == (
+        (
+            "The section 'Climate' (part0) is left out: making it failed with KeyError: "
+            "'temperature_K'."
+        ),
+    )
+    text = render(findings, found)
+    assert "All is well." in text
+    assert "(part0) is left out" in text
+
+
+def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(findings, tmp_path):
+    def fail(_findings):
+        raise RuntimeError("no idea")
+
+    odd = ReportSection(title="Odd", order=0, applies=fail, make=lambda *_: "never")
+    found = content(findings, tmp_path, odd)
+    assert found.sections == ()
+    assert "RuntimeError: no idea." in found.left_out[0]
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda *_: None, "neither a Section nor a sentence"),
+        (lambda *_: Section(("text",)), "neither a table nor a figure"),
+        (lambda *_: Section((Table("T", ("a", "b"), (("1",),)),)), "not as many cells"),
+        (lambda *_: Section((Folded("F", Table("", ("a",), (("1", "2"),))),)), "not as many cells"),
+        (lambda *_: "  ", "its sentence is empty"),
+    ],
+)
+def test_content_that_the_page_cannot_show_is_left_out(make, says, findings, tmp_path):
+    found = content(findings, tmp_path, made("Odd", make))
+    assert found.sections == ()
+    assert says in found.left_out[0]
+    assert content_faults(make())
+
+
+def dot():
+    with figure(1.0, 1.0) as fig:
+        fig.subplots().plot([0], [0], "o")
+        return fig
+
+
+def draw_dot(_findings, figures):
+    return Section(figures.draw("dot", "Dot", "A dot.", dot))
+
+
+def test_two_sections_or_figures_of_one_name_cannot_stand_on_a_page(findings, tmp_path):
+    found = content(
+        findings, tmp_path,
+        made("Same", lambda *_: "first"), made("same", lambda *_: "second"),
+        made("One", draw_dot, figures=("dot",)), made("Two", draw_dot, figures=("dot",)),
+    )  # fmt: skip
+    assert [section.title for section in found.sections] == ["Same", "One"]
+    assert "called same already" in found.left_out[0]
+    assert "two figures called dot" in found.left_out[1]
+
+
+def test_figures_that_are_no_longer_drawn_lose_their_files(findings, tmp_path):
+    figures = tmp_path / "figures"
+    figures.mkdir()
+    (figures / "mine.png").write_bytes(b"mine")
+    drawn = content(findings, tmp_path, made("Dot", draw_dot, figures=("dot",)))
+    assert drawn.sections[0].items[0].svg.startswith("<svg")
+    assert (figures / "dot.png").exists()
+    content(findings, tmp_path, made("Dot", lambda *_: "none", figures=("dot",)))
+    assert [path.name for path in figures.iterdir()] == ["mine.png"]
+
+
+def test_a_figure_that_cannot_be_written_ends_the_report(findings, tmp_path):
+    (tmp_path / "figures" / "dot.png.part").mkdir(parents=True)
+    with pytest.raises(BadInputError, match="dot"):
+        content(findings, tmp_path, made("Dot", draw_dot, figures=("dot",)))
+
+
+@pytest.fixture
+def distribution(tmp_path, monkeypatch):
+    """`labrig_notes` 0.3 with two entry points, one of them faulty."""
+    (tmp_path / "labrig_notes.py").write_text(PLUGIN)
+    info = tmp_path / "labrig_notes-0.3.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-notes\nVersion: 0.3\n")
+    (info / "entry_points.txt").write_text(
+        "[labrig.report_sections]\nnotes = labrig_notes:NOTES\nbad = labrig_notes:BAD\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    yield
+    sys.modules.pop("labrig_notes", None)
+
+
+@pytest.mark.slow
+def test_another_distributions_section_stands_where_its_order_puts_it(distribution, tmp_path):
+    path = stopped_session(tmp_path / "none.h5", after_runs=0)
+    with pytest.warns(PluginWarning, match="report section 'bad' of labrig-notes"):
+        text = write_report(path).read_text(encoding="utf-8")
+    assert "none.h5 has no notes." in text
+    headings = [text.index(f">{title}</h2>") for title in ("Notes of the day", "Configuration")]
+    assert headings == sorted(headings)
+    assert "notes (labrig-notes 0.3)" in text

@@ -1,0 +1,46 @@
+"""What labrig.testing offers to tests of other people's parts."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from drivers.interfaces import Camera, Clock, Operator, Positioner, SignalInput, VoltageOutput
+from labrig import testing
+from labrig.cli.commands.plan import COMMAND
+from protocols.execution.events import ReadingTaken
+
+
+def test_a_conformance_function_names_what_is_wrong_and_nothing_else() -> None:
+    assert testing.command_faults(COMMAND) == []
+    assert testing.command_faults("plan") == ["COMMAND is a str, not a labrig.Command"]
+
+
+def test_the_fake_rig_runs_a_schedule_and_ends_at_0_V() -> None:
+    rig = testing.FakeRig()
+    schedule = testing.short_schedule(0.01)
+    rig.scheduler().run(schedule)
+    assert len(rig.of_kind(ReadingTaken)) == len(schedule.runs[0].readings)
+    assert rig.output.last_V == 0.0
+
+
+def test_the_fake_devices_have_the_drivers_interfaces() -> None:
+    rig = testing.FakeRig()
+    output: VoltageOutput = rig.output
+    signals: SignalInput = rig.signals
+    camera: Camera = rig.camera
+    stage: Positioner = rig.stage
+    operator: Operator = rig.operator
+    clock: Clock = rig.clock
+    for device in (output, signals, camera, stage):
+        device.open()
+    assert clock.now() > 0.0
+    assert hasattr(operator, "ask")
+
+
+def test_nothing_that_runs_an_experiment_loads_the_test_tools() -> None:
+    code = (
+        "import sys, labrig.cli.main, labrig.experiment.run; print('labrig.testing' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout == "False\n"

@@ -1,0 +1,106 @@
+"""Compiled code is kept from one start to the next, and never outlives a source it depends on."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TOPS = ("labrig", "drivers", "protocols", "model", "sim_hardware")
+MODULES = sorted(path for top in TOPS for path in (ROOT / top).rglob("jit.py"))
+
+CALLED = "from {jit} import jit\n@jit\ndef part(x):\n    return x + 1.0\n"
+CONSTANT = "OFFSET = 10.0\n"
+TUPLES = """
+from typing import NamedTuple
+class Pair(NamedTuple):
+    first: float
+    second: float
+"""
+CALLER = """
+from {jit} import jit
+from {package}.called import part
+from {package}.elsewhere.constant import OFFSET
+
+@jit
+def whole(x, pair):
+    return part(x) + OFFSET + pair[1]
+"""
+RUN = """
+from {package}.tuples import Pair
+from {package}.inner.caller import whole
+print(whole(1.0, Pair(first=100.0, second=1000.0)), sum(whole.stats.cache_hits.values()))
+"""
+
+
+@pytest.fixture(params=MODULES, ids=lambda path: path.parent.relative_to(ROOT).as_posix())
+def package(request, tmp_path):
+    """A small package that compiles with a copy of the real package's `jit`."""
+    name = ".".join(request.param.parent.relative_to(ROOT).parts)
+    folder = tmp_path.joinpath(*name.split("."))
+    for inside in (folder, *folder.parents[: name.count(".")]):
+        inside.mkdir(parents=True, exist_ok=True)
+        (inside / "__init__.py").write_text("")
+    (folder / "jit.py").write_bytes(request.param.read_bytes())
+    files = {"called": CALLED, "elsewhere/constant": CONSTANT, "tuples": TUPLES}
+    for where, text in {**files, "inner/caller": CALLER, "unrelated": "x = 1\n"}.items():
+        path = folder / f"{where}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text.format(jit=f"{name}.jit", package=name))
+    return Small(tmp_path, folder, name)
+
+
+class Small:
+    def __init__(self, root: Path, folder: Path, name: str) -> None:
+        self.root, self.folder, self.name = root, folder, name
+
+    def run(self) -> tuple[float, bool]:
+        """What the compiled function returns in a new process, and whether it was kept."""
+        environment = {**os.environ, "PYTHONPATH": str(self.root), "PYTHONDONTWRITEBYTECODE": "1"}
+        environment.pop("NUMBA_CACHE_DIR", None)
+        code = RUN.format(package=self.name)
+        ran = subprocess.run(
+            [sys.executable, "-c", code], env=environment, cwd=self.root,
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        value, hits = ran.stdout.split()
+        return float(value), int(hits) > 0
+
+    def edit(self, where: str, old: str, new: str) -> None:
+        path = self.folder / f"{where}.py"
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+
+
+@pytest.mark.slow
+def test_a_change_in_another_file_is_compiled_in(package):
+    assert package.run() == (1012.0, False)
+    assert package.run() == (1012.0, True)  # from the disk
+    package.edit("called", "x + 1.0", "x + 2.0")
+    assert package.run() == (1013.0, False)
+    package.edit("elsewhere/constant", "10.0", "20.0")
+    assert package.run() == (1023.0, False)
+    package.edit("tuples", "first: float\n    second: float", "second: float\n    first: float")
+    assert package.run() == (123.0, False)
+    package.edit("unrelated", "x = 1", "x = 2")
+    assert package.run() == (123.0, True)
+
+
+def test_packages_that_compile_have_equal_modules():
+    texts = {path.read_text(encoding="utf-8") for path in MODULES}
+    assert len(texts) == 1, [str(path.relative_to(ROOT)) for path in MODULES]
+
+
+def test_model_compiles_through_its_module_alone():
+    users = [
+        path.relative_to(ROOT).as_posix()
+        for path in sorted((ROOT / "model").rglob("*.py"))
+        if re.search(r"^\s*(import|from) numba\b", path.read_text(encoding="utf-8"), re.MULTILINE)
+    ]
+    assert users == ["model/jit.py"]
