@@ -10,7 +10,8 @@ import pytest
 from drivers.interfaces import SignalBlock
 from labrig.errors import BadInputError
 from labrig.session import SessionWriter, open_session, recover, verify
-from labrig.session.journal import journal_path
+from labrig.session.journal import Journal, journal_path
+from labrig.session.rows import Translator
 from protocols import Channel
 from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (
@@ -65,16 +66,14 @@ def test_a_fourth_channel_is_recorded_with_unit_and_conversion(tmp_path):
 
 
 def test_a_fourth_channel_survives_a_crash(tmp_path):
-    path = tmp_path / "s.h5"
-    writer = SessionWriter(path, **settings(small_schedule()) | {"channels": FOUR})
-    for event in session_events(small_schedule()):
-        writer.handle(warmed(event))
-    kept = None
-    while kept is None or len(kept) != journal_path(path).stat().st_size:
-        kept = journal_path(path).read_bytes()
-    writer.close()
     crashed = tmp_path / "crashed.h5"
-    journal_path(crashed).write_bytes(kept)
+    setup = setup_of(settings(small_schedule()) | {"channels": FOUR})
+    journal, translator = Journal(journal_path(crashed), setup), Translator(setup)
+    for event in session_events(small_schedule()):
+        for rows in translator.rows(warmed(event)):
+            journal.append(rows)
+    journal.sync()
+    journal.close()
     recover(crashed, tmp_path / "whole.h5")
     check_temperature(tmp_path / "whole.h5")
 

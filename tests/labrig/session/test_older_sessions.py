@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from labrig.experiment.resume import Resumption
-from labrig.report.page.overview import overview
+from labrig.report.tables.overview import overview
 from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
 from labrig.session.journal import journal_path
 from protocols.execution import events as ev
