@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import datetime as dt
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +19,7 @@ from labrig.config import (
     read_text,
 )
 from labrig.errors import BadInputError
+from labrig.serialise import to_plain
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
@@ -50,8 +49,8 @@ class Plan:
         return {
             "rig": self.rig.model_dump(mode="json"),
             "protocol": self.protocol.model_dump(mode="json"),
-            "sheet": {name: _plain(sheet) for name, sheet in self.sheets.items()},
-            "load_cell": _plain(self.calibration),
+            "sheet": {name: to_plain(sheet) for name, sheet in self.sheets.items()},
+            "load_cell": to_plain(self.calibration),
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
         }
 
@@ -111,16 +110,3 @@ def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
         raise BadInputError(
             f"{called['protocol.toml']}: against the [limits] of the rig: {error}."
         ) from None
-
-
-def _plain(value: Any) -> dict[str, Any]:
-    """A dataclass as plain JSON."""
-
-    def item(value: Any) -> Any:
-        if isinstance(value, dt.date):
-            return value.isoformat()
-        if isinstance(value, tuple | list):
-            return [item(part) for part in value]
-        return value.tolist() if hasattr(value, "tolist") else value
-
-    return {key: item(part) for key, part in dataclasses.asdict(value).items()}

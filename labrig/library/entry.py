@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import datetime as dt
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.serialise import to_plain
 from labrig.session import RecordedSession, open_session
 
 Fits = dict[str, dict[str, Any]]  # by configuration
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CatalogueEntry:
     """One file. `name` is its path in the folder, with slashes. A damaged one has `error` only."""
 
@@ -41,12 +42,8 @@ class CatalogueEntry:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return {**asdict(self), "sheet": list(self.sheet)}
-
-    @classmethod
-    def from_dict(cls, plain: dict[str, Any]) -> CatalogueEntry:
-        """The reverse. Raises TypeError."""
-        return cls(**{**plain, "sheet": tuple(plain.get("sheet", ()))})
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
     def fitted(self, what: str) -> float | None:
         """B_Nm2, E_Pa or EIBM_Nm (the largest) of the first configuration that was fitted."""
@@ -62,7 +59,7 @@ class CatalogueEntry:
 
 def read_entry(path: Path, name: str) -> CatalogueEntry:
     """Look into a session; samples and images are not read. Never raises for what is in a file."""
-    bare = CatalogueEntry(name)
+    bare = CatalogueEntry(name=name)
     try:
         bare = replace(bare, bytes=path.stat().st_size)
         with open_session(path, live=True) as session:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
+from labrig.serialise import from_json, to_json
 from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.reading import with_str
@@ -37,8 +36,8 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
     readings = [(at, reading) for at, c in enumerate(conditions) for reading in c.readings]
     curves = [(at, place, curve) for at, c in enumerate(conditions) for place, curve in _curves(c)]
     return {
-        "sheets": _text(json.dumps([_sheet(sheet) for sheet in measurements.sheets.values()])),
-        "warnings": _text(json.dumps(list(measurements.warnings))),
+        "sheets": _text(to_json(list(measurements.sheets.values()))),
+        "warnings": _text(to_json(measurements.warnings)),
         "source": _text(measurements.source),
         "checksum": _text(measurements.checksum),
         "conditions": _condition_table(conditions),
@@ -54,7 +53,7 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
 
 def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
     """The reverse; raises KeyError, ValueError, TypeError or IndexError on other tables."""
-    sheets = [_sheet_back(plain) for plain in json.loads(_text_back(tables["sheets"]))]
+    sheets = from_json(tuple[SheetGeometry, ...], _text_back(tables["sheets"]))
     curves: dict[tuple[int, int], Curve] = {}
     for row in tables["curves"]:
         curves[int(row["condition"]), int(row["reading"])] = Curve(
@@ -76,7 +75,7 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
         ),
         source=_text_back(tables["source"]),
         checksum=_text_back(tables["checksum"]),
-        warnings=tuple(json.loads(_text_back(tables["warnings"]))),
+        warnings=from_json(tuple[str, ...], _text_back(tables["warnings"])),
     )
 
 
@@ -86,13 +85,6 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
 def _text(text: str) -> Array:
     raw = text.encode("utf-8")
     return np.array(raw, dtype=layout.text_type(len(raw)))
-
-
-def _sheet(sheet: SheetGeometry) -> dict[str, Any]:
-    plain = {each.name: getattr(sheet, each.name) for each in fields(sheet)}
-    if sheet.initial_curvature is not None:
-        plain["initial_curvature"] = [nodes.tolist() for nodes in sheet.initial_curvature]
-    return plain
 
 
 def _curves(condition: Condition) -> list[tuple[int, Curve]]:
@@ -228,12 +220,6 @@ def _stacked(items: Sequence[Any], names: Sequence[str]) -> Array:
 
 def _text_back(table: Array) -> str:
     return bytes(table[()]).decode("utf-8")
-
-
-def _sheet_back(plain: dict[str, Any]) -> SheetGeometry:
-    nodes = plain.pop("initial_curvature")
-    k0 = None if nodes is None else (np.array(nodes[0], float), np.array(nodes[1], float))
-    return SheetGeometry(initial_curvature=k0, **plain)
 
 
 def _known(value: Any) -> float | None:

@@ -12,12 +12,14 @@ import numpy as np
 
 from labrig.config import parse_json
 from labrig.errors import BadInputError
+from labrig.serialise import from_plain
 from labrig.session import layout
 from labrig.session.channels import channels_of
 from labrig.session.disk import is_of_writing
 from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup, schedule_back
+from labrig.session.setup import SessionSetup, check_recorded
 from protocols.errors import ScheduleError
+from protocols.planning.schedule import Schedule
 
 
 @contextmanager
@@ -115,8 +117,10 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
+        schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
+        check_recorded(schedule)
         return SessionSetup(
-            schedule=schedule_back(_json(file, "schedule", path)),
+            schedule=schedule,
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
             resolved=_json(file, "resolved", path),
             version=version,

@@ -13,14 +13,17 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
+from labrig.serialise import SerialiseError, from_plain, to_json, to_plain
 from labrig.session import layout
 from labrig.session.channels import check_channels, value_columns, version_1_channel
-from protocols import Channel, schedule_from_dict, schedule_to_dict
+from protocols import Channel
+from protocols.planning.limits import check_structure
 from protocols.planning.schedule import Schedule
 
+# Of the schedule of a session that was imported: it has no runs, and no camera was asked for it.
+IMPORTED_FRAME_RATE_HZ = 25.0
 _MOST_HZ = 1e7
 _MOST_PIXELS = 16_384  # rows or columns
-_CHANNEL_KEYS = ("name", "quantity", "unit", "range_V", "gain", "offset")
 _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
 
 
@@ -48,18 +51,10 @@ def _plugin_versions() -> dict[str, str]:
     return {entry.dist.name: entry.dist.version for entry in own if entry.dist is not None}
 
 
-def schedule_back(plain: Any) -> Schedule:
-    """The schedule that `schedule_to_dict` was given; unlike one to be run it may have no runs.
-
-    Raises ScheduleError.
-    """
-    if isinstance(plain, dict) and plain == schedule_to_dict(_imported(plain)):
-        return _imported(plain)
-    return schedule_from_dict(plain)
-
-
-def _imported(plain: Mapping[str, Any]) -> Schedule:
-    return Schedule(str(plain.get("protocol")), (), 25.0)
+def check_recorded(schedule: Schedule) -> None:
+    """Raise ScheduleError for a schedule that is none; unlike one to be run it may have no runs."""
+    if schedule != Schedule(schedule.protocol, (), IMPORTED_FRAME_RATE_HZ):
+        check_structure(schedule)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,49 +102,34 @@ class SessionSetup:
 
     def to_json(self) -> str:
         """Return it as one JSON object."""
-        plain = {
-            "version": self.version,
-            "schedule": schedule_to_dict(self.schedule),
-            "texts": dict(self.texts),
-            "resolved": dict(self.resolved),
-            "signals": [_plain_channel(channel) for channel in self.signals],
-            "rate_hz": self.rate_hz,
-            "frame_shape": self.frame_shape,
-            "frame_dtype": self.frame_dtype,
-            "keep_all_frames": self.keep_all_frames,
-            "simulated": self.simulated,
-            "identifier": self.identifier,
-            "versions": dict(self.versions),
-        }
-        return json.dumps(plain)
+        return to_json(self)
 
     @classmethod
     def from_json(cls, text: str) -> SessionSetup:
-        """Return the setup of a text; raises ValueError, KeyError or TypeError for another one."""
+        """Return the setup of a text; raises ValueError for another one."""
         plain = json.loads(text)
-        shape = plain.pop("frame_shape")
-        version = plain.pop("version", 1)
-        if version not in layout.READABLE:
-            raise ValueError(f"version {version} of the layout is not known")
-        return cls(
-            version=version,
-            schedule=schedule_back(plain.pop("schedule")),
-            signals=_channels_back(plain, version),
-            frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
-            **plain,
-        )
+        if not isinstance(plain, dict):
+            raise SerialiseError("setup: a table is wanted")
+        if "version" not in plain:
+            plain = _of_version_1(plain)
+        if plain["version"] not in layout.READABLE:
+            raise SerialiseError(f"setup: version {plain['version']!r} of the layout is not known")
+        setup = from_plain(cls, plain, "setup")
+        check_recorded(setup.schedule)
+        return setup
 
 
-def _plain_channel(channel: Channel) -> dict[str, Any]:
-    return {key: getattr(channel, key) for key in _CHANNEL_KEYS}
-
-
-def _channels_back(plain: dict[str, Any], version: int) -> tuple[Channel, ...]:
-    """Take the channels out of the plain setup."""
-    if version == 1:
-        pairs = zip(plain.pop("channels"), plain.pop("ranges_V"), strict=True)
-        return tuple(version_1_channel(str(name), float(volts)) for name, volts in pairs)
-    return tuple(Channel(**channel) for channel in plain.pop("signals"))
+def _of_version_1(plain: dict[str, Any]) -> dict[str, Any]:
+    """Return the plain setup of version 1 with the keys of today."""
+    rest = {key: value for key, value in plain.items() if key not in ("channels", "ranges_V")}
+    names, ranges_V = plain.get("channels"), plain.get("ranges_V")
+    if not isinstance(names, list) or not isinstance(ranges_V, list):
+        raise SerialiseError("setup: channels and ranges_V must be lists")
+    channels = [
+        version_1_channel(str(name), float(range_V))
+        for name, range_V in zip(names, ranges_V, strict=True)
+    ]
+    return {**rest, "version": 1, "signals": to_plain(channels)}
 
 
 def _check_numbers(rate_hz: float, frame_shape: tuple[int, int] | None) -> None:

@@ -169,15 +169,15 @@ def model_file(tmp_path):
 
 ENTRIES = [
     CatalogueEntry(
-        "a.h5", started="2026-01-01", outcome="completed", sheet=("long",), scatter_mN=2.0
+        name="a.h5", started="2026-01-01", outcome="completed", sheet=("long",), scatter_mN=2.0
     ),
     CatalogueEntry(
-        "b.h5", started="2026-01-03", outcome="aborted", sheet=("short",), reason="STOP"
+        name="b.h5", started="2026-01-03", outcome="aborted", sheet=("short",), reason="STOP"
     ),
     CatalogueEntry(
-        "c.h5", started="2026-01-02", outcome="completed", sheet=("long",), scatter_mN=1.0
+        name="c.h5", started="2026-01-02", outcome="completed", sheet=("long",), scatter_mN=1.0
     ),
-    CatalogueEntry("d.h5", error="is truncated."),
+    CatalogueEntry(name="d.h5", error="is truncated."),
 ]
 
 

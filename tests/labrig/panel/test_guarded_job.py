@@ -51,7 +51,10 @@ def jobs(tmp_path):
     with socket.socket() as closed:  # nobody will listen there
         closed.bind(("127.0.0.1", 0))
         port = closed.getsockname()[1]
-    run = JobAddress("7", "run", "Ann", "now", "s.h5", None, 1, port, "key", GOING)
+    run = JobAddress(
+        id="7", kind="run", by="Ann", wall="now", session="s.h5", rig=None, pid=1, port=port,
+        key="key", state=GOING,
+    )  # fmt: skip
     write_place(tmp_path, run)
     made = []
 
@@ -114,7 +117,9 @@ def test_an_order_that_will_be_refused_takes_no_report_from_the_session_that_is_
 
 
 def run_into(session):
-    return Order("8", "run", "Ann", "now", str(session.parent), session=str(session))
+    return Order(
+        id="8", kind="run", by="Ann", wall="now", data=str(session.parent), session=str(session)
+    )
 
 
 def refusing(order, hidden):
