@@ -10,14 +10,16 @@ MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model
 PICTURES := tests/sim_hardware/test_optics_pictures.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
 	tests/labrig/vision/test_vision_batch.py
-# Without a time-out: what is cut short while it compiles is not kept.
+# Without a time-out: a compilation that is cut short is not kept.
 COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
-# Where they are: looking through all the others takes seconds.
+# The files with such tests: to collect all others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
+COMPILED := $(VENV)/.compiled
+COMPILED_SOURCES = $(shell grep -rlw --include='*.py' jit labrig model sim_hardware)
 PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt
 
-# Empty: what is compiled is kept. The tests start hundreds of processes, and each would compile anew.
+# Empty, so that compiled code is kept: the tests start hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: setup setup-dev demo compiled compiled-mechanics compiled-pictures \
@@ -44,6 +46,7 @@ demo: setup
 	@$(BIN)/labrig demo demo
 
 compiled: compiled-mechanics compiled-pictures
+	@touch $(COMPILED)
 
 compiled-mechanics: setup-dev
 	@-$(COMPILE) $(MECHANICS)
@@ -51,12 +54,15 @@ compiled-mechanics: setup-dev
 compiled-pictures: setup-dev
 	@-$(COMPILE) $(PICTURES)
 
-test: setup-dev
+# Compiled code is kept between runs; it is made first only where sources of it are newer.
+$(COMPILED): $(COMPILED_SOURCES)
 	@$(MAKE) --no-print-directory -j 2 compiled
+
+test: setup-dev $(COMPILED)
 	@$(MAKE) --no-print-directory test-compiled
 
 # Four at a time, of which two wait most of the time (tests/side_by_side.py), and then two at a time
-# what is held against the real clock, beside which nothing may compute.
+# what is measured against the real clock, beside which nothing may compute.
 test-compiled: setup-dev
 	@$(PYTEST) -n 4 --dist worksteal -m "not thorough and not alone"; code=$$?; \
 	$(TWO_ALONE) -m "alone and not thorough" $(ALONE) && exit $$code
@@ -64,8 +70,7 @@ test-compiled: setup-dev
 test-failed: setup-dev
 	$(PYTEST) --last-failed --last-failed-no-failures none -m ""
 
-test-all: setup-dev
-	@$(MAKE) --no-print-directory -j 2 compiled
+test-all: setup-dev $(COMPILED)
 	@$(PYTEST) -n 4 --dist worksteal -m "not alone"; code=$$?; \
 	$(TWO_ALONE) -m alone $(ALONE) && exit $$code
 

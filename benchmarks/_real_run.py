@@ -73,7 +73,7 @@ def record(folder: Path, bare: BareLoop | None, *, fast: bool) -> str:
     if fast:
         rig = _with_two_fast_channels(rig)
     path = folder / "session.h5"
-    result = run_session(rig, plan, path, StopRequest(), hub, look_first=not fast)
+    result = run_session(rig, plan, path, StopRequest(), hub, check_first=not fast)
     return result.status.text if result.code else ""
 
 

@@ -69,7 +69,7 @@ def tally(world: WorldSettings, seeds: Iterable[int]) -> Tally:
     for seed in seeds:
         session = reduced_session(world, seed=seed)
         data = measurements(session, world)
-        joint = joint_fit([observe(data, n) for n in data.sheets], FitOptions())
+        joint = joint_fit(data, [observe(data, n) for n in data.sheets], FitOptions())
         found = []
         for n, name in enumerate(data.sheets):
             found.append((f"{name} B", joint.stiffness(n), session.B_Nm2[name]))

@@ -1,7 +1,7 @@
 """A joint fit against what it is made of, and against the same fit on scipy's solve_bvp.
 
-21 conditions (seven positions, three voltages) with a force and a curve of 50 points each, six
-parameters: ln B, two coefficients of Me/B for each driving voltage, one of the rest curvature.
+21 conditions (seven positions, three voltages) with a force and a curve of 50 points each, 19
+parameters: ln B, six coefficients of Me/B for each driving voltage and of the initial curvature.
 CPU times of one process.
 """
 
@@ -27,10 +27,12 @@ from model import (
     SheetModel,
     predict,
 )
+from model.identification.base_model import BaseOptions, bases_of
+from model.identification.data.data_vector import look, means_of
 from model.identification.fit import fit
-from model.identification.gauss_newton import gauss_newton
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.gauss_newton import least_squares
 from model.identification.observations import observe
-from model.identification.residual_vector import ParameterLayout, System
 from model.mechanics.field import Field
 
 B, REST, BENDS = 1.27e-6, 14.0, {2.0: 25.0, -2.0: -20.0}
@@ -59,32 +61,35 @@ def made(seed: int = 0) -> Measurements:
     return Measurements({"long": sheet}, tuple(conditions))
 
 
-class _Counted(System):
+class _Counted(ForwardModel):
     """Counts the evaluations of the model."""
 
     evaluations = 0
 
-    def predict(self, theta):
+    def state(self, *where):
         self.evaluations += 1
-        return super().predict(theta)
+        return super().state(*where)
 
 
 def measure() -> Report:
     """About half a minute."""
     data = made()
-    observed = observe(data, "long")
-    layout = ParameterLayout((-2.0, 2.0), eibm=2, rest=1, symmetric=False)
-    start = np.array([np.log(2e-6), -10.0, 0.0, 10.0, 0.0, 0.0])
+    observed, rest = observe(data, "long"), Field.constant(REST, 0.05)
 
-    def system() -> _Counted:
-        return _Counted(observed, Field.constant(REST, 0.05), layout, modes=8)
+    def study() -> _Counted:
+        return _Counted([means_of(look(data, "long"))], [rest])
 
-    counted = system()
-    theta, _ = gauss_newton(counted, start)
-    whole = cpu(lambda: gauss_newton(system(), start), 3)
-    ready = system()
-    ready.predict(theta)
-    kernel = cpu(lambda: _kernels(ready, theta), 20) * counted.evaluations
+    counted = study()
+    bases = bases_of(counted, [True], BaseOptions(along=True, rest_sigma_per_m=1.0))
+    theta = np.zeros(bases.size)
+    part = bases.parts[0]
+    theta[part.stiffness] = np.log(2e-6)
+    for volts, (first, _) in part.eibm.items():
+        theta[first] = 5.0 * volts
+    start, theta = theta, least_squares(counted, bases, theta)
+    whole = cpu(lambda: least_squares(study(), bases, start), 3)
+    beam, scene = bases.beam(counted, 0, theta), counted.scenes[0]
+    kernel = cpu(lambda: scene.answers(beam, scene.solve(beam)), 20) * counted.evaluations
     each = [
         by_scipy(REST + BENDS.get(o.voltage_V, 0.0), 0.05, float(o.position_m) / R)
         for o in observed.observations
@@ -96,8 +101,8 @@ def measure() -> Report:
         ],
         1,
     )
-    # the shape does not depend on ln B: five parameters to difference by, and the value itself
-    scipy_fit = by_bvp * 6 * counted.evaluations
+    # the shape does not depend on ln B: the others to difference by, and the value itself
+    scipy_fit = by_bvp * bases.size * counted.evaluations
     everything = cpu(lambda: fit(data), 1)
     rows = (
         ("joint fit, given noise", f"{whole * 1e3:.1f} ms", "1"),
@@ -110,7 +115,8 @@ def measure() -> Report:
     )  # fmt: skip
     figures = {
         "fit_s": whole, "model_s": kernel, "solve_bvp_fit_s": scipy_fit, "whole_fit_s": everything,
-        "evaluations": counted.evaluations, "B_error": float(np.exp(theta[0]) / B - 1.0),
+        "evaluations": counted.evaluations,
+        "B_error": float(np.exp(theta[part.stiffness]) / B - 1.0),
         "solve_bvp_converged": sum(good for _, good in each) / len(each),
     }  # fmt: skip
     notes = (
@@ -120,12 +126,6 @@ def measure() -> Report:
     return Report(
         (Table("Joint fit, 21 conditions", ("", "CPU time", "ratio"), rows),), figures, notes
     )
-
-
-def _kernels(system: System, theta: np.ndarray) -> None:
-    """Equilibria, shapes and derivatives alone."""
-    found = system.solve(theta)
-    found.answers(system._s, system._moved)
 
 
 if __name__ == "__main__":

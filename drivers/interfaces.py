@@ -145,6 +145,26 @@ class VoltageOutput(Protocol):
     def close(self) -> None:
         """Write 0 V and let go of the output. May be called twice; raises when 0 V was refused."""
 
+    def abandon(self) -> None:
+        """Let go without a write: somebody else is going to write 0 V. Never raises."""
+
+
+@runtime_checkable
+class Interlock(Protocol):
+    """A signal that the working loop keeps up, for an external interlock (see docs/safety.md)."""
+
+    def open(self) -> None:
+        """Take the line; make no edge yet. Raises DeviceNotFoundError, DeviceError."""
+
+    def beat(self) -> None:
+        """Make an edge when one is due; called at least every 50 ms while energised.
+
+        Blocks for one round trip at most. Raises DeviceError.
+        """
+
+    def close(self) -> None:
+        """Let go of the line: without edges the interlock drops. May be called twice."""
+
 
 # ------------------------------------------------------------------------------------------ input
 
@@ -187,6 +207,10 @@ class SignalInput(Protocol):
     def ranges_V(self) -> Sequence[float]:
         """The device's actual input range (either sign) of each channel."""
 
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second and channel that the device achieves (after `open`)."""
+
     def open(self) -> None:
         """Take the device and configure it. Raises DeviceNotFoundError, DeviceError."""
 
@@ -214,16 +238,26 @@ class SignalInput(Protocol):
 
 @runtime_checkable
 class ForceSensor(Protocol):
-    """A sensor that is asked for one force at a time (a meter on a serial line)."""
+    """A sensor that is asked for one force at a time (a meter on a serial line).
+
+    One thread opens it, another reads it, never two at the same time.
+    """
+
+    @property
+    def range_N(self) -> float:
+        """Largest force, either sign, that it can report."""
 
     def open(self) -> None:
-        """Take the device."""
+        """Take the device; blocks for a few exchanges. Raises DeviceNotFoundError, DeviceError."""
 
     def read_force(self) -> float:
-        """The force now, in N; blocks for one exchange. Raises DeviceTimeoutError, DeviceError."""
+        """Return the force now, in N; blocks for one exchange, and at most for 2 s.
+
+        Raises OverloadError beyond its range, DeviceTimeoutError, DeviceError.
+        """
 
     def tare(self) -> None:
-        """Make the present load the zero."""
+        """Make the present load the zero; blocks for one exchange. Raises DeviceError."""
 
     def close(self) -> None:
         """Let go of the device. May be called twice."""
@@ -254,10 +288,18 @@ class CameraCounts:
 
 @runtime_checkable
 class Camera(Protocol):
-    """A camera that runs by itself and hands over the frames that were asked for."""
+    """A camera that runs by itself and hands over the frames that were asked for.
+
+    The order of calls is `open`, then any number of times `start`, `want` or `want_all`, `frames`,
+    `stop`, then `close`. The thread that runs the experiment calls all of them: only `open` and
+    `close` may block. Every method raises DeviceError, or a subclass of it, and nothing else.
+    """
 
     def open(self) -> None:
-        """Take the camera; after it `frame_shape` is known. Raises DeviceNotFoundError."""
+        """Take the camera; after it `frame_shape` and `dtype` are known. Blocks for 10 s at most.
+
+        Raises DeviceNotFoundError.
+        """
 
     @property
     def frame_shape(self) -> tuple[int, int]:
@@ -268,7 +310,10 @@ class Camera(Protocol):
         """Type of a frame's pixels."""
 
     def start(self) -> None:
-        """Begin to take frames."""
+        """Begin to count frames from 0; returns within 50 ms, as do all methods below.
+
+        Raises DeviceError when it is running already, or has stopped delivering.
+        """
 
     def want(self, from_s: float, to_s: float) -> None:
         """Keep the frames completed between two clock times; others are only counted."""
@@ -277,9 +322,10 @@ class Camera(Protocol):
         """Keep every frame until `stop`."""
 
     def frames(self) -> list[Frame]:
-        """The kept frames that have arrived since the last call; does not wait.
+        """Return the kept frames that have arrived since the last call, oldest first.
 
-        Raises DeviceError once the camera has stopped delivering.
+        Does not wait. An image is an array of its own, of `frame_shape` and `dtype`. Raises
+        DeviceError once the camera has stopped delivering and every kept frame was returned.
         """
 
     @property
@@ -290,7 +336,7 @@ class Camera(Protocol):
         """Stop taking frames; may be called when not started."""
 
     def close(self) -> None:
-        """Let go of the camera. May be called twice."""
+        """Stop and let go of the camera; blocks for 5 s at most. May be called twice."""
 
 
 # ------------------------------------------------------------------------------- operator and stage
@@ -320,12 +366,14 @@ class Positioner(Protocol):
     """Moves the load cell along the arc; by a motor, or by asking the operator."""
 
     def open(self) -> None:
-        """Take the stage."""
+        """Take the stage; may move it to its reference. Raises DeviceNotFoundError, DeviceError."""
 
     def move_to(self, position_m: float) -> bool:
-        """Move to a position along the arc and wait until it is reached.
+        """Move to a position along the arc, at 0 V, and block until it is reached.
 
-        False when the operator declined. Raises DeviceTimeoutError, LimitError, DeviceError.
+        False when the operator declined. A motor takes 300 s at most; a person as long as they
+        need. Raises LimitError (it was not moved) outside its range or for NaN,
+        DeviceTimeoutError, DeviceError.
         """
 
     def position(self) -> float | None:

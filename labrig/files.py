@@ -8,7 +8,7 @@ from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
 
-# A path that cannot be written at all; else it is the disk's doing.
+# A path that cannot be written at all; other errors are the disk's.
 _WRONG_PATH = frozenset(
     {errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENOTDIR, errno.EISDIR,
      errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL}
@@ -16,7 +16,7 @@ _WRONG_PATH = frozenset(
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file beside its place and rename it. Raises what `not_written` makes of an error."""
+    """Write a file beside its place and rename it. Raise what `not_written` returns."""
     part = path.with_name(path.name + ".part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -27,18 +27,18 @@ def write_text(path: Path, text: str) -> None:
 
 
 def discard(part: Path) -> None:
-    """Remove what was begun, as far as the disk allows it: it may be read-only."""
+    """Remove an unfinished file, as far as the disk allows it: it may be read-only."""
     with suppress(OSError):
         part.unlink(missing_ok=True)
 
 
 def not_written(path: Path, error: OSError) -> LabrigError:
-    """The error to raise: a failure where the disk is full or broken, else a wrong path."""
+    """Return the error to raise: a failure where the disk is full or broken, else a wrong path."""
     why = "the disk is full" if error.errno == errno.ENOSPC else error.strerror
     return family_of(error)(f"{path}: cannot be written ({why}).")
 
 
 def family_of(error: Exception) -> type[LabrigError]:
-    """Whose doing it is that something was not written."""
+    """Return the family of errors: a wrong path, or the disk's fault."""
     wrong_path = isinstance(error, OSError) and error.errno in _WRONG_PATH
     return BadInputError if wrong_path else LabrigError

@@ -35,7 +35,7 @@ def save_model(model: SheetModel, path: Path) -> None:
 
 
 def model_text(model: SheetModel) -> str:
-    """The text of a model file."""
+    """Return the text of a model file."""
     document = tomlkit.document()
     for line in _HEADER:
         document.add(tomlkit.comment(line))

@@ -12,7 +12,7 @@ from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import NiDeviceServer
 from sim_hardware.serial_devices import SerialFaults
 from sim_hardware.world import CellFault, FaultSettings, World
-from sim_hardware.world.world import CURRENT, DRIVE, FORCE, READBACK
+from sim_hardware.world.settings import Signal
 
 _FOR_GOOD_S = 1e12
 _BEYOND_RANGE_V = 11.0
@@ -35,7 +35,7 @@ _SERIAL = {
 }
 
 
-@dataclass
+@dataclass(kw_only=True)
 class FaultyRig:
     """A simulated rig's parts, as far as something can go wrong with them."""
 
@@ -100,16 +100,17 @@ class FaultyRig:
         if what == "current_saturated":
             world = self.world
             return (
-                lambda: world.break_input(CURRENT, _BEYOND_RANGE_V),
-                lambda: world.break_input(CURRENT, None),
+                lambda: world.break_input("current", _BEYOND_RANGE_V),
+                lambda: world.break_input("current", None),
             )
         return self._of_boards(fault)
 
     def _of_boards(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
-        def everywhere(channel: str) -> set[str]:
-            return {f"{name}/{channel}" for name in self.boards.device_names}
+        def wired(signal: Signal) -> set[str]:
+            wiring = self.world.settings.wiring
+            return wiring.terminals(signal, self.boards.device_names)
 
-        ways: dict[str, tuple[str, object, object]] = {
+        switches: dict[str, tuple[str, object, object]] = {
             "daq_refused": ("unavailable", True, False),
             "daq_slow": ("delay_s", fault.amount_s, 0.0),
             "daq_buffer_overflow": ("lose_after_reads", 0, None),
@@ -117,11 +118,11 @@ class FaultyRig:
             "daq_read_hung": ("hang", {"ReadAnalogF64"}, set()),
             "daq_write_refused": ("refuse", {"WriteAnalogScalarF64": _GONE}, {}),
             "daq_reserved": ("refuse", dict.fromkeys(_RESERVING, _RESERVED), {}),
-            "output_stuck": ("stuck_outputs", everywhere(DRIVE), set()),
-            "force_nan": ("nan", everywhere(FORCE), set()),
-            "drive_nan": ("nan", everywhere(READBACK), set()),
+            "output_stuck": ("stuck_outputs", wired("drive"), set()),
+            "force_nan": ("nan", wired("force"), set()),
+            "drive_nan": ("nan", wired("readback"), set()),
         }
-        name, on, off = ways[fault.what]
+        name, on, off = switches[fault.what]
         return _attribute(self.boards.faults, name, on=on, off=off)
 
     def _jump(self, seconds: float) -> None:

@@ -18,12 +18,9 @@ from typing import TYPE_CHECKING, NoReturn
 
 from drivers.interfaces import Clock, RealClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
-from sim_hardware.ni.transport.device_server import DEFAULT_DEVICES
-from sim_hardware.simulated_rig import AnalogSide
 
 if TYPE_CHECKING:
-    from sim_hardware.serial_devices import SerialFaults
-    from sim_hardware.world import World
+    from sim_hardware.faults import FaultyRig
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
 _LOOK_S = 0.2  # Windows wakes no thread for Ctrl-C: look now and then
@@ -85,6 +82,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar="NAME=MODEL",
         help="a board, such as PCI6703=PCI-6703 (repeatable; replaces the default boards)",
     )
+    add(
+        "--serial",
+        action="append",
+        metavar="NAME",
+        help="a serial device, such as stage (repeatable; default: all)",
+    )
     add("--driver-version", default="26.0", help="that the server reports (default: 26.0)")
     add(
         "--strict-ownership",
@@ -119,7 +122,7 @@ def _check(options: argparse.Namespace) -> None:
     """Options that make no sense together."""
     if not options.wire:
         return
-    for name in ("world", "configuration", "record", "camera_port"):
+    for name in ("world", "configuration", "record", "camera_port", "serial"):
         if getattr(options, name):
             flag = "--" + name.replace("_", "-")
             raise ArgumentFaultError(
@@ -130,25 +133,26 @@ def _check(options: argparse.Namespace) -> None:
 def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     """Start everything; each thing's end is on the stack. The lines to print."""
     if options.wire:
-        boards = _boards(LoopbackBench(options.wire), options, options.seed or 0, clock)
-        return [_serve_boards(boards, options, stack)]
+        return [_serve_boards(_boards_without_world(options, clock), options, stack)]
     return _serve_world(options, clock, stack)
 
 
-def _boards(
-    bench: AnalogSide, options: argparse.Namespace, seed: int, clock: Clock
-) -> NiDeviceServer:
+def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDeviceServer:
     try:
         return NiDeviceServer(
-            bench,
+            LoopbackBench(options.wire),
             clock,
-            dict(options.device or DEFAULT_DEVICES),
+            _devices(options),
             options.driver_version,
             strict_ownership=options.strict_ownership,
-            seed=seed,
+            seed=options.seed or 0,
         )
     except ValueError as fault:
         raise ArgumentFaultError(str(fault)) from fault
+
+
+def _devices(options: argparse.Namespace) -> dict[str, str] | None:
+    return dict(options.device) if options.device else None
 
 
 def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: ExitStack) -> str:
@@ -159,6 +163,7 @@ def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: Ex
 def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     from sim_hardware.camera import CameraServer
     from sim_hardware.faults import FaultyRig
+    from sim_hardware.rig_boards import boards_of
     from sim_hardware.world import World, WorldError, load_world
 
     try:
@@ -169,13 +174,18 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
             world.mount(options.configuration)
         if options.record:
             world.record_to(options.record)
+        boards = boards_of(
+            world,
+            clock,
+            _devices(options),
+            options.driver_version,
+            strict_ownership=options.strict_ownership,
+        )
     except WorldError as fault:
         raise ArgumentFaultError(str(fault)) from fault
     except OSError as fault:
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
-    boards = _boards(world, options, settings.seed, clock)
-    boards.lines.wired = world.edge
-    faulty = FaultyRig(clock, world, boards)
+    faulty = FaultyRig(clock=clock, world=world, boards=boards)
     lines = [_serve_boards(boards, options, stack)]
     try:
         camera = CameraServer(world, clock, options.camera_port, faults=faulty.camera)
@@ -186,26 +196,22 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
         ) from fault
     stack.callback(camera.stop)
     faulty.begin()
-    return [*lines, f"camera={camera.url}", *_serve_serial(world, clock, faulty.serial, stack)]
+    return [*lines, f"camera={camera.url}", *_serve_serial(faulty, options.serial, stack)]
 
 
-def _serve_serial(world: World, clock: Clock, faults: SerialFaults, stack: ExitStack) -> list[str]:
-    """Meter and stage, where the system has pseudo-terminals."""
-    from sim_hardware.serial_devices import (
-        PtyPort,
-        SerialDevice,
-        SimulatedDpm3Meter,
-        SimulatedZaberStage,
-    )
+def _serve_serial(rig: FaultyRig, names: Sequence[str] | None, stack: ExitStack) -> list[str]:
+    """Serve the serial devices, where the system has pseudo-terminals; all where none is named."""
+    from sim_hardware.plugins import UnknownPartError
+    from sim_hardware.serial_devices import FOLDER, PtyPort
 
     lines = []
-    stage = SimulatedZaberStage(
-        world, clock, homed=True
-    )  # somebody has: an unhomed one refuses to move
-    devices: dict[str, SerialDevice] = {"meter": SimulatedDpm3Meter(world, clock), "stage": stage}
-    for name, device in devices.items():
+    try:
+        makers = {name: FOLDER.get(name) for name in names or FOLDER.parts()}
+    except UnknownPartError as fault:
+        raise ArgumentFaultError(f"--serial: {fault}") from fault
+    for name, make in makers.items():
         try:
-            port = PtyPort(device, faults)
+            port = PtyPort(make(rig.world, rig.clock), rig.serial)
         except OSError as fault:
             sys.stderr.write(f"no {name}: {fault}\n")
             continue

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from tests import system_packages
 from tests.side_by_side import in_parts, in_turn, is_alone, step_back, watches
 
 # Workers are processes already: threads of linear algebra and of pictures only wait for each other,
@@ -27,6 +28,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--rig", type=Path, help="rig.toml of the rig that real_hardware tests may use"
     )
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    system_packages.note(item)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    for line in system_packages.summary(terminalreporter.stats):
+        terminalreporter.write_line(line)
 
 
 @pytest.hookimpl(trylast=True)  # when those that are not wanted have gone

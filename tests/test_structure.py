@@ -57,8 +57,7 @@ def tree(path: Path) -> ast.Module:
 def imports() -> dict[str, frozenset[str]]:
     """The modules that each module imports by name, for types too.
 
-    A package's face (`__init__`) counts only where it is imported as such: Python runs it on the way
-    to every module below it.
+    A package's face (`__init__`) counts only where it is imported as such.
     """
     return {name: frozenset(_imported(name)) for name in modules()}
 

@@ -24,7 +24,7 @@ from benchmarks.hidden_effects.sessions import Hidden, hidden_session
 from benchmarks.hidden_effects.sizes import curve_gap_mm, force_gap_mN, size_for, size_for_gap
 from benchmarks.hidden_effects.suite import Task, as_in_catalogue
 from benchmarks.hidden_effects.visible import Visible, Yardstick
-from labrig.experiment.closed_loop import MOST_ROUNDS, to_measure
+from labrig.experiment.next_measurement.closed_loop import MOST_ROUNDS, to_measure
 from model import Measurements
 from model.discrepancy import DiagnoseOptions, Diagnosis, Named, diagnose
 

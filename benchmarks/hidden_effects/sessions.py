@@ -107,9 +107,19 @@ def _outlier(case: Case, planned: Sequence[Visit]) -> int | None:
 def _set_up_badly(visit: Visit, world: WorldSettings, number: int) -> Visit:
     """Not quite where it should be, and less moist than the others."""
     usual = Scatter.draw(world, number)
-    odd = Scatter(usual.eibm * 0.93, usual.stiffness * 1.05, usual.position_m + 0.6e-3)
-    return Visit(visit.configuration, visit.position_m, visit.mounting, visit.approach,
-                 visit.turn, odd)  # fmt: skip
+    odd = Scatter(
+        eibm=usual.eibm * 0.93,
+        stiffness=usual.stiffness * 1.05,
+        position_m=usual.position_m + 0.6e-3,
+    )
+    return Visit(
+        configuration=visit.configuration,
+        position_m=visit.position_m,
+        mounting=visit.mounting,
+        approach=visit.approach,
+        turn=visit.turn,
+        odd=odd,
+    )
 
 
 # ------------------------------------------------------------------------------ the measurements

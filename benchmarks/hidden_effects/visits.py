@@ -33,57 +33,76 @@ def visits(case: Case) -> Iterator[Visit]:
     random = np.random.default_rng((case.seed, _ORDER_STREAM))
     for name in BOTH:
         if extras.free_shapes:
-            yield Visit(name, None)
+            yield Visit(configuration=name, position_m=None)
         positions = list(POSITIONS_M)
         if extras.random_order:
             positions = [positions[k] for k in random.permutation(len(positions))]
         for turn, position in enumerate(positions, 1):
             if extras.no_touch_zero:
-                yield Visit(name, None, turn=turn, load_cell_alone=True)
-            yield Visit(name, position)
+                yield Visit(configuration=name, position_m=None, turn=turn, load_cell_alone=True)
+            yield Visit(configuration=name, position_m=position)
         if extras.reversed_approach:
-            yield Visit(name, POSITIONS_M[len(POSITIONS_M) // 2], approach="down", turn=1)
+            yield Visit(
+                configuration=name,
+                position_m=POSITIONS_M[len(POSITIONS_M) // 2],
+                approach="down",
+                turn=1,
+            )
         for k in range(extras.remounts):
             again = round(k * (len(POSITIONS_M) - 1) / max(1, extras.remounts - 1))
-            yield Visit(name, POSITIONS_M[again % len(POSITIONS_M)], mounting=1)
+            yield Visit(
+                configuration=name, position_m=POSITIONS_M[again % len(POSITIONS_M)], mounting=1
+            )
 
 
 # -- entries of the menu, one sheet each: what their protocols do
 
 
 def _everything(_case: Case, name: str) -> Iterator[Visit]:
-    yield from (Visit(name, position) for position in POSITIONS_M)
+    yield from (Visit(configuration=name, position_m=position) for position in POSITIONS_M)
 
 
 def _free(_case: Case, name: str) -> Iterator[Visit]:
-    yield Visit(name, None)
+    yield Visit(configuration=name, position_m=None)
 
 
 def _remount(_case: Case, name: str) -> Iterator[Visit]:
-    yield from (Visit(name, POSITIONS_M[k]) for k in (0, len(POSITIONS_M) // 2, -1))
+    yield from (
+        Visit(configuration=name, position_m=POSITIONS_M[k]) for k in (0, len(POSITIONS_M) // 2, -1)
+    )
 
 
 def _reversed(_case: Case, name: str) -> Iterator[Visit]:
-    yield from (Visit(name, position, approach="down") for position in POSITIONS_M[::-1])
+    yield from (
+        Visit(configuration=name, position_m=position, approach="down")
+        for position in POSITIONS_M[::-1]
+    )
 
 
 def _between(_case: Case, name: str) -> Iterator[Visit]:
-    yield from (Visit(name, 0.5 * (a + b)) for a, b in pairwise(POSITIONS_M))
+    yield from (
+        Visit(configuration=name, position_m=0.5 * (a + b)) for a, b in pairwise(POSITIONS_M)
+    )
 
 
 def _shuffled(case: Case, name: str) -> Iterator[Visit]:
     random = np.random.default_rng((case.seed, _ORDER_STREAM, BOTH.index(name)))
-    yield from (Visit(name, POSITIONS_M[k]) for k in random.permutation(len(POSITIONS_M)))
+    yield from (
+        Visit(configuration=name, position_m=POSITIONS_M[k])
+        for k in random.permutation(len(POSITIONS_M))
+    )
 
 
 def _zeros(_case: Case, name: str) -> Iterator[Visit]:
     for turn, position in enumerate(POSITIONS_M):
-        yield Visit(name, None, turn=turn, load_cell_alone=True)
-        yield Visit(name, position)
+        yield Visit(configuration=name, position_m=None, turn=turn, load_cell_alone=True)
+        yield Visit(configuration=name, position_m=position)
 
 
 def _turned(_case: Case, name: str) -> Iterator[Visit]:
-    yield from (Visit(name, position, turned_over=True) for position in POSITIONS_M)
+    yield from (
+        Visit(configuration=name, position_m=position, turned_over=True) for position in POSITIONS_M
+    )
 
 
 FURTHER: dict[str, Callable[[Case, str], Iterator[Visit]]] = {

@@ -1,6 +1,6 @@
 """IIDC cameras on FireWire (such as a Dragonfly Express) through libdc1394, by ctypes.
 
-`iidc_capture("iidc:GUID")` has the part of `cv2.VideoCapture`'s interface that `OpenCvCamera` uses.
+`IidcCapture` has the part of `cv2.VideoCapture`'s interface that `CaptureCamera` uses.
 libdc1394 is loaded when it is used; structures and numbers are those of its version 2 headers.
 """
 
@@ -14,7 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from drivers.cameras.capture import FPS, HEIGHT, POS_MSEC, READ_TIMEOUT_S, WIDTH
-from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError
+from drivers.cameras.capture_camera import CaptureCamera
+from drivers.cameras.contract import CameraKind, CameraSettings
+from drivers.interfaces import Camera, Clock, DeviceError, DeviceNotFoundError
 
 _SUCCESS, _ON, _OFF = 0, 1, 0
 _ISO_SPEED_400, _ISO_SPEED_800 = 2, 3
@@ -246,3 +248,18 @@ def _declare(lib: Any) -> Any:
         function = getattr(lib, f"dc1394_{name}")
         function.restype, function.argtypes = result, arguments
     return lib
+
+
+def _make(settings: CameraSettings, clock: Clock, rate_hz: float) -> Camera:
+    def capture(source: str) -> IidcCapture:
+        return IidcCapture(iidc_guid(source), clock, rate_hz)
+
+    return CaptureCamera(settings.source, clock, capture)
+
+
+CAMERA = CameraKind(
+    kind="iidc",
+    help="FireWire cameras on libdc1394: iidc:GUID, or iidc: for the first one",
+    prefix="iidc:",
+    make=_make,
+)

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
-from drivers.interfaces import DeviceError, DeviceTimeoutError, OverloadError
+from drivers.force_sensors.contract import ForceSensorKind, Transport
+from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, ForceSensor, OverloadError
 from drivers.serial_port import SerialLine
 
 GRAM_FORCE_N = 9.80665e-3
@@ -20,6 +22,29 @@ _ADDRESSES = "0123456789ABCDEFGHIJKLMNOPQRSTUV"
 _OVERLOADED = ("E", "F", "G", "H")  # A to D: alarms neither, first, second, both; E to H: and this
 _SHOWN = 60  # characters of a reply in an error
 _LONGEST_REPLY = 12  # characters, for the time-out at a low baud rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dpm3Settings:
+    """A DPM-3 panel meter on a serial line, which reads the load cell in the board's place."""
+
+    port: str = field(
+        metadata={"description": "serial port, such as COM4 or /dev/ttyUSB1, or simulated"}
+    )
+    address: int = field(
+        default=0, metadata={"ge": 0, "le": 31, "description": "of the meter; 0: any meter"}
+    )
+    baudrate: Literal[300, 600, 1200, 2400, 4800, 9600, 19200] = field(
+        default=9600, metadata={"description": "as set at the meter"}
+    )
+    newtons_per_unit: float = field(
+        default=GRAM_FORCE_N,
+        metadata={"gt": 0, "unit": "N", "description": "what the meter displays as 1 (gram-force)"},
+    )
+    range_N: float = field(
+        default=0.98,
+        metadata={"gt": 0, "le": 1000, "unit": "N", "description": "largest force it can display"},
+    )
 
 
 class Dpm3Meter:
@@ -32,6 +57,7 @@ class Dpm3Meter:
         address: int = 0,
         baudrate: int = 9600,
         serial_factory: Callable[..., Any] | None = None,
+        range_N: float = 0.98,
     ) -> None:
         if baudrate not in BAUD_RATES:
             rates = ", ".join(map(str, BAUD_RATES))
@@ -42,6 +68,7 @@ class Dpm3Meter:
             raise DeviceError(f"DPM-3 meter on {port}: address {address} is not one of 0 to 31")
         self._address = _ADDRESSES[address]
         self._newtons_per_unit = newtons_per_unit
+        self.range_N = range_N  # see `ForceSensor.range_N`
         self.alarm = ""  # the alarm letter of the last reply, if any
 
     def open(self) -> None:
@@ -104,3 +131,22 @@ class Dpm3Meter:
                 "the cell, or set the meter to a wider range"
             )
         return float(match.group(1))
+
+
+def _make(settings: Dpm3Settings, _clock: Clock, transport: Transport | None) -> ForceSensor:
+    return Dpm3Meter(
+        settings.port,
+        settings.newtons_per_unit,
+        settings.address,
+        settings.baudrate,
+        transport,
+        settings.range_N,
+    )
+
+
+FORCE_SENSOR = ForceSensorKind(
+    kind="dpm3",
+    help="a DPM-3 panel meter on a serial port, in the place of the board's input `force`",
+    settings=Dpm3Settings,
+    make=_make,
+)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import json
 import os
 import signal
@@ -12,11 +11,11 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from drivers.boards.ni.connection import NiConnection
-from drivers.boards.ni.take_over import take_over
+from drivers.boards import BOARD_FAMILIES, OutputRescue
 from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.watch import Ending, ParentWatchdog, parent_watch, words_of
 from drivers.interfaces import DeviceError, RealClock
+from drivers.plugins import UnknownPartError
 from drivers.safe_shutdown import SafetyReport
 
 _PERSIST_S = 8.0  # with boards that refuse, or do not answer
@@ -29,12 +28,10 @@ def main() -> int:
     """Run the guard; the exit code says whether the output is safe (0), or not known to be (6)."""
     _ignore_signals()
     clock = RealClock()
-    connection: NiConnection | None = None
     try:
         settings = GuardSettings.from_json(_first_line())
-        connection = NiConnection(settings.place.address)
-        connection.open()
-        _warm_up()
+        rescue = _rescue_of(settings, clock)
+        rescue.open()
     except DeviceError as fault:
         _say(FAILED, str(fault))
         return _FAILED_CODE
@@ -42,7 +39,7 @@ def main() -> int:
     _say(READY)
     ending = ParentWatchdog(settings, clock, words_of(0), lambda: _say(ALIVE), lives).until_end()
     if ending is Ending.DISARMED:
-        connection.close()
+        rescue.close()
         return _SAFE_CODE
 
     def end_the_program() -> None:
@@ -50,27 +47,33 @@ def main() -> int:
         if _is_in_the_way(ending, lives):
             _kill(settings.program_pid)
 
-    report = _act(settings, connection, clock, end_the_program)
+    report = _act(rescue, clock, end_the_program)
     _tell_everybody(settings, ending, report)
     return _SAFE_CODE if report.is_safe else _UNKNOWN_CODE
 
 
-def _act(
-    settings: GuardSettings,
-    connection: NiConnection,
-    clock: RealClock,
-    on_held: Callable[[], None],
-) -> SafetyReport:
-    """Take the output over; again, on a new connection, when that did not end in 0 V."""
+def _rescue_of(settings: GuardSettings, clock: RealClock) -> OutputRescue:
+    """Return what makes these boards safe. Raises DeviceError."""
+    try:
+        rescue = BOARD_FAMILIES.get(settings.boards).rescue
+    except UnknownPartError as fault:
+        raise DeviceError(str(fault)) from fault
+    if rescue is None:
+        raise DeviceError(f"boards of the kind {settings.boards} cannot be made safe from outside")
+    return rescue(settings.place, clock)
+
+
+def _act(rescue: OutputRescue, clock: RealClock, on_held: Callable[[], None]) -> SafetyReport:
+    """Make the output safe; again, on a new connection, when that did not end in 0 V."""
     until_s = clock.now() + _PERSIST_S
-    report = take_over(connection, clock, settings.place, _PATIENCE_S, on_held)
+    report = rescue.make_safe(_PATIENCE_S, on_held)
     while not report.is_safe and clock.now() < until_s:
-        connection.close()
+        rescue.close()
         clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
         with contextlib.suppress(DeviceError):
-            connection.open()
-        report = take_over(connection, clock, settings.place, _PATIENCE_S, on_held)
-    connection.close()
+            rescue.open()
+        report = rescue.make_safe(_PATIENCE_S, on_held)
+    rescue.close()
     return report
 
 
@@ -101,12 +104,6 @@ def _say(word: str, rest: str = "") -> None:
     with contextlib.suppress(OSError, ValueError):
         sys.stdout.write(f"{word} {rest}".strip() + "\n")
         sys.stdout.flush()
-
-
-def _warm_up() -> None:
-    """Load what acting needs: then is no time for it."""
-    for module in ("nidaqmx.constants", "nidaqmx.stream_readers"):
-        importlib.import_module(module)
 
 
 def _ignore_signals() -> None:

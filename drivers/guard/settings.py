@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
-from drivers.boards.ni.take_over import OutputPlace
 from drivers.interfaces import DeviceError
 
 HEARTBEAT_S = 0.05
@@ -17,11 +18,12 @@ BEAT, NEW_RUN, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"N", b"E", b"Z", b"D", b
 READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GuardSettings:
     """Where the output is, and how long the program may be silent or energise the sheet."""
 
-    place: OutputPlace
+    boards: str  # the kind of the family (`drivers.boards.BOARD_FAMILIES`)
+    place: Mapping[str, Any]  # from the family's `output_place`
     time_under_voltage_s: float = 30.0  # in one run, all its pulses together
     heartbeat_limit_s: float = HEARTBEAT_LIMIT_S
     report_path: str | None = None  # where the guard leaves its report when it has acted
@@ -35,8 +37,6 @@ class GuardSettings:
     def from_json(cls, text: str) -> GuardSettings:
         """The reverse of `to_json`; DeviceError when it does not fit."""
         try:
-            data = json.loads(text)
-            place = OutputPlace(**data.pop("place"))
-            return cls(place=place, **data)
-        except (ValueError, TypeError, KeyError, AttributeError) as fault:
+            return cls(**json.loads(text))
+        except (ValueError, TypeError) as fault:
             raise DeviceError(f"the guard's settings cannot be read: {fault}") from fault

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from drivers.interfaces import Operator, Prompt
+from dataclasses import dataclass
+
+from drivers.interfaces import Operator, Positioner, Prompt
+from drivers.positioners.contract import PositionerKind, Surroundings
+
+
+@dataclass(frozen=True)
+class ManualSettings:
+    """Nothing is to be set of a stage that is moved by hand."""
 
 
 class ManualStage:
@@ -25,3 +33,15 @@ class ManualStage:
 
     def close(self) -> None:
         """Nothing is to be let go of."""
+
+
+def _make(_settings: ManualSettings, around: Surroundings) -> Positioner:
+    return ManualStage(around.operator)
+
+
+POSITIONER = PositionerKind(
+    kind="manual",
+    help="the operator moves the stage by hand and confirms",
+    settings=ManualSettings,
+    make=_make,
+)

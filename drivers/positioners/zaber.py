@@ -10,10 +10,19 @@ import math
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, LimitError, Operator, Prompt
+from drivers.interfaces import (
+    Clock,
+    DeviceError,
+    DeviceTimeoutError,
+    LimitError,
+    Operator,
+    Positioner,
+    Prompt,
+)
+from drivers.positioners.contract import PositionerKind, Surroundings
 from drivers.positioners.zaber_warnings import HARMLESS, NO_REFERENCE, in_words, is_fault
 from drivers.serial_port import SerialLine
 
@@ -29,6 +38,28 @@ _MOVE_MOST_S = 300.0
 _MOST = 2**31  # of any setting, and of its reverse
 _MOST_UNASKED = 100  # alerts before an answer
 _SHOWN = 80  # characters of a reply in an error
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZaberSettings:
+    """A rotary stage on a serial line, by Zaber's ASCII protocol."""
+
+    port: str = field(
+        metadata={"description": "serial port, such as COM3 or /dev/ttyUSB0, or simulated"}
+    )
+    address: int = field(
+        default=1, metadata={"ge": 1, "le": 99, "description": "device number on the Zaber chain"}
+    )
+    origin_deg: float = field(
+        default=0.0, metadata={"unit": "deg", "description": "stage angle at position 0 of the arc"}
+    )
+    home: bool = field(
+        default=False,
+        metadata={
+            "description": "sweep to the home sensor when the stage has lost its reference; "
+            "nothing may stand in its way"
+        },
+    )
 
 
 @dataclass(frozen=True)
@@ -230,3 +261,24 @@ class ZaberStage:
 def _without_checksum(line: str) -> str:
     """A reply may end in `:` and two hexadecimal digits."""
     return re.sub(r":[0-9A-F]{2}$", "", line)
+
+
+def _make(settings: ZaberSettings, around: Surroundings) -> Positioner:
+    return ZaberStage(
+        settings.port,
+        around.clock,
+        around.arc_radius_m,
+        origin_rad=math.radians(settings.origin_deg),
+        device=settings.address,
+        home_on_open=settings.home,
+        operator=around.operator,
+        serial_factory=around.transport,
+    )
+
+
+POSITIONER = PositionerKind(
+    kind="zaber",
+    help="a Zaber rotary stage on a serial port",
+    settings=ZaberSettings,
+    make=_make,
+)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of, turns_of
 from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
-from labrig.config import parse_load_cell, parse_sheet
+from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, open_session, store_measurements
@@ -52,8 +52,8 @@ def measure(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
         )
     sheets = parse_sheet(_text(session, "sheet.toml"), f"{session.path}: sheet.toml")
-    calibration = parse_load_cell(
-        _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml"
+    calibration = recorded_calibration(
+        _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml", session.resolved
     )
     _check_configurations(session, sheets)
     forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}

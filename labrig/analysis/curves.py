@@ -142,7 +142,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
 
 def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
-    from labrig.vision import compare_with_frames, contact_from_picture
+    from labrig.vision import compare_with_frames, contact_from_image
 
     run = session.runs[job.run]
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
@@ -155,7 +155,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
         optics = job.optics.model_copy(update={"bits": 16})
         mean = chosen_extractor(job.extractor).curve(image, optics, job.strip)
         if job.arc is not None:
-            contact = contact_from_picture(
+            contact = contact_from_image(
                 image, mean, optics, *job.arc, expected_m=run.planned.position_m
             )
         warnings += [f"{label}, mean image: {text}" for text in mean.warnings]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.forces import ForceReading
 from labrig.session import RecordedSession
 from protocols.planning.schedule import Purpose

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
 from drivers.interfaces import FloatArray
+from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.edges import VoltageEdge, find_edges
 from labrig.session import RunRecord
 from protocols.execution.channels import CURRENT, DRIVE, FORCE

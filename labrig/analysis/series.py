@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
 from drivers.interfaces import FloatArray
+from drivers.load_cell import LoadCellCalibration
 from labrig.session import RunRecord
 from model.measurements import TimeSeries
 

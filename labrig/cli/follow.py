@@ -103,7 +103,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         hub.add_critical("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
             hub.add_watcher("the progress display", show)
-            return run_session(rig, plan, path, stop, hub, look_first=False)
+            return run_session(rig, plan, path, stop, hub, check_first=False)
 
 
 def finish(result: Result) -> None:

@@ -12,8 +12,8 @@ from labrig.cli.follow import run_and_follow
 from labrig.cli.measurements import of_sessions
 from labrig.cli.screen import say, warn
 from labrig.errors import ExitCode
-from labrig.experiment.closed_loop import closed_loop
-from labrig.experiment.next_protocol import protocol_text
+from labrig.experiment.next_measurement.closed_loop import closed_loop
+from labrig.experiment.next_measurement.next_protocol import protocol_text
 from labrig.files import write_text
 from labrig.report.diagnosis.tables import next_told
 from labrig.session import open_session
@@ -32,7 +32,7 @@ def follow_up(first: Path, rig: Path, sheet: Path, *, yes: bool) -> None:
 
 @dataclass(frozen=True)
 class _AtTheRig:
-    """See `labrig.experiment.closed_loop.Rig`."""
+    """See `labrig.experiment.next_measurement.closed_loop.MeasurementRig`."""
 
     rig: Path
     sheet: Path

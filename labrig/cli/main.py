@@ -21,7 +21,7 @@ from labrig.own_packages import hidden
 
 
 def main() -> None:
-    """The program's entry point; ends the process with a documented exit code."""
+    """Run the program; end the process with a documented exit code."""
     show_what_can_be_shown()
     hiding = hidden()
     if hiding is not None:

@@ -23,29 +23,29 @@ _with_a_bar: list[Console] = []
 
 
 def console() -> Console:
-    """Standard output; in a pipe without colour and without wrapping."""
+    """Return standard output; in a pipe without colour and without wrapping."""
     return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
 
 
 def say(text: str = "") -> None:
-    """One line to standard output."""
+    """Print one line to standard output."""
     console().print(text, markup=False)
 
 
 def warn(text: str) -> None:
-    """One line to standard error; above the progress bar, where one is drawn."""
+    """Print one line to standard error; above the progress bar, where one is drawn."""
     terminal = _with_a_bar[-1] if _with_a_bar else Console(stderr=True)
-    with suppress(OSError):  # of a terminal that has been closed: what is under way goes on
+    with suppress(OSError):  # of a terminal that has been closed: the job continues
         terminal.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
-    """One JSON object to standard output; what is not a number is null, as JSON has no NaN."""
+    """Print one JSON object to standard output; NaN and infinities become null."""
     sys.stdout.write(json.dumps(finite(value), indent=2, allow_nan=False) + "\n")
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """A table: drawn on a terminal, aligned text elsewhere. Numbers are aligned to the right."""
+    """Print a table: drawn on a terminal, aligned text elsewhere, numbers to the right."""
     cells = [[str(cell) for cell in row] for row in rows]
     if sys.stdout.isatty():
         _draw(title, columns, cells)
@@ -64,7 +64,7 @@ def _draw(title: str, columns: Sequence[str], rows: list[list[str]]) -> None:
 
 
 def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> list[str]:
-    """The lines of a table as aligned text."""
+    """Return the lines of a table as aligned text."""
     widths = [max(len(row[i]) for row in [list(columns), *rows]) for i in range(len(columns))]
     right = [_holds_numbers(rows, i) for i in range(len(columns))]
 
@@ -80,22 +80,22 @@ def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> li
 
 
 def _holds_numbers(rows: list[list[str]], column: int) -> bool:
-    """Whether most of a column's cells begin like a number; the first column names the row."""
+    """Return whether most cells of a column are numbers; the first column names the row."""
     cells = [row[column] for row in rows if row[column]]
     numbers = [cell for cell in cells if _NUMBER.fullmatch(cell)]
     return column > 0 and 2 * len(numbers) > len(cells)
 
 
 class Advance(Protocol):
-    """Tell how far a job is: a fraction from 0 to 1, and what is being done."""
+    """Reports how far a job is: a fraction from 0 to 1, and what is being done."""
 
     def __call__(self, fraction: float, text: str) -> None:
-        """Called from time to time; cheap."""
+        """Report the progress; called from time to time, returns at once."""
 
 
 @contextmanager
 def progress(title: str) -> Iterator[Advance]:
-    """A progress bar on a terminal; elsewhere a plain line at each tenth."""
+    """Draw a progress bar on a terminal; elsewhere print a plain line at each tenth."""
     if not sys.stderr.isatty():
         yield _PlainProgress(title)
         return

@@ -1,7 +1,7 @@
 """rig.toml, sheet.toml, protocol.toml and calibrations as validated objects."""
 
 from labrig.config.base import parse_json, parse_toml, read_text
-from labrig.config.load_cell import load_load_cell, parse_load_cell
+from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
 from labrig.config.protocol import PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
 from labrig.config.rig import ReplayConfig, RigConfig, load_rig, parse_rig
 from labrig.config.sheet import load_sheet, parse_sheet
@@ -22,4 +22,5 @@ __all__ = [
     "parse_sheet",
     "parse_toml",
     "read_text",
+    "recorded_calibration",
 ]

@@ -8,6 +8,7 @@ import json
 import reprlib
 import stat
 import tomllib
+from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
@@ -192,7 +193,8 @@ def _known_keys(model: type[BaseModel]) -> set[str]:
     keys: set[str] = set()
     for key, field in model.model_fields.items():
         keys.add(key)
-        for kind in (field.annotation, *get_args(field.annotation)):
+        chosen = (part.models().values() for part in field.metadata if hasattr(part, "models"))
+        for kind in (field.annotation, *get_args(field.annotation), *chain.from_iterable(chosen)):
             if isinstance(kind, type) and issubclass(kind, BaseModel):
                 keys |= _known_keys(kind)
     return keys

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable
 from typing import Annotated
 
 from pydantic import AfterValidator, Field
@@ -15,8 +15,8 @@ _RESERVED = frozenset({FORCE, CURRENT, DRIVE, "time"})  # of [ni], and the sampl
 
 
 def _is_input(value: str) -> str:
-    if not re.fullmatch(r"[^/\s]+/ai\d+", value):
-        raise ValueError("must be a device and an analog input, such as PCI6034E/ai3")
+    if not re.fullmatch(r"\S+", value):
+        raise ValueError("must be an input in the words of the boards, such as PCI6034E/ai3")
     return value
 
 
@@ -30,7 +30,7 @@ class ChannelConfig(ClosedModel):
     """One further input that is recorded: a thermocouple's amplifier, a second load cell."""
 
     input: Annotated[str, AfterValidator(_is_input)] = Field(
-        description="device and analog input, wired differentially, such as PCI6034E/ai3"
+        description="an input of the boards, wired differentially, such as PCI6034E/ai3"
     )
     quantity: str = Field(min_length=1, max_length=60, description="what is measured: temperature")
     unit: Annotated[str, AfterValidator(_is_unit)] = Field(
@@ -67,10 +67,10 @@ def _have_names(channels: dict[str, ChannelConfig]) -> dict[str, ChannelConfig]:
     return channels
 
 
-def require_distinct(inputs: Mapping[str, str]) -> None:
-    """Raise ValueError when two of the inputs, by name, are the same terminal of a board."""
+def require_distinct(inputs: Iterable[tuple[str, str]]) -> None:
+    """Raise ValueError when two of the inputs (name, terminal) are the same terminal."""
     named: dict[str, str] = {}
-    for name, terminal in inputs.items():
+    for name, terminal in inputs:
         if terminal in named:
             raise ValueError(f"{terminal} is the input of both {named[terminal]} and {name}")
         named[terminal] = name

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import datetime as dt
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import Field, model_validator
 
-from drivers.force_sensors.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
+from drivers.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+
+FORCE_UNIT = "force_channel_unit"  # key of the resolved configuration: V, or N where a meter reads
 
 
 class LoadCellConfig(ClosedModel):
@@ -39,6 +43,15 @@ class LoadCellConfig(ClosedModel):
 def parse_load_cell(text: str, name: str) -> LoadCellCalibration:
     """load_cell.toml's text as a calibration."""
     return validate(LoadCellConfig, parse_toml(text, name), name).calibration()
+
+
+def recorded_calibration(text: str, name: str, resolved: Mapping[str, Any]) -> LoadCellCalibration:
+    """Return what a session's channel `force` means: volts of the cell, or a meter's newtons.
+
+    `text` is the session's load_cell.toml, `resolved` its configuration as understood.
+    """
+    calibration = parse_load_cell(text, name)
+    return calibration.in_newtons() if resolved.get(FORCE_UNIT) == "N" else calibration
 
 
 def load_load_cell(path: Path) -> LoadCellCalibration:

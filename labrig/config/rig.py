@@ -2,70 +2,29 @@
 
 from __future__ import annotations
 
-import math
-import re
+from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Self, cast
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, ValidationError, create_model, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from drivers.boards import BOARD_FAMILIES, DEFAULT, BoardFamily
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
+from labrig.config.derived import SIMULATED
+from labrig.config.parts import (
+    CAMERA,
+    FORCE_SENSOR,
+    POSITIONER,
+    BoardsConfig,
+    CameraConfig,
+    PartConfig,
+    board_models,
+)
 
-_CHANNEL = re.compile(r"^[^/\s]+/(ai|ao|port\d+/line)\d+$")
-
-
-def _is_channel(value: str) -> str:
-    if not _CHANNEL.match(value):
-        raise ValueError("must be a device and a channel, such as PCI6034E/ai0")
-    return value
-
-
-def _is_line(value: str) -> str:
-    if not re.match(r"^[^/\s]+/port\d+/line\d+$", value):
-        raise ValueError("must be a digital line, such as PCI6703/port0/line0")
-    return value
-
-
-def _is_address(value: str) -> str:
-    if value in {"local", "simulated"} or re.match(r"^[^:\s]+:\d{1,5}$", value):
-        return value
-    raise ValueError('must be "local", "simulated" or host:port of an NI gRPC Device Server')
-
-
-Channel = Annotated[str, AfterValidator(_is_channel)]
 Positive = Annotated[float, Field(gt=0)]
-
-
-class TaskNames(ClosedModel):
-    """Names of the NI tasks, by which the guard and `labrig safe` find them."""
-
-    output: str = "labrig-output"
-    input: str = "labrig-input"
-    interlock: str = "labrig-interlock"
-
-
-class InputRanges(ClosedModel):
-    """Largest voltage expected at each input; the board rounds it up to a range it has."""
-
-    force: Positive = Field(0.05, le=10.0, description="V, either sign, of the load cell")
-    current: Positive = Field(0.5, le=10.0, description="V, either sign, across the shunt")
-    drive: Positive = Field(5.0, le=10.0, description="V, either sign, at the sheet")
-
-
-class Ni(ClosedModel):
-    """The National Instruments boards."""
-
-    address: Annotated[str, AfterValidator(_is_address)] = Field(
-        "local", description="local driver, host:port of an NI gRPC Device Server, or simulated"
-    )
-    drive: Channel = Field("PCI6703/ao0", description="output that drives the amplifier")
-    force: Channel = Field("PCI6034E/ai0", description="input of the load cell, differential")
-    current: Channel = Field("PCI6034E/ai1", description="input of the current shunt")
-    drive_readback: Channel = Field("PCI6034E/ai2", description="input of the sheet voltage")
-    sample_rate_hz: float = Field(1000.0, ge=100.0, le=66_000.0, description="of each channel")
-    task_names: TaskNames = TaskNames()
-    ranges_V: InputRanges = InputRanges()
 
 
 class AmplifierConfig(ClosedModel):
@@ -91,9 +50,7 @@ class Limits(ClosedModel):
 class InterlockConfig(ClosedModel):
     """An external one-shot that drops the amplifier's supply when the working loop stops."""
 
-    line: Annotated[str, AfterValidator(_is_line)] = Field(
-        description="digital output that is toggled while a run is under way"
-    )
+    line: str = Field(description="digital output that is toggled while a run is under way")
 
 
 class LoadCellFile(ClosedModel):
@@ -101,33 +58,6 @@ class LoadCellFile(ClosedModel):
 
     calibration: Path
     warn_after_days: int = Field(180, ge=1, description="age of a calibration that is worth a word")
-
-
-class CameraConfig(ClosedModel):
-    """The camera and its calibration."""
-
-    source: int | str = Field(description="anything OpenCV opens, iidc:GUID, or simulated")
-    optics: Path = Field(description="optics.json of this camera")
-    warn_after_days: int = Field(180, ge=1)
-
-
-class StageConfig(ClosedModel):
-    """What moves the load cell along the arc."""
-
-    kind: Literal["manual", "zaber"] = "manual"
-    port: str | None = Field(None, description="serial port of a zaber stage, or simulated")
-    address: int = Field(1, ge=1, le=99, description="device number on the Zaber chain")
-    origin_deg: float = Field(0.0, description="stage angle at position 0 of the arc")
-    home: bool = Field(
-        default=False,
-        description="sweep to the home sensor when the stage has lost its reference; nothing may "
-        "stand in its way",
-    )
-
-    @property
-    def origin_rad(self) -> float:
-        """The same in rad."""
-        return math.radians(self.origin_deg)
 
 
 class Simulated(ClosedModel):
@@ -140,30 +70,100 @@ class Simulated(ClosedModel):
 
 
 class RigConfig(ClosedModel):
-    """The whole of rig.toml."""
+    """The whole of rig.toml but its boards; `rig_model` adds a table for each family of them."""
 
-    ni: Ni = Ni()
+    families: ClassVar[tuple[str, ...]] = ()
+
     amplifier: AmplifierConfig = AmplifierConfig()
     current_sense: CurrentSense = CurrentSense()
     limits: Limits = Limits()
     load_cell: LoadCellFile
-    camera: CameraConfig | None = None
-    stage: StageConfig = StageConfig()
+    force_sensor: Annotated[PartConfig, FORCE_SENSOR] = Field(
+        default_factory=lambda: cast("PartConfig", FORCE_SENSOR.read({})),
+        description="what reads the force on the load cell",
+    )
+    camera: Annotated[CameraConfig, CAMERA] | None = None
+    stage: Annotated[PartConfig, POSITIONER] = Field(
+        default_factory=lambda: cast("PartConfig", POSITIONER.read({})),
+        description="what moves the load cell along the arc",
+    )
     channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_boards(cls, data: Any) -> Any:
+        """A file without a table of boards has the default one."""
+        if not isinstance(data, dict) or any(data.get(name) is not None for name in cls.families):
+            return data
+        return {**data, DEFAULT: {}}
+
     @model_validator(mode="after")
-    def _have_inputs_of_their_own(self) -> RigConfig:
-        ni = self.ni
-        fixed = {"force": ni.force, "current": ni.current, "drive_readback": ni.drive_readback}
-        require_distinct(fixed | {name: each.input for name, each in self.channels.items()})
+    def _has_one_family(self) -> Self:
+        there = [name for name in self.families if getattr(self, name) is not None]
+        if len(there) > 1:
+            tables = " and ".join(f"[{name}]" for name in there)
+            raise ValueError(f"there are the boards {tables}; a rig has one table of boards")
+        if self.interlock is not None:
+            self._check_line(self.interlock.line)
+        wired = self.family.inputs(self.boards.settings())
+        further = [(name, each.input) for name, each in self.channels.items()]
+        require_distinct([*((each.name, each.terminal) for each in wired), *further])
         return self
+
+    def _check_line(self, line: str) -> None:
+        try:
+            self.family.check_line(line)
+        except ValueError as fault:
+            error = PydanticCustomError("line", "{why}", {"why": str(fault)})
+            details = InitErrorDetails(type=error, loc=("interlock", "line"), input=line)
+            raise ValidationError.from_exception_data("line", [details]) from None
+
+    @property
+    def boards_kind(self) -> str:
+        """The family of the boards: the name of their table."""
+        return next(name for name in self.families if getattr(self, name) is not None)
+
+    @property
+    def family(self) -> BoardFamily:
+        """The same as the driver has it."""
+        return BOARD_FAMILIES.get(self.boards_kind)
+
+    @property
+    def boards(self) -> BoardsConfig:
+        """The table of the boards."""
+        return cast("BoardsConfig", getattr(self, self.boards_kind))
 
     @property
     def is_simulated(self) -> bool:
         """Whether the boards are the ones simulated in this process, on the virtual clock."""
-        return self.ni.address == "simulated"
+        return self.boards.address == SIMULATED
+
+    def changed(self, **tables: Mapping[str, Any] | None) -> Self:
+        """Return the configuration with other values of some keys, by table and key.
+
+        None removes a table.
+        """
+        data = self.model_dump()
+        for name, keys in tables.items():
+            data[name] = None if keys is None else {**(data[name] or {}), **keys}
+        return type(self).model_validate(data)
+
+
+def rig_model() -> type[RigConfig]:
+    """Return the model of rig.toml with a table for each family of boards that is installed."""
+    return _rig_model(tuple(board_models().items()))
+
+
+@lru_cache(maxsize=16)
+def _rig_model(families: tuple[tuple[str, type[BoardsConfig]], ...]) -> type[RigConfig]:
+    fields: dict[str, Any] = {name: (model | None, None) for name, model in families}
+    model = create_model(
+        "RigConfig", __base__=RigConfig, __doc__="The whole of rig.toml.", **fields
+    )
+    model.families = tuple(name for name, _ in families)
+    return model
 
 
 class ReplayConfig(ClosedModel):
@@ -177,7 +177,7 @@ def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
     data = parse_toml(text, name)
     if "replay" in data:
         return validate(ReplayConfig, data, name)
-    return validate(RigConfig, data, name)
+    return validate(rig_model(), data, name)
 
 
 def load_rig(path: Path) -> RigConfig | ReplayConfig:

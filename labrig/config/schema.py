@@ -9,14 +9,14 @@ from pydantic import create_model
 from labrig.config.base import ClosedModel
 from labrig.config.load_cell import LoadCellConfig
 from labrig.config.protocol import protocol_model
-from labrig.config.rig import RigConfig
+from labrig.config.rig import rig_model
 from labrig.config.sheet import ArcConfig, Sheet
 
 
 def schemas() -> dict[str, dict[str, Any]]:
     """One schema for each kind of file, by its name."""
     return {
-        "rig": RigConfig.model_json_schema(),
+        "rig": rig_model().model_json_schema(),
         "sheet": _sheet_schema(),
         "protocol": protocol_model().model_json_schema(),
         "load_cell": LoadCellConfig.model_json_schema(),

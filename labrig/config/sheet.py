@@ -52,7 +52,7 @@ class Sheet(ClosedModel):
     initial_curvature_per_m: float | Curvature | Literal["measured"] = "measured"
 
     def geometry(self, configuration: str, arc: ArcConfig) -> SheetGeometry:
-        """The same in SI, as the model takes it."""
+        """Return the same in SI, as the model takes it."""
         return SheetGeometry(
             configuration=configuration,
             free_length_m=self.free_length_mm / 1000,

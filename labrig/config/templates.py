@@ -48,7 +48,7 @@ def _as_of_today(text: str) -> str:
 
 
 def template_text(name: str) -> str:
-    """The text of one of the shipped files."""
+    """Return the text of one of the shipped files."""
     return template_path(name).read_text(encoding="utf-8")
 
 

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError, LoadCellCalibration
 from drivers.interfaces import Prompt
+from drivers.load_cell import CalibrationError, LoadCellCalibration
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
+from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import Rig, opened
@@ -46,6 +47,11 @@ def weigh(
 
     `on_mean` is called with each weight in N and the mean voltage it gave.
     """
+    if plan.resolved()[FORCE_UNIT] == "N":
+        raise BadInputError(
+            f'rig.toml: [force_sensor] kind = "{plan.rig.force_sensor.kind}" reports newtons by '
+            "itself; calibrate it as its manual says, or leave [force_sensor] out."
+        )
     volts: list[float] = []
     with opened(rig):
         for load_N in loads_N:
@@ -106,7 +112,7 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
 
 
 def _kept_name(path: Path) -> Path:
-    """A name that no file has yet, for the calibration that is being replaced."""
+    """Return a free name for the calibration that is replaced."""
     day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
     names = (f"{path.stem}.{day}{n}.toml" for n in ("", *(f".{i}" for i in range(1, 1000))))
     return next(path.with_name(name) for name in names if not path.with_name(name).exists())

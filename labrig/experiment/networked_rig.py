@@ -5,14 +5,28 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+from labrig.config import RigConfig
 from labrig.errors import NotReadyError
 
 _START_S = 60.0
 _END_S = 5.0
+
+
+def at_addresses(rig: RigConfig, served: Mapping[str, str]) -> RigConfig:
+    """Return the simulated rig with the addresses that `serve` has printed."""
+    tables: dict[str, dict[str, Any]] = {rig.boards_kind: {"address": served["grpc"]}}
+    if rig.camera is not None:
+        tables["camera"] = {"source": served["camera"]}
+    if "stage" in served:
+        tables["stage"] = {"kind": "zaber", "port": served["stage"]}
+    if hasattr(rig.force_sensor, "port") and "meter" in served:
+        tables["force_sensor"] = {"port": served["meter"]}
+    return rig.changed(**tables)
 
 
 @contextmanager

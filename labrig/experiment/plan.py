@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drivers.force_sensors.load_cell import LoadCellCalibration
+from drivers.force_sensors import FORCE_SENSORS
+from drivers.load_cell import LoadCellCalibration
 from labrig.config import (
     ProtocolConfig,
     ReplayConfig,
@@ -18,6 +19,7 @@ from labrig.config import (
     parse_sheet,
     read_text,
 )
+from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
 from labrig.serialise import to_plain
 from labrig.vision import Optics
@@ -25,7 +27,7 @@ from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plan:
     """Everything that is known before a rig is touched."""
 
@@ -45,12 +47,13 @@ class Plan:
         return next(iter(self.sheets.values())).arc_radius_m
 
     def resolved(self) -> dict[str, Any]:
-        """The files as understood, as plain JSON."""
+        """Return the files as understood, as plain JSON."""
         return {
             "rig": self.rig.model_dump(mode="json"),
             "protocol": self.protocol.model_dump(mode="json"),
             "sheet": {name: to_plain(sheet) for name, sheet in self.sheets.items()},
             "load_cell": to_plain(self.calibration),
+            FORCE_UNIT: "N" if _reads_newtons(self.rig) else "V",
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
         }
 
@@ -74,7 +77,7 @@ def load_plan(rig: Path, protocol: Path, sheet: Path) -> Plan:
 def make_plan(
     rig: RigConfig, texts: Mapping[str, str], names: Mapping[str, str] | None = None
 ) -> Plan:
-    """A plan from the files' texts; `names` are what errors call them."""
+    """Return a plan from the files' texts; `names` are what errors call them."""
     called = {name: name for name in texts} | dict(names or {})
     protocol = parse_protocol(texts["protocol.toml"], called["protocol.toml"])
     sheets = parse_sheet(texts["sheet.toml"], called["sheet.toml"])
@@ -85,13 +88,23 @@ def make_plan(
         rig=rig,
         protocol=protocol,
         sheets=sheets,
-        calibration=parse_load_cell(texts["load_cell.toml"], called["load_cell.toml"]),
+        calibration=_calibration(rig, texts["load_cell.toml"], called["load_cell.toml"]),
         optics=optics,
         schedule=protocol.schedule(called["protocol.toml"]),
         texts=dict(texts),
     )
     _check_against_rig(plan, called)
     return plan
+
+
+def _reads_newtons(rig: RigConfig) -> bool:
+    """Whether a meter reads the load cell, whose values are newtons already."""
+    return FORCE_SENSORS.get(rig.force_sensor.kind).make is not None
+
+
+def _calibration(rig: RigConfig, text: str, name: str) -> LoadCellCalibration:
+    calibration = parse_load_cell(text, name)
+    return calibration.in_newtons() if _reads_newtons(rig) else calibration
 
 
 def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadState
 from drivers.interfaces import Camera, DeviceError, Frame
+from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import NOT_CALIBRATED, template_path
 from labrig.errors import NotReadyError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig import DRIVE, Rig, opened
 
@@ -90,9 +91,9 @@ def _age(name: str, date: dt.date, limit: int) -> Check:
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:
-    """Bytes of the session: raw samples of three channels, and the frames that are kept."""
+    """Bytes of the session: raw samples of all channels, and the frames that are kept."""
     seconds = sum(run.duration_s for run in plan.schedule.runs)
-    samples = 3 * 8 * seconds * plan.rig.ni.sample_rate_hz
+    samples = len(inputs_of(plan.rig)) * 8 * seconds * plan.rig.boards.sample_rate_hz
     readings = sum(len(run.readings) for run in plan.schedule.runs)
     every = plan.protocol.camera.keep_all_frames
     frames = seconds * plan.schedule.frame_rate_hz if every else readings
@@ -113,16 +114,8 @@ def _disk(plan: Plan, folder: Path) -> Check:
 
 
 def _boards(rig: Rig) -> Iterator[Check]:
-    types = {device.name: device.product_type for device in rig.connection.devices()}
-    ni = rig.config.ni
-    for name, channel in (("drive board", ni.drive), ("input board", ni.force)):
-        device = channel.split("/")[0]
-        yield Check(
-            name,
-            ok=device in types,
-            found=f"{device} is a {types[device]}" if device in types else "not there",
-            wanted=f"{device} with {channel.split('/')[1]}",
-        )
+    for each in rig.boards.findings():
+        yield Check(each.name, ok=each.ok, found=each.found, wanted=each.wanted)
 
 
 def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:

@@ -7,19 +7,23 @@ the same index, and every frame at its recorded distance from the run's first sa
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from drivers.boards.ni.connection import NiConnection
-from drivers.cameras.opencv import OpenCvCamera
+from drivers.boards import DEFAULT, BoardInput
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
+from labrig.config.derived import SIMULATED
+from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
 from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import Rig, boards
+from labrig.experiment.rig import FORCE, Rig
+from labrig.experiment.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 
@@ -30,7 +34,7 @@ _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 
 
 def replay_plan(session: RecordedSession) -> Plan:
-    """What was done, from the configuration that the session holds."""
+    """Return the plan of what was done, from the configuration that the session holds."""
     for name in _NEEDED:
         if name not in session.texts:
             raise BadInputError(
@@ -44,31 +48,40 @@ def replay_plan(session: RecordedSession) -> Plan:
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
         )
-    simulated = rig.model_copy(update={"ni": rig.ni.model_copy(update={"address": "simulated"})})
-    return make_plan(simulated, session.texts)
+    return make_plan(_on_simulated_boards(rig), session.texts)
+
+
+def _on_simulated_boards(rig: RigConfig) -> RigConfig:
+    """The recording is played through the default family, whichever boards it was made with."""
+    tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
+    if rig.boards_kind != DEFAULT:
+        tables[DEFAULT]["sample_rate_hz"] = rig.boards.sample_rate_hz
+        tables[rig.boards_kind] = None
+    return rig.changed(**tables)
 
 
 def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
-    """The rig that plays `session`. The director must be told of every event, before all others."""
+    """Return the rig that plays `session`, and its director, which must get every event first."""
     from sim_hardware.clock import VirtualClock
     from sim_hardware.ni import NiDeviceServer
 
     clock = VirtualClock()
-    director = Director(session, plan.rig)
-    server = NiDeviceServer(director, clock, devices=_models(plan.rig), seed=None)
-    connection = NiConnection("replay", channel=server.in_process_channel())
-    output, signals = boards(plan.rig, connection, clock)
+    inputs = _inputs(session, plan.rig)
+    director = Director(session, inputs)
+    settings = plan.rig.boards.settings()
+    server = NiDeviceServer(director, clock, devices=_models(settings), seed=None)
+    boards = plan.rig.family.connect(settings, clock, server.in_process_channel())
     camera = None
     if session.frame_shape is not None:
-        camera = OpenCvCamera(
+        camera = CaptureCamera(
             "replay", clock, capture_factory=lambda _source: RecordedCapture(director, clock)
         )
     rig = Rig(
         config=plan.rig,
         clock=clock,
-        connection=connection,
-        output=output,
-        signals=signals,
+        boards=boards,
+        output=sheet_drive(plan.rig, boards),
+        signals=boards.signal_input(inputs),
         camera=camera,
         stage=_RecordedStage(),
         operator=_Done(),
@@ -79,9 +92,22 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
     return rig, director
 
 
-def _models(rig: RigConfig) -> dict[str, str]:
+def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
+    """The channels as wired; a force that a meter has read needs a range that holds it."""
+    wired = inputs_of(rig)
+    if session.resolved.get(FORCE_UNIT) != "N":
+        return list(wired)
+    forces = [run.signal_V(FORCE) for run in session.runs if run.started]
+    most = max((float(np.nanmax(np.abs(each), initial=0.0)) for each in forces), default=0.0)
+    return [
+        each._replace(range_V=min(1.01 * most + 1e-3, 10.0)) if each.name == FORCE else each
+        for each in wired
+    ]
+
+
+def _models(settings: Any) -> dict[str, str]:
     """Boards that stand in: a session names its devices, and its ranges, but not their models."""
-    drive, inputs = (channel.split("/")[0] for channel in (rig.ni.drive, rig.ni.force))
+    drive, inputs = (channel.split("/")[0] for channel in (settings.drive, settings.force))
     if drive == inputs:
         return {drive: "PCIe-6363"}
     return {drive: "PCI-6703", inputs: "PCI-6034E"}
@@ -90,12 +116,12 @@ def _models(rig: RigConfig) -> dict[str, str]:
 class Director:
     """Knows which recorded run is on, and since when; a `Bench` of recorded samples."""
 
-    def __init__(self, session: RecordedSession, rig: RigConfig) -> None:
+    def __init__(self, session: RecordedSession, inputs: Sequence[BoardInput]) -> None:
         self.session = session
         self.run: RunRecord | None = None
         self.start_s = 0.0  # clock time of the run's first sample
         self._rate_hz = 1.0
-        self._names = {channel.split("/")[1]: name for name, channel, _ in inputs_of(rig)}
+        self._names = {each.terminal.split("/")[1]: each.name for each in inputs}
         self._samples: dict[str, FloatArray] = {}
         self.frame_due_s = np.empty(0)  # clock times of the recorded frames, rising
 
@@ -137,7 +163,7 @@ class RecordedCapture:
         self._last_s = -np.inf
 
     def isOpened(self) -> bool:
-        """Always: the recording is there."""
+        """Return True: the recording is there."""
         return True
 
     def get(self, _property: int) -> float:
@@ -165,7 +191,7 @@ class RecordedCapture:
         return True
 
     def retrieve(self) -> tuple[bool, npt.NDArray[Any]]:
-        """The frame that `grab` waited for."""
+        """Return the frame that `grab` waited for."""
         run = self._director.run
         if self._row is not None and run is not None:
             return True, run.image(self._row)
@@ -185,7 +211,7 @@ class _RecordedStage:
         """Nothing is to be taken."""
 
     def move_to(self, position_m: float) -> bool:  # noqa: ARG002
-        """It was there."""
+        """Return True: it was there."""
         return True
 
     def position(self) -> float | None:

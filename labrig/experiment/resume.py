@@ -27,7 +27,7 @@ _BLOCK = 10_000  # samples in one event
 
 
 def resumed_plan(session: RecordedSession) -> Plan:
-    """What was to be done, from the configuration that the session holds.
+    """Return what was to be done, from the configuration that the session holds.
 
     A world that its rig.toml names is looked for beside the session.
     """
@@ -127,7 +127,7 @@ def _text(plan: Plan, name: str) -> str | None:
 
 
 def _retold(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
-    """The events of a complete run, in an order in which they might have come."""
+    """Yield the events of a complete run, in an order in which they might have come."""
     planned, counts = run.planned, run.counts
     zero_s = run.time_zero_s + shift_s
     clock = run.sample_clock
@@ -176,7 +176,7 @@ def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
 
 
 def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:
-    """Readings in their order, and before each of them the frames that were kept before its own."""
+    """Yield readings in their order, before each the frames kept before its own."""
     index, told = run.planned.index, 0
     for row in run.readings_as_taken:
         its = int(row["frame"])

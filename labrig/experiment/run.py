@@ -52,23 +52,24 @@ def run_session(
     stop: StopRequest,
     hub: EventBus,
     *,
-    look_first: bool = True,
+    check_first: bool = True,
     resumption: Resumption | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
 ) -> Result:
-    """Open the rig, look whether it is ready, run the whole schedule, record it at `path`.
+    """Open the rig, check that it is ready, run the whole schedule, record it at `path`.
 
     `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
-    `look_first` the devices are taken as they are: a recording shows nothing between its runs.
+    `check_first` the devices are taken as they are: a recording shows nothing between its runs.
     The complete runs of a `resumption` are copied instead of run.
     Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
     result: Result | None = None
     try:
-        with opened(rig), _leaving_safely(rig) as way:
-            if look_first:
+        with opened(rig), _ending_safely(rig) as shutdown:
+            if check_first:
                 _require_ready(rig, plan)
-            result = _record(rig, plan, path, stop, hub, way, resumption, on_scheduler)
+            job = _Job(rig=rig, plan=plan, stop=stop, hub=hub, shutdown=shutdown)
+            result = _record(job, path, resumption, on_scheduler)
     except OutputUnknownError:
         # Of closing the devices. How the session ended says more, and what is known of the output.
         if result is None:
@@ -77,60 +78,68 @@ def run_session(
 
 
 @contextmanager
-def _leaving_safely(rig: Rig) -> Iterator[SafeShutdown]:
-    """The way out; an error that comes this way names the output when that is not safe."""
-    with safe_shutdown(rig) as way:
+def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
+    """Shut down safely; an error that ends the run names the output when that is not safe."""
+    with safe_shutdown(rig) as shutdown:
         try:
-            yield way
+            yield shutdown
         except Exception as error:
-            found = way.report or way.make_safe()
+            found = shutdown.report or shutdown.make_safe()
             if found.is_safe:
                 raise
             raise OutputUnknownError(f"{found.text}; what ended the run: {error}") from error
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Job:
+    """What is run, on what, and how it is stopped and shut down."""
+
+    rig: Rig
+    plan: Plan
+    stop: StopRequest
+    hub: EventBus
+    shutdown: SafeShutdown
+
+
 def _record(
-    rig: Rig,
-    plan: Plan,
+    job: _Job,
     path: Path,
-    stop: StopRequest,
-    hub: EventBus,
-    way: SafeShutdown,
     resumption: Resumption | None,
     on_scheduler: Callable[[Scheduler], None] | None,
 ) -> Result:
+    rig, hub = job.rig, job.hub
     if resumption is not None:
         resumption.check_rig(rig)
-    writer = _writer(rig, plan, path)
+    writer = _writer(rig, job.plan, path)
     hub.add_critical("the session file", writer.handle)
     try:
         if resumption is not None:
             resumption.tell(writer.handle, rig.clock.now())
-        with watched(rig, path) as watch:
-            way.watch = watch
-            hub.add_critical("the output guard", _run_counter(watch))
-            scheduler = _scheduler(rig, plan, hub.emit, stop, way)
+        with watched(rig, path) as watchdog:
+            job.shutdown.watchdog = watchdog
+            hub.add_critical("the output guard", _run_counter(watchdog))
+            scheduler = _scheduler(job)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
-            outcome = scheduler.run(plan.schedule, resumption.done if resumption else ())
+            outcome = scheduler.run(job.plan.schedule, resumption.done if resumption else ())
     finally:
         hub.close()
         writer.close()
     return Result(path, outcome, scheduler.status)
 
 
-def _run_counter(watch: Watchdog) -> Callable[[Event], None]:
-    """The limit of the time under voltage is one of each run."""
+def _run_counter(watchdog: Watchdog) -> Callable[[Event], None]:
+    """Return a subscriber that starts the time under voltage anew with each run."""
 
     def follow(event: Event) -> None:
         if isinstance(event, RunStarted):
-            watch.new_run()
+            watchdog.new_run()
 
     return follow
 
 
 def _require_ready(rig: Rig, plan: Plan) -> None:
-    """The preflight's checks once more: what was there an hour ago may have been unplugged."""
+    """Repeat the preflight: a device that was there an hour ago may have been unplugged."""
     try:
         failed = [check for check in look(rig, plan) if not check.ok]
     except DeviceError as fault:
@@ -156,19 +165,18 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
     )
 
 
-def _scheduler(
-    rig: Rig, plan: Plan, emit: Callable[[Event], None], stop: StopRequest, way: SafeShutdown
-) -> Scheduler:
+def _scheduler(job: _Job) -> Scheduler:
+    rig, plan, shutdown = job.rig, job.plan, job.shutdown
     limits = rig.config.limits
     return Scheduler(
         rig.devices(),
         rig.clock,
-        emit,
-        stop,
+        job.hub.emit,
+        job.stop,
         SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s),
-        way.make_safe,
+        shutdown.make_safe,
         rules=Rules(late_edge_s=plan.protocol.rules.late_edge_s),
-        beat=way.watch.beat,
-        on_energised=way.watch.energised,
+        beat=shutdown.watchdog.beat,
+        on_energised=shutdown.watchdog.energised,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
     )

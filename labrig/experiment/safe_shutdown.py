@@ -1,4 +1,4 @@
-"""The one way out of a run: however it ends, the output is made safe here."""
+"""Safe shutdown: however a run ends, the output is made safe here."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
 
 class SafeShutdown:
-    """Makes an opened rig safe: by its own devices, else by whoever watches over the run."""
+    """Makes an opened rig safe: by its own devices, else by the watchdog."""
 
     def __init__(self, rig: Rig) -> None:
         self._rig = rig
-        self.watch: Watchdog = NoWatchdog()  # set once somebody watches
+        self.watchdog: Watchdog = NoWatchdog()  # set once there is one
         self.report: SafetyReport | None = None  # the last one
 
     def make_safe(self) -> SafetyReport:
-        """Never raises."""
+        """Write 0 V and read it back; return what is known of the output. Never raises."""
         rig = self._rig
         below_V = rig.config.limits.safe_below_V
-        report = make_safe(rig.output, rig.signals, rig.clock, DRIVE, below_V)
+        report = make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V)
         if not report.is_safe:
-            report = self._by_the_watch(report)
+            report = self._by_the_watchdog(report)
         self.report = report
         return report
 
-    def _by_the_watch(self, own: SafetyReport) -> SafetyReport:
-        """The guard has a connection of its own; ours must let go of the boards first."""
-        if isinstance(self.watch, NoWatchdog):
+    def _by_the_watchdog(self, own: SafetyReport) -> SafetyReport:
+        """Have the guard do it on its own connection, after ours has released the boards."""
+        if isinstance(self.watchdog, NoWatchdog):
             return own
         rig = self._rig
-        for let_go in (rig.output.abandon, rig.signals.close, rig.connection.close):
+        for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
             with suppress(DeviceError):
-                in_time(rig.clock, "letting go of the boards", let_go, DEVICE_S)
-        found = self.watch.act()
+                in_time(rig.clock, "releasing the boards", release, DEVICE_S)
+        found = self.watchdog.act()
         if found is None:
             return own
         return SafetyReport(found.state, found.read_back_V, own.failures + found.failures)
@@ -46,12 +46,12 @@ class SafeShutdown:
 
 @contextmanager
 def safe_shutdown(rig: Rig) -> Iterator[SafeShutdown]:
-    """Whatever ends the block, or the program within it, ends with `make_safe`."""
-    way = SafeShutdown(rig)
-    atexit.register(way.make_safe)
+    """End the block, and the program within it, with `make_safe`, whatever ends them."""
+    shutdown = SafeShutdown(rig)
+    atexit.register(shutdown.make_safe)
     try:
-        yield way
+        yield shutdown
     finally:
-        atexit.unregister(way.make_safe)
-        if way.report is None:
-            way.make_safe()
+        atexit.unregister(shutdown.make_safe)
+        if shutdown.report is None:
+            shutdown.make_safe()

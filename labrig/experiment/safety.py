@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from drivers.amplifier import Amplifier
-from drivers.boards.ni.connection import NiConnection
-from drivers.boards.ni.take_over import OutputPlace, take_over
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.config import ReplayConfig, RigConfig, load_rig
+
+_PATIENCE_S = 5.0  # with a device that another program still holds
 
 
 @dataclass(frozen=True)
@@ -21,20 +22,15 @@ class SafeReport:
     text: str
 
 
-def output_place(config: RigConfig) -> OutputPlace:
-    """Where the output is, as another process must know it."""
-    amplifier = Amplifier(config.amplifier.gain, config.limits.sheet_voltage_V)
-    return OutputPlace(
-        address=config.ni.address,
-        output_channel=config.ni.drive,
-        drive_channel=config.ni.drive_readback,
-        limit_board_V=amplifier.limit_board_V,
-        drive_range_V=config.ni.ranges_V.drive,
-        drive_terminals="differential",
-        safe_below_V=config.limits.safe_below_V,
-        output_task=config.ni.task_names.output,
-        input_task=config.ni.task_names.input,
-        interlock_task=config.ni.task_names.interlock if config.interlock else None,
+def output_place(config: RigConfig) -> dict[str, Any]:
+    """Return where the output is, as plain data for another process."""
+    limits = config.limits
+    amplifier = Amplifier(config.amplifier.gain, limits.sheet_voltage_V)
+    return config.family.output_place(
+        config.boards.settings(),
+        amplifier.limit_board_V,
+        limits.safe_below_V,
+        config.interlock is not None,
     )
 
 
@@ -43,12 +39,20 @@ def make_rig_safe(rig: Path) -> SafeReport:
     config = load_rig(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
         return SafeReport(is_safe=True, text="a simulated output ends with its program: 0 V")
-    connection = NiConnection(config.ni.address)
-    try:
-        connection.open()
-        report = take_over(connection, RealClock(), output_place(config))
-    except DeviceError as fault:
-        report = SafetyReport(Safety.UNKNOWN, None, (str(fault),))
-    finally:
-        connection.close()
+    report = _made_safe(config)
     return SafeReport(report.is_safe, report.text)
+
+
+def _made_safe(config: RigConfig) -> SafetyReport:
+    if config.family.rescue is None:
+        why = f"boards of [{config.boards_kind}] cannot be made safe by another process"
+        return SafetyReport(Safety.UNKNOWN, None, (why,))
+    try:
+        rescue = config.family.rescue(output_place(config), RealClock())
+        rescue.open()
+    except DeviceError as fault:
+        return SafetyReport(Safety.UNKNOWN, None, (str(fault),))
+    try:
+        return rescue.make_safe(_PATIENCE_S, lambda: None)
+    finally:
+        rescue.close()

@@ -1,4 +1,4 @@
-"""What watches over a run while the output is energised: the guard, and the rig's interlock."""
+"""The watchdogs of a run while the output is energised: the guard, and the rig's interlock."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Protocol
 
-from drivers.boards.ni.interlock import NiInterlock
 from drivers.guard import Guard, GuardSettings
-from drivers.interfaces import DeviceError
+from drivers.interfaces import DeviceError, Interlock
 from drivers.safe_shutdown import SafetyReport
 from labrig.errors import NotReadyError
 from labrig.experiment.rig import Rig
@@ -23,20 +22,20 @@ class Watchdog(Protocol):
     """Watches over the process while the output is energised."""
 
     def new_run(self) -> None:
-        """A run begins, at 0 V."""
+        """Note that a run begins, at 0 V."""
 
     def beat(self) -> None:
-        """The working loop is alive; called at least every 50 ms while a run is under way."""
+        """Note that the working loop is alive; called at least every 50 ms during a run."""
 
     def energised(self, on: bool) -> None:
-        """A voltage other than 0 is about to be written, or 0 V was confirmed."""
+        """Note that a voltage other than 0 is about to be written, or that 0 V was confirmed."""
 
     def act(self) -> SafetyReport | None:
-        """Make the output safe in our place; None: nobody can. Our devices are let go by then."""
+        """Make the output safe in our place, our devices being released; None: it cannot."""
 
 
 class NoWatchdog:
-    """Nobody watches: a simulated output ends with its program."""
+    """Does nothing: a simulated output ends with its program."""
 
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""
@@ -53,9 +52,9 @@ class NoWatchdog:
 
 
 class InterlockWatchdog:
-    """Another watch, and a line that is toggled beside it."""
+    """Another watchdog, and a line that is toggled with each of its beats."""
 
-    def __init__(self, watch: Watchdog, interlock: NiInterlock) -> None:
+    def __init__(self, watch: Watchdog, interlock: Interlock) -> None:
         self._watch = watch
         self._interlock = interlock
         self.new_run = watch.new_run
@@ -70,9 +69,9 @@ class InterlockWatchdog:
 
 @contextmanager
 def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
-    """What watches over a run of this rig. NotReadyError when it cannot: nothing is energised.
+    """Start the watchdog of a run. Raise NotReadyError if it cannot; nothing is energised then.
 
-    Should this program not live to tell, the guard leaves its report beside the session.
+    If this program is killed, the guard leaves its report beside the session.
     """
     forget_guard_report(session)  # of an earlier one of this name
     with _guard_of(rig, session) as watch:
@@ -92,13 +91,18 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
 
 @contextmanager
 def _guard_of(rig: Rig, session: Path) -> Iterator[Watchdog]:
-    """The guard's process while a real rig is run."""
+    """Start the guard's process where the rig is a real one."""
     if rig.config.is_simulated:
         yield NoWatchdog()
         return
     limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
     report = str(guard_report_path(session).absolute())
-    settings = GuardSettings(output_place(rig.config), limit_s, report_path=report)
+    settings = GuardSettings(
+        boards=rig.config.boards_kind,
+        place=output_place(rig.config),
+        time_under_voltage_s=limit_s,
+        report_path=report,
+    )
     try:
         guard = Guard.start(settings)
     except DeviceError as fault:

@@ -2,151 +2,141 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
-from drivers.boards.ni.connection import NiConnection
-from drivers.cameras.choice import camera_for
-from drivers.cameras.opencv import OpenCvCamera
-from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock
-from drivers.positioners.manual import ManualStage
-from drivers.positioners.zaber import ZaberStage
+from drivers.amplifier import Amplifier, SheetDrive
+from drivers.boards import BoardConnection
+from drivers.cameras import CAMERAS
+from drivers.force_sensors import FORCE_SENSORS
+from drivers.force_sensors.metered_input import MeteredInput
+from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock, SignalInput
+from drivers.positioners import POSITIONERS
+from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
+from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import Rig, boards, interlock_of
+from labrig.experiment.rig import FORCE, Rig
 from protocols import RecordedOperator
 from protocols.execution.events import Event
+
+if TYPE_CHECKING:
+    from labrig.experiment.stand_ins import StandIns
 
 
 def _nobody(_event: Event) -> None:
     """Nobody wants to know."""
 
 
-SIMULATED = "simulated"
-_DAY = 1_000_003  # from the seed of one session to that of the next
-
-
 def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody) -> Rig:
-    """The rig that a plan's rig.toml describes, not opened; nothing is touched.
+    """Return the rig that a plan's rig.toml describes, not opened; nothing is touched.
 
-    What the operator is asked, and answers, is told by `emit`.
+    What the operator is asked, and answers, is published by `emit`.
     """
     config = plan.rig
+    _refuse_unsafe_boards(config)
     if config.is_simulated:
-        return _simulated(plan, emit)
+        from labrig.experiment.stand_ins import StandIns  # slow to import
+
+        stand_ins = StandIns(plan)
+        return _wired(plan, stand_ins.clock, stand_ins.operator, emit, stand_ins)
+    _refuse_mixture(config)
+    return _wired(plan, RealClock(), operator, emit, None)
+
+
+def _refuse_unsafe_boards(config: RigConfig) -> None:
+    if config.family.rescue is None:
+        raise BadInputError(
+            f"rig.toml: the boards of [{config.boards_kind}] cannot be made safe by another "
+            "process when this one fails, so no sheet is driven with them; use other boards."
+        )
+
+
+def _refuse_mixture(config: RigConfig) -> None:
     for key, value in _addresses(config):
         if value == SIMULATED:
             raise BadInputError(
-                f'rig.toml: {key} = "simulated" needs [ni] address = "simulated"; a simulated '
-                "device and real boards cannot share a clock."
+                f'rig.toml: {key} = "simulated" needs [{config.boards_kind}] address = '
+                '"simulated"; a simulated device and real boards cannot share a clock.'
             )
-    clock = RealClock()
-    connection = NiConnection(config.ni.address)
-    output, signals = boards(config, connection, clock)
-    asked = RecordedOperator(operator, clock, emit)
-    return Rig(
-        config=config,
-        clock=clock,
-        connection=connection,
-        output=output,
-        signals=signals,
-        camera=_camera(config, clock, plan.schedule.frame_rate_hz),
-        stage=_stage(plan, clock, asked),
-        operator=asked,
-        calibration=plan.calibration,
-        interlock=interlock_of(config, connection, clock),
-        threaded=True,
-    )
 
 
-def _addresses(config: RigConfig) -> list[tuple[str, object]]:
-    camera = config.camera.source if config.camera else None
-    return [("[camera] source", camera), ("[stage] port", config.stage.port)]
+def _addresses(config: RigConfig) -> Iterator[tuple[str, object]]:
+    yield "[camera] source", config.camera.source if config.camera else None
+    yield "[stage] port", getattr(config.stage, "port", None)
+    yield "[force_sensor] port", getattr(config.force_sensor, "port", None)
 
 
-def _camera(config: RigConfig, clock: Clock, rate_hz: float) -> Camera | None:
-    return None if config.camera is None else camera_for(config.camera.source, clock, rate_hz)
-
-
-def _stage(
+def _wired(
     plan: Plan,
     clock: Clock,
     operator: Operator,
-    serial_factory: Callable[..., Any] | None = None,
-) -> Positioner:
-    stage = plan.rig.stage
-    if stage.kind == "manual":
-        return ManualStage(operator)
-    if stage.port is None:
-        raise BadInputError('rig.toml: [stage] port is missing; kind = "zaber" needs it.')
-    return ZaberStage(
-        stage.port,
-        clock,
-        plan.arc_radius_m,
-        origin_rad=stage.origin_rad,
-        device=stage.address,
-        home_on_open=stage.home,
-        operator=operator,
-        serial_factory=serial_factory,
-    )
-
-
-def _simulated(plan: Plan, emit: Callable[[Event], None]) -> Rig:
-    from sim_hardware.camera import SimulatedCapture
-    from sim_hardware.clock import VirtualClock
-    from sim_hardware.faults import FaultyRig
-    from sim_hardware.ni import NiDeviceServer
-    from sim_hardware.operator import SimulatedPerson
-    from sim_hardware.serial_devices import InMemorySerial
-    from sim_hardware.serial_devices import SimulatedZaberStage as SimulatedStage
-    from sim_hardware.world import World, WorldError, load_world
-
+    emit: Callable[[Event], None],
+    stand_ins: StandIns | None,
+) -> Rig:
     config = plan.rig
-    try:
-        settings = load_world(config.simulated.world if config.simulated else None)
-    except WorldError as error:
-        raise BadInputError(str(error)) from None
-    if plan.earlier:  # not the same set-ups and noise once more: another day, with the same sheet
-        settings = settings.model_copy(
-            update={"seed": (settings.seed + _DAY * plan.earlier) % 2**63}
-        )
-    clock = VirtualClock()
-    world = World(settings, clock)
-    server = NiDeviceServer(world, clock, seed=settings.seed)
-    server.lines.wired = world.edge
-    faulty = FaultyRig(clock, world, server)
-    faulty.begin()
-    connection = NiConnection(SIMULATED, channel=server.in_process_channel())
-    output, signals = boards(config, connection, clock)
-    person = RecordedOperator(SimulatedPerson(world), clock, emit)
-    camera = None
-    if config.camera is not None:
-        camera = OpenCvCamera(
-            SIMULATED,
-            clock,
-            lambda _source: SimulatedCapture(world, clock, faults=faulty.camera),
-        )
-
-    def serial(port: str, **options: Any) -> Any:
-        return InMemorySerial(
-            SimulatedStage(world, clock, homed=True),
-            clock,
-            port=port,
-            faults=faulty.serial,
-            **options,
-        )
-
+    transport = stand_ins.boards(config.boards_kind) if stand_ins else None
+    boards = config.family.connect(config.boards.settings(), clock, transport)
+    asked = RecordedOperator(operator, clock, emit)
+    interlock = config.interlock
     return Rig(
         config=config,
         clock=clock,
-        connection=connection,
-        output=output,
-        signals=signals,
-        camera=camera,
-        stage=_stage(plan, clock, person, serial),
-        operator=person,
+        boards=boards,
+        output=sheet_drive(config, boards),
+        signals=_signals(config, boards, clock, stand_ins),
+        camera=_camera(plan, clock, stand_ins),
+        stage=_stage(plan, clock, asked, stand_ins),
+        operator=asked,
         calibration=plan.calibration,
-        interlock=interlock_of(config, connection, clock),
-        threaded=False,
+        interlock=None if interlock is None else boards.interlock(interlock.line),
+        threaded=stand_ins is None,
     )
+
+
+def sheet_drive(config: RigConfig, boards: BoardConnection) -> SheetDrive:
+    """Return the output in sheet volts, through the amplifier."""
+    amplifier = Amplifier(config.amplifier.gain, config.limits.sheet_voltage_V)
+    return SheetDrive(boards.voltage_output(amplifier.limit_board_V), amplifier)
+
+
+def _signals(
+    config: RigConfig, boards: BoardConnection, clock: Clock, stand_ins: StandIns | None
+) -> SignalInput:
+    """The board's inputs; where a meter reads the force, all but that one, and the meter."""
+    inputs = inputs_of(config)
+    sensor = config.force_sensor
+    make = FORCE_SENSORS.get(sensor.kind).make
+    if make is None:
+        return boards.signal_input(inputs)
+    others = [each for each in inputs if each.name != FORCE]
+    meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
+    return MeteredInput(boards.signal_input(others), meter, clock)
+
+
+def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | None:
+    camera = plan.rig.camera
+    if camera is None:
+        return None
+    if stand_ins is not None:
+        return stand_ins.camera()
+    make = CAMERAS.get(camera.kind).make
+    return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+
+
+def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | None) -> Positioner:
+    stage = plan.rig.stage
+    around = Surroundings(
+        clock=clock,
+        operator=operator,
+        arc_radius_m=plan.arc_radius_m,
+        transport=_line(stand_ins, "stage", stage.kind) if hasattr(stage, "port") else None,
+    )
+    return POSITIONERS.get(stage.kind).make(stage.settings(), around)
+
+
+def _line(stand_ins: StandIns | None, table: str, kind: str) -> Callable[..., Any] | None:
+    """What opens a part's serial line; None: the real one."""
+    return None if stand_ins is None else stand_ins.serial(table, kind)

@@ -63,7 +63,7 @@ def compare_means(a: RecordedSession, b: RecordedSession) -> list[dict[str, Any]
 
 
 def largest_force_mN(means: dict[Key, ConditionMean]) -> float | None:
-    """The largest change of force that a voltage made, either sign."""
+    """Return the largest change of force that a voltage made, either sign."""
     found = [
         abs(mean.force_mN - zero.force_mN)
         for (name, place, voltage_V), mean in means.items()
@@ -73,7 +73,7 @@ def largest_force_mN(means: dict[Key, ConditionMean]) -> float | None:
 
 
 def median_scatter_mN(means: dict[Key, ConditionMean]) -> float | None:
-    """The middle of all conditions' scatter."""
+    """Return the median of all conditions' scatter."""
     found = [mean.scatter_mN for mean in means.values() if mean.scatter_mN is not None]
     return float(np.median(found)) if found else None
 

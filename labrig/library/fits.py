@@ -24,7 +24,7 @@ def looks_like_model(path: Path) -> bool:
 
 
 def read_fits(path: Path) -> tuple[str, Fits] | None:
-    """The checksum of the session a model was fitted to, and its parameters; None: no model."""
+    """Return the checksum of the session a model was fitted to, and its parameters, or None."""
     try:
         model = load_model(path)
     except (LabrigError, ModelError):

@@ -47,7 +47,7 @@ class Library:
     """One folder and all below it. May be asked from several threads."""
 
     def __init__(self, folder: Path) -> None:
-        """Raises BadInputError when there is no such folder."""
+        """Look into the folder; raise BadInputError when there is none."""
         if not folder.is_dir():
             if folder.exists():
                 raise BadInputError(f"{folder}: this is a file, a folder is needed.")
@@ -106,7 +106,7 @@ class Library:
         return 0
 
     def _save(self) -> None:
-        """What cannot be kept (a folder that is only to be read) is looked up again next time."""
+        """Store the entries, unless the folder is read-only: then they are read again next time."""
         path = self.folder / KEPT
         beside = path.with_name(f"{path.name}.{os.getpid()}.new")
         with suppress(OSError):
@@ -148,7 +148,7 @@ def _files(folder: Path) -> Iterator[tuple[str, Stamp]]:
 
 
 def _load(path: Path) -> dict[str, _Known]:
-    """Return what was kept; nothing when it is not there, damaged, or of another version."""
+    """Return what was stored; nothing where it is damaged or of another version."""
     try:
         kept = from_json(_Kept, path.read_text(encoding="utf-8"))
     except (OSError, ValueError):

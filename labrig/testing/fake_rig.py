@@ -6,8 +6,8 @@ Whoever writes a protocol can run it here without hardware and without waiting:
     rig.scheduler().run(short_schedule(0.01))
     assert rig.output.last_V == 0.0
 
-Each device has a `Faults` in `rig.faults`, which makes chosen calls fail. The force is 1 mN per V
-behind 1 V/N and a slow ramp, the current 1 mA per V, the drive's read-back what was written.
+Each device has a `CallFaults` in `rig.faults`, which makes chosen calls fail. The force is 1 mN
+per V behind 1 V/N and a slow ramp, the current 1 mA per V, the read-back what was written.
 """
 
 from __future__ import annotations
@@ -88,10 +88,10 @@ class FakeClock:
         """Run the thread's function at once."""
         _require(name in THREADS, f"the thread '{name}' is needed nowhere")
         target()
-        return Ended()
+        return EndedThread()
 
 
-class Ended:
+class EndedThread:
     """A thread that has ended."""
 
     def join(self, timeout: float | None = None) -> bool:
@@ -101,7 +101,7 @@ class Ended:
 
 
 @dataclass
-class Faults:
+class CallFaults:
     """Count the calls of a device and make those fail whose number `fail_at` names."""
 
     fail_at: Callable[[int], bool] = lambda _: False
@@ -120,7 +120,7 @@ class Faults:
 class FakeOutput:
     """A voltage output that keeps what was written, with the times."""
 
-    def __init__(self, clock: FakeClock, faults: Faults) -> None:
+    def __init__(self, clock: FakeClock, faults: CallFaults) -> None:
         self.clock, self.faults = clock, faults
         self.limit_V = 3.0
         self.writes: list[tuple[float, float]] = [(0.0, 0.0)]  # (time, sheet volts)
@@ -145,6 +145,9 @@ class FakeOutput:
         """Write 0 V."""
         self.write(0.0)
 
+    def abandon(self) -> None:
+        """See `VoltageOutput.abandon`: nothing is held."""
+
     @property
     def last_V(self) -> float:
         """Return the voltage that was written last."""
@@ -163,7 +166,7 @@ class FakeSignals:
     channels: Sequence[str] = ("force", "current", "drive")
     ranges_V: Sequence[float] = (0.05, 5.0, 10.0)
 
-    def __init__(self, clock: FakeClock, output: FakeOutput, faults: Faults) -> None:
+    def __init__(self, clock: FakeClock, output: FakeOutput, faults: CallFaults) -> None:
         self.clock, self.output, self.faults = clock, output, faults
         self.rate_hz = 1000.0
         self.running = False
@@ -231,7 +234,7 @@ class FakeCamera:
     frame_shape = (4, 6)
     dtype = np.dtype(np.uint8)
 
-    def __init__(self, clock: FakeClock, faults: Faults) -> None:
+    def __init__(self, clock: FakeClock, faults: CallFaults) -> None:
         self.clock, self.faults = clock, faults
         self.period_s = 0.04
         self.wanted: list[tuple[float, float]] = []
@@ -296,7 +299,7 @@ class FakeCamera:
 class FakeStage:
     """A positioner that is where it was told to go, off by `off_m`."""
 
-    def __init__(self, clock: FakeClock, faults: Faults) -> None:
+    def __init__(self, clock: FakeClock, faults: CallFaults) -> None:
         self.clock, self.faults = clock, faults
         self.moves: list[float] = []
         self.off_m = 0.0
@@ -324,7 +327,7 @@ class FakeStage:
 class FakeOperator:
     """An operator who agrees, unless `declines` says otherwise; asserts that 0 V is out."""
 
-    def __init__(self, clock: FakeClock, output: FakeOutput, faults: Faults) -> None:
+    def __init__(self, clock: FakeClock, output: FakeOutput, faults: CallFaults) -> None:
         self.clock, self.output, self.faults = clock, output, faults
         self.asked: list[Prompt] = []
         self.declines: Callable[[Prompt], bool] = lambda _: False
@@ -343,7 +346,7 @@ class FakeRig:
 
     def __init__(self, *, camera: bool = True) -> None:
         names = ("output", "signals", "camera", "stage", "operator")
-        self.faults = {name: Faults() for name in names}
+        self.faults = {name: CallFaults() for name in names}
         self.clock = FakeClock()
         self.output = FakeOutput(self.clock, self.faults["output"])
         self.signals = FakeSignals(self.clock, self.output, self.faults["signals"])

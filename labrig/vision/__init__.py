@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from labrig.vision.calibration.optics import load_optics as load_optics
     from labrig.vision.curve import NeutralCurve as NeutralCurve
     from labrig.vision.curve import StripGeometry as StripGeometry
-    from labrig.vision.extract import neutral_curve as neutral_curve
+    from labrig.vision.extraction.extract import neutral_curve as neutral_curve
     from labrig.vision.image.files import curve_json as curve_json
     from labrig.vision.image.files import load_strip as load_strip
     from labrig.vision.image.files import read_image as read_image
     from labrig.vision.image.files import write_overlay as write_overlay
-    from labrig.vision.tracking.contact import contact_from_picture as contact_from_picture
+    from labrig.vision.tracking.contact import contact_from_image as contact_from_image
     from labrig.vision.tracking.frame_average import Comparison as Comparison
     from labrig.vision.tracking.frame_average import FrameAverage as FrameAverage
     from labrig.vision.tracking.frame_average import average_of_frames as average_of_frames
@@ -42,9 +42,9 @@ _HOMES = {
     "labrig.vision.tracking.frame_average": (
         "Comparison", "FrameAverage", "average_of_frames", "compare_with_frames"
     ),
-    "labrig.vision.tracking.contact": ("contact_from_picture",),
+    "labrig.vision.tracking.contact": ("contact_from_image",),
     "labrig.vision.curve": ("NeutralCurve", "StripGeometry"),
-    "labrig.vision.extract": ("neutral_curve",),
+    "labrig.vision.extraction.extract": ("neutral_curve",),
     "labrig.vision.image.files": ("curve_json", "load_strip", "read_image", "write_overlay"),
     "labrig.vision.calibration.optics": ("SheetAppearance", "Optics", "load_optics"),
     "labrig.vision.tracking.tracker": ("Tracker",),

@@ -1,4 +1,4 @@
-"""`labrig curves`: pictures, folders and videos in, curves with their uncertainty out."""
+"""`labrig curves`: images, folders and videos in, curves with their uncertainty out."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
-from labrig.vision.extract import neutral_curve
+from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.image.files import (
     PICTURES,
     VIDEOS,
@@ -31,7 +31,7 @@ NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
 
 @dataclass(frozen=True, kw_only=True)
 class BatchOptions:
-    """What `extract_curves` uses where a picture has no files of its own beside it."""
+    """What `extract_curves` uses where a image has no files of its own beside it."""
 
     optics: Path | None = None
     sheet: Path | None = None
@@ -43,7 +43,7 @@ class BatchOptions:
 
 @dataclass
 class BatchResult:
-    """What came of a batch: the curves by name, in the order of the pictures."""
+    """What came of a batch: the curves by name, in the order of the images."""
 
     curves: dict[str, NeutralCurve] = field(default_factory=dict)
 
@@ -60,11 +60,11 @@ def extract_curves(
     *,
     progress: Progress | None = None,
 ) -> BatchResult:
-    """Curves of all pictures and videos in `sources`, written into the folder `output`.
+    """Curves of all images and videos in `sources`, written into the folder `output`.
 
-    A picture NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
+    A image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each picture (NAME_000012 for a video's frame), and curves.csv. A picture that cannot be
+    for each image (NAME_000012 for a video's frame), and curves.csv. A image that cannot be
     read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
@@ -83,7 +83,7 @@ def extract_curves(
 
 
 def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
-    """Name, picture (None: unreadable) and curve of each picture and frame, one after the other.
+    """Name, image (None: unreadable) and curve of each image and frame, one after the other.
 
     Raises BadInputError at once when there is none, or two of the same name, or where a file that
     serves several is at fault.
@@ -91,7 +91,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedC
     files = list(_files(sources))
     if not files:
         raise BadInputError(
-            "no picture or video was found; give files or a folder with "
+            "no image or video was found; give files or a folder with "
             f"{', '.join(PICTURES)} files in it."
         )
     _refuse_twins(files)
@@ -122,7 +122,7 @@ def _refuse_twins(files: list[Path]) -> None:
 
 
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
-    """A fault in a picture's own files costs that picture; one in what serves several, the run."""
+    """A fault in a image's own files costs that image; one in what serves several, the run."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
         ("optics.json", options.optics, load_optics),
         ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
@@ -153,7 +153,7 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
 
 
 def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    """What is known of a picture from the files beside it, or those for all."""
+    """What is known of a image from the files beside it, or those for all."""
     optics = _beside(path, "optics.json", options.optics)
     sheet = _beside(path, "sheet.toml", options.sheet)
     if optics is None or sheet is None:
@@ -165,7 +165,7 @@ def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
 
 
 def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
-    """The file of a kind that a picture uses; None where there is none."""
+    """The file of a kind that a image uses; None where there is none."""
     for candidate in (_own(path, kind), given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate
@@ -178,4 +178,4 @@ def _own(path: Path, kind: str) -> Path:
 
 def _missing(path: Path, kind: str) -> str:
     own = _own(path, kind).name
-    return f"{path}: there is neither {own} nor {kind} beside it; name one for all pictures."
+    return f"{path}: there is neither {own} nor {kind} beside it; name one for all images."

@@ -7,13 +7,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects.catalogue import effect as effect_of
+from model.identification.base_model import BaseOptions, bases_of
 from model.identification.data.data_vector import DataVector, look
-from model.identification.likelihood.base_model import bases_of, rest_of, start
 from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases
 from model.identification.likelihood.mixed_model_fit import FitProblem
 from model.identification.likelihood.row_noise import noise_of
+from model.identification.observations import Observed, observe
+from model.identification.starting_values import rest_field, start
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.sheet.sheet_model import SheetModel
 
@@ -54,16 +56,18 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
         raise ModelError(
             "there are no measurements: no condition of any configuration of the sheet"
         )
-    notes, why, looks, rests, kept = [], [], [], [], []
+    notes, why, looks, rests, kept, observed = [], [], [], [], [], list[Observed]()
     for name in names:
         try:
             one = look(used, name)
             _check_curves(one)
-            rests.append(rest_of(used, name))
+            seen = observe(used, name)
+            rests.append(rest_field(one.sheet, seen))
         except ModelError as error:
             why.append(str(error))
             continue
         looks.append(one)
+        observed.append(seen)
         kept.append(name)
     if not looks:
         raise ModelError("; ".join(dict.fromkeys(why)))
@@ -71,8 +75,8 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     notes += _lacks(looks)
     known = [stated for _, stated in rests]
     study = ForwardModel(looks, [rest for rest, _ in rests])
-    bases = bases_of(study, known, options.symmetric)
-    theta = start(used, study, bases, known, options.symmetric)
+    bases = bases_of(study, known, BaseOptions(symmetric=options.symmetric))
+    theta = start(observed, study, bases, known)
     bases = _anchored(study, bases, theta)
     if options.model is not None:
         for one in looks:

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.identification.residual_vector import legendre_field
 from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
 from model.mechanics.collocation import rule
-from model.mechanics.field import Field
+from model.mechanics.field import Field, legendre_field
 from model.mechanics.free_shape import free_shape
 
 PENALTY = 1e-5  # weight of int (dk/ds)^2 ds in 1e6/m^3 against squared distances in (10 um)^2

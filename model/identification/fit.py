@@ -49,7 +49,7 @@ class Fit:
     configurations: dict[str, ConfigurationFit]
     residuals: tuple[ConditionResidual, ...]
     rmse: dict[Literal["constant", "varying"], Rmse]  # all configurations
-    scatter: dict[str, float]  # from one set-up to the next, see `pool.SCATTER`
+    scatter: dict[str, float]  # from one set-up to the next, by random effect
     noise: dict[str, float]
     bootstrap_ratio: dict[str, float]  # simulated over stated uncertainty, where asked for
     notes: tuple[str, ...]
@@ -84,7 +84,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
                 " nothing of the EIBM; measure it under voltage, too, or leave it out with"
                 " --configuration"
             )
-    joint = joint_fit(observed, options)
+    joint = joint_fit(used, observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)
     models = [
@@ -114,8 +114,8 @@ class _Part:
 
     def __init__(self, joint: Joint, n: int, observed: Observed, options: FitOptions) -> None:
         self.joint, self.n, self.observed = joint, n, observed
-        system = joint.pool.systems[n]
-        self.name, self.length = observed.sheet.configuration, system.length
+        scene = joint.study.scenes[n]
+        self.name, self.length = observed.sheet.configuration, scene.length
         self.B = joint.stiffness(n)
         self.voltages = observed.voltages_V
         self.eibm = {v: joint.constant_eibm(n, v) for v in self.voltages}
@@ -123,7 +123,7 @@ class _Part:
         self.along = {v: joint.along(n, v, self.s_m) for v in self.voltages}
         self.known = joint.rest_known[n]
         self.measured = joint.rest(n)(self.s_m)
-        self.rest = system.rest if self.known else joint.rest(n)
+        self.rest = scene.rest if self.known else joint.rest(n)
         curves = any(o.curve is not None for o in observed.touching())
         self.paper: PaperFit | None = None
         if curves and 0.0 in {o.voltage_V for o in observed.touching()}:
@@ -185,10 +185,9 @@ def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
         return {}
     deviations = joint.bootstrap(options.bootstrap, options.seed)
     result = {}
-    for n, system in enumerate(joint.pool.systems):
-        name = system.observed.sheet.configuration
+    for n, name in enumerate(joint.study.names):
         for what, direction in joint.directions(n).items():
-            stated = np.sqrt(direction @ joint.solution.covariance @ direction)
+            stated = np.sqrt(direction @ joint.covariance @ direction)
             result[f"{name} {what}"] = float(np.std(deviations @ direction) / stated)
     return result
 

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.identification.joint import Joint
-from model.identification.likelihood.mixed_model import effects
-from model.identification.pooling import SCATTER
+from model.identification.likelihood.random_effects import own_slots
 from model.measurements import FloatArray
 from model.parameter import Parameter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MountingParameters:
     """One run: the conditions that were measured without anything being set anew."""
 
@@ -32,10 +31,18 @@ class MountingParameters:
 
 def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
     """All set-ups, configuration by configuration, along the arc, in the order of mounting."""
-    added = np.concatenate(effects(joint.data, joint.solution), axis=1)  # (R, Q)
-    found = [_SetUp(joint, r, u).result() for r, u in enumerate(added)]
-    names = [s.observed.sheet.configuration for s in joint.pool.systems]
+    fitted, names = joint.fitted, joint.study.names
+    added = np.concatenate(list(fitted.added().values()), axis=1)  # (R, Q)
+    runs = [(r, _conditions(joint, r)) for r in range(len(added))]
+    found = [_SetUp(joint, r, own, added[r]).result() for r, own in runs if own]
     return tuple(sorted(found, key=lambda one: (names.index(one.configuration), *_order(one))))
+
+
+def _conditions(joint: Joint, r: int) -> list[int]:
+    """The conditions of a run, but where the load cell alone was read."""
+    key = joint.study.layout.runs[r]
+    seen = joint.study.looks[joint.study.names.index(key[0])].seen
+    return [k for k, one in enumerate(seen) if one.run == key and not one.zero]
 
 
 def _order(one: MountingParameters) -> tuple[float, int, int]:
@@ -46,13 +53,14 @@ def _order(one: MountingParameters) -> tuple[float, int, int]:
 class _SetUp:
     """One run while its values are put together."""
 
-    def __init__(self, joint: Joint, r: int, added: FloatArray) -> None:
-        self.joint, self.added = joint, added
-        self.conditions = list(joint.pool.runs.values())[r]
-        self.key = list(joint.pool.runs)[r]
-        data, solution = joint.data, joint.solution
+    def __init__(self, joint: Joint, r: int, conditions: list[int], added: FloatArray) -> None:
+        self.joint, self.conditions, self.added = joint, conditions, added
+        self.key = joint.study.layout.runs[r]
+        self.n = joint.study.names.index(self.key[0])
+        data, solution = joint.fitted.linear.data, joint.fitted.solution
         widths = [group.shape[2] for group in data.groups]
-        self.first = dict(zip(SCATTER, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
+        names = joint.fitted.problem.noise.random_effects
+        self.first = dict(zip(names, np.cumsum([0, *widths[:-1]]).tolist(), strict=True))
         sigma = np.exp(solution.log_sigma[: len(widths)])
         G = np.repeat(sigma**2, widths)
         Z = np.concatenate([group[r] for group in data.groups], axis=1)
@@ -63,20 +71,22 @@ class _SetUp:
         self.of_u = np.diag(G) - own + between.T @ self.C @ between
 
     def result(self) -> MountingParameters:
-        n = self.conditions[0][0]
-        directions = self.joint.directions(n)
+        n, directions = self.n, self.joint.directions(self.n)
+        seen, slots = self.joint.study.looks[n].seen, own_slots(self.joint.study)[n]
         eibm = {}
-        for c, (_, i) in enumerate(self.conditions):
-            volts = self.joint.pool.systems[n].observed.observations[i].voltage_V
+        for k in self.conditions:
+            volts = seen[k].voltage_V
             if volts:
-                columns = [self.first["eibm"], self.first["eibm_condition"] + c]
+                scatter, _, place = slots[k]
+                columns = [self.first["eibm"], self.first[scatter] + place]
                 common = self.joint.constant_eibm(n, volts)
                 eibm[volts] = self._here(common, directions[f"EIBM at {volts:+g} V"], columns)
         B = self._here(self.joint.stiffness(n), directions["B"], [self.first["stiffness"]])
-        observation = self.joint.pool.systems[n].observed.observations[self.conditions[0][1]]
+        configuration, position_m, mounting, run, _ = self.key
         return MountingParameters(
-            self.key[0], observation.position_m, self.key[2], self.key[3], B, eibm
-        )
+            configuration=configuration, mounting=mounting, run=run, B=B, eibm=eibm,
+            position_m=position_m if np.isfinite(position_m) else None,
+        )  # fmt: skip
 
     def _here(self, common: Parameter, direction: FloatArray, columns: list[int]) -> Parameter:
         """A common value times one plus this set-up's shares, with the uncertainty of both."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from model.identification.curve_smoothing import SmoothCurve, smooth
 from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, SheetGeometry
 
 MOST_POINTS = 120
@@ -42,6 +44,18 @@ class Observed:
     def voltages_V(self) -> list[float]:
         """Driving voltages, 0 left out, ascending."""
         return sorted({o.voltage_V for o in self.observations if o.voltage_V != 0.0})
+
+    def smoothed(self, one: Observation) -> SmoothCurve:
+        """Return the curve of one of the observations as a smooth one; it is made once."""
+        if one.curve is None:
+            raise ModelError(f"condition {one.name} has no curve")
+        if id(one) not in self._smoothed:
+            self._smoothed[id(one)] = smooth(one.curve, self.sheet, one.name)
+        return self._smoothed[id(one)]
+
+    @cached_property
+    def _smoothed(self) -> dict[int, SmoothCurve]:
+        return {}
 
     def touching(self) -> list[Observation]:
         """Those with the load cell."""

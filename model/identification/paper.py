@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.identification.curve_smoothing import SmoothCurve, smooth, touch
+from model.identification.curve_smoothing import SmoothCurve, touch
 from model.identification.observations import Observation, Observed
 from model.measurements import FloatArray, ModelError
 from model.mechanics.field import Field
@@ -98,9 +98,7 @@ def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> P
 def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> Sample:
     """What one condition says by itself; `exponent` is q of (7)."""
     sheet = observed.sheet
-    if o.curve is None:
-        raise ModelError(f"condition {o.name} has no curve")
-    curve = smooth(o.curve, sheet, o.name)
+    curve = observed.smoothed(o)
     at = touch(curve, sheet, o.name)
     N = o.force_N / np.cos(at.phi_hat_rad - at.polar_rad)  # (5)
     l_hat = min(at.s_hat_m, sheet.free_length_m)

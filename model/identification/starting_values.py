@@ -1,25 +1,24 @@
-"""Where a fit begins: rest curvature, layout of the parameters, rough values of them."""
+"""Where a fit begins: the initial curvature, and rough values of the base parameters."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 
 import numpy as np
 
 from model.identification.curve_smoothing import smooth
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.drive_rise import RISE
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.observations import Observed
-from model.identification.options import FitOptions
 from model.identification.paper import Sample, loaded
-from model.identification.residual_vector import ParameterLayout, System
 from model.measurements import FloatArray, ModelError, SheetGeometry
-from model.mechanics.equilibrium import SolverStatus
 from model.mechanics.field import Field
 
 LOOP_RAD = 2.0 * np.pi
-MOST_TERMS = 6  # of a quantity along a sheet as long as the arc's radius
-FREE_PER_M = 200.0  # prior width of an EIBM's mean, over B
-FORM_PER_M = 60.0  # and of its change along the sheet
-MODES_LONG, MODES_SHORT = 8, 5
+USUAL_BEND_PER_M = 20.0  # Me/B, to begin with where there are no curves
 
 
 def rest_field(sheet: SheetGeometry, observed: Observed) -> tuple[Field, bool]:
@@ -51,94 +50,90 @@ def _measured_curvature(observed: Observed, voltage_V: float) -> float:
     return float(np.mean([c.coefficients[0] for c in curves]))
 
 
-def layout(observed: Observed, options: FitOptions, rest_known: bool) -> ParameterLayout:
-    """How many parameters there are, and an error where the data are too few for them."""
-    sheet = observed.sheet
-    curves = any(o.curve is not None for o in observed.observations)
-    share = min(1.0, sheet.free_length_m / sheet.arc_radius_m)
-    terms = 1 + round((MOST_TERMS - 1) * share)
-    along = options.eibm_form == "along" and curves
-    tolerant = curves and (not rest_known or options.initial_curvature_sigma_per_m > 0.0)
-    result = ParameterLayout(
-        tuple(observed.voltages_V),
-        terms if along else 1,
-        terms if tolerant else 0,
-        options.symmetric,
-    )
+def start(
+    observed: Sequence[Observed], study: ForwardModel, bases: Bases, known: Sequence[bool]
+) -> FloatArray:
+    """Rough base parameters; a `ModelError` where the data are too few for them."""
+    theta = np.zeros(bases.size)
+    for one, scene, part, stated in zip(observed, study.scenes, bases.parts, known, strict=True):
+        for i, (mean, _) in part.prior.items():
+            theta[i] = mean
+        _check_forces(one, part, stated=stated)
+        _first_guess(theta, one, scene, part, stated=stated)
+    if bases.rise is not None:
+        theta[bases.rise :] = [mean for mean, _ in RISE]
+    if not np.all(np.isfinite(theta)):
+        raise ModelError("no rough values of B and EIBM could be found; check forces and curves")
+    return theta
+
+
+def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> None:
+    """A `ModelError` where there are fewer forces than what only forces fix."""
+    name = observed.sheet.configuration
     forces = sum(bool(np.isfinite(o.force_N)) for o in observed.touching())
-    wanted = 1 + len(result.groups) + (0 if rest_known else 1)
+    wanted = 1 + len({place for place, _ in part.eibm.values()}) + (0 if stated else 1)
     if forces == 0:
         raise ModelError(
-            f"configuration '{sheet.configuration}' has no valid force: shapes fix only Me/B,"
+            f"configuration '{name}' has no valid force: shapes fix only Me/B,"
             " so B and the EIBM cannot be found"
         )
     if forces < wanted:
         raise ModelError(
-            f"configuration '{sheet.configuration}': {forces} condition(s) with a force cannot fix"
+            f"configuration '{name}': {forces} condition(s) with a force cannot fix"
             f" {wanted} parameters (B, one EIBM for each driving voltage); measure more positions"
         )
-    return result
 
 
-def precision(system: System, options: FitOptions, rest_known: bool) -> FloatArray:
-    """Of the Gaussian priors: wide for EIBM and B, the stated tolerance for k0."""
-    layout = system.layout
-    values = np.zeros(layout.size)
-    for voltage in layout.voltages_V:
-        where, _ = layout.of(voltage)
-        values[where] = FORM_PER_M**-2.0
-        values[where.start] = FREE_PER_M**-2.0
-    tolerance = options.initial_curvature_sigma_per_m if rest_known else FREE_PER_M
-    values[layout.rest_slice] = tolerance**-2.0 if layout.rest else 0.0
-    return values
-
-
-def first_guess(system: System) -> FloatArray:
-    """Rough parameters. With curves: (2) of every condition is linear in 1/B and Me/B."""
-    observed, layout = system.observed, system.layout
-    theta = np.zeros(layout.size)
-    samples = _samples(system)
-    if len(samples) < 2 + len(layout.groups):
-        return _from_forces(system, theta)
-    A = np.zeros((len(samples), layout.size))
+def _first_guess(
+    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters, *,
+    stated: bool,
+) -> None:  # fmt: skip
+    """Set B, EIBM and an unknown k0. With curves (2) of each condition is linear in 1/B, Me/B."""
+    places = sorted({place for place, _ in part.eibm.values()})
+    samples = _samples(observed, scene.rest)
+    if len(samples) < 2 + len(places):
+        _from_forces(theta, observed, scene, part)
+        return
+    unknown = [] if stated else [min(part.rest)]
+    A = np.zeros((len(samples), 1 + len(places) + len(unknown)))
     for row, sample in zip(A, samples, strict=True):
         row[0] = sample.mean_moment_Nm * 1e6  # so that 1/B in 1e6 per N m^2 is of order one
         if sample.observation.voltage_V != 0.0:
-            where, sign = layout.of(sample.observation.voltage_V)
-            row[where.start] = sign
-        if layout.rest:
-            row[layout.rest_slice.start] = 1.0
+            place, sign = part.eibm[sample.observation.voltage_V]
+            row[1 + places.index(place)] = sign
+        row[1 + len(places) :] = 1.0
     turns = np.array([s.turn_rad / s.l_hat_m for s in samples])
-    theta = np.asarray(np.linalg.lstsq(A, turns, rcond=1e-10)[0], dtype=np.float64)
-    if theta[0] <= 0.0:
+    found = np.linalg.lstsq(A, turns, rcond=1e-10)[0]
+    if found[0] <= 0.0:
         raise _wrong_sign(observed)
-    theta[0] = -np.log(theta[0]) - 6.0 * np.log(10.0)
-    return theta
+    theta[part.stiffness] = -np.log(found[0]) - 6.0 * np.log(10.0)
+    theta[[*places, *unknown]] = found[1:]
 
 
-def _samples(system: System) -> list[Sample]:
+def _samples(observed: Observed, rest: Field) -> list[Sample]:
     """Conditions whose curve is a smooth one; the others need not stop a rough guess."""
     result = []
-    for o in system.observed.touching():
+    for o in observed.touching():
         if o.curve is not None and np.isfinite(o.force_N):
             with suppress(ModelError):
-                result.append(loaded(system.observed, o, system.rest, 1.0))
+                result.append(loaded(observed, o, rest, 1.0))
     return result
 
 
-def _from_forces(system: System, theta: FloatArray) -> FloatArray:
-    observed = system.observed
-    for group in system.layout.groups:
-        theta[system.layout.of(group)[0].start] = 20.0 * np.sign(group)
-    equilibria = system.solve(theta)
-    forces = np.array([observed.observations[i].force_N for i in system.touching])
-    by = equilibria.force(1.0)
-    use = np.isfinite(forces) & (equilibria.status == SolverStatus.SOLVED)
-    B = float(forces[use] @ by[use] / max(by[use] @ by[use], 1e-300)) if use.any() else 1e-6
+def _from_forces(
+    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters
+) -> None:
+    """Set B so that the forces are of the right size with an EIBM of the usual size."""
+    bend = {v: USUAL_BEND_PER_M * float(np.sign(v)) for v in part.eibm}
+    for voltage, (place, sign) in part.eibm.items():
+        theta[place] = sign * bend[voltage]
+    by_B = scene.forces(scene.beam(1.0, bend))
+    measured = np.array([np.mean(o.kept_N) if o.kept_N.size else np.nan for o in scene.look.seen])
+    use = np.isfinite(measured) & np.isfinite(by_B)
+    B = float(measured[use] @ by_B[use] / max(by_B[use] @ by_B[use], 1e-300)) if use.any() else 1e-6
     if B <= 0.0:
         raise _wrong_sign(observed)
-    theta[0] = np.log(B)
-    return theta
+    theta[part.stiffness] = np.log(B)
 
 
 def _wrong_sign(observed: Observed) -> ModelError:

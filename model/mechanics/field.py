@@ -12,7 +12,7 @@ from functools import cache, cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, legendre
 
 from model.measurements import FloatArray, ModelError
 
@@ -212,3 +212,9 @@ def _interpolate(
     )
     error = np.max(np.abs(_horner(coefficients, between) - wanted))
     return coefficients, bool(error <= tolerance * max(np.max(np.abs(wanted)), 1e-300))
+
+
+def legendre_field(degree: int, length_m: float) -> Field:
+    """Return a Legendre polynomial over the sheet; its mean is 0 but for degree 0."""
+    powers = legendre.leg2poly(np.eye(degree + 1)[degree])
+    return Field(np.array([0.0, length_m]), np.asarray(powers, dtype=float)[None, :])

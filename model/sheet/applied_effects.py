@@ -1,7 +1,7 @@
 """Apply the catalogue's effects to the beam problem of a `SheetModel`.
 
-Some effects depend on the solution (a clamp that gives way under the load). So the problem is
-solved and the effects are applied in turn until nothing changes any more.
+What they do to it is in `effect_hooks`; here are a model's own conditions, and the terms of a model
+that are in no catalogue.
 """
 
 from __future__ import annotations
@@ -16,27 +16,15 @@ from model.effects.interface import BeamProblem, ContactSolution
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
-from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem
+from model.sheet.effect_hooks import Acting, applied, in_course, mean_course, self_consistent
 from model.sheet.solution import SolvedProblems, solved
-from model.sheet.typical_run import kept_readings, mean_over, typical_run
+from model.sheet.typical_run import kept_readings, typical_run
 
 NODES = 14  # along the free length, where effects are worked out
 MOST_ROUNDS = 60
-DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
 SETTLED = 1e-9
 UNKNOWN = "unknown"
-_ALONG_SHEET = ("rest", "eibm", "bend", "soft")
-_LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2}  # the size that matters; else 1
-_ALL = (*_ALONG_SHEET, "stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
-
-
-@dataclass(frozen=True)
-class Acting:
-    """An effect with its numbers for one configuration."""
-
-    effect: Effect
-    values: dict[str, float]
-    profile: Profile | None  # factors on its form
 
 
 def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
@@ -89,17 +77,24 @@ def with_effects(
     """
     name = setups[0].sheet.configuration
     named, strange = acting(effects, name), unknowns(effects, name)
-    plain = _beam(setups, positions_m)
-    base = _in_course(plain, named)
-    beam, found = base, solved(_setups(setups, plain, base))
-    for turn in range(MOST_ROUNDS):
-        new = _applied(base, _contact_solution(found, beam), named, strange)
-        if turn >= DAMPED_AFTER:
-            new = _halfway(beam, new)
-        if _same(beam, new):
-            break
-        beam, found = new, solved(_setups(setups, plain, new))
-    else:
+    plain = beam_problem(setups, positions_m)
+    # an unknown course in time is a matter of single readings, not of their mean
+    course = mean_course(named, plain.clock, plain.reading_of, plain.share, len(setups))
+
+    def change(base: BeamProblem, contact: ContactSolution) -> BeamProblem:
+        beam = applied(base, contact, named)
+        for one in strange:
+            beam = _with_unknown(beam, one)
+        return beam
+
+    def solve(beam: BeamProblem) -> _Solved:
+        found = solved(_setups(setups, plain, beam))
+        return _Solved(found, contact_solution(found, beam))
+
+    beam, _, settled = self_consistent(
+        in_course(plain, *course), change, solve, rounds=MOST_ROUNDS, accuracy=SETTLED
+    )
+    if not settled:
         raise ModelError(
             f"the model's effects ({', '.join(e.name for e in effects)}) do not settle with its"
             " other parameters"
@@ -107,10 +102,21 @@ def with_effects(
     return _setups(setups, plain, beam)
 
 
-# -- one way and back
+@dataclass(frozen=True)
+class _Solved:
+    """Equilibria as effects see them."""
+
+    found: SolvedProblems
+    contact: ContactSolution
 
 
-def _beam(setups: Sequence[ConditionProblem], positions_m: Sequence[float | None]) -> BeamProblem:
+# -- a model's conditions as beam problems, and back
+
+
+def beam_problem(
+    setups: Sequence[ConditionProblem], positions_m: Sequence[float | None]
+) -> BeamProblem:
+    """Return conditions of one configuration as effects see them, at times of typical runs."""
     sheet = setups[0].sheet
     s = sheet.free_length_m * np.asarray(rule(NODES).c)
     B = np.array([one.B_Nm2 for one in setups])
@@ -169,7 +175,8 @@ def _field(beam: BeamProblem, values: FloatArray) -> Field:
     return Field(np.array([0.0, length]), row[None])
 
 
-def _contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:
+def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:
+    """Return equilibria of setups as effects see them, in the clamp's own frame."""
     shapes = found.shapes(np.append(beam.s_m, beam.sheet.free_length_m))
     x, y, phi = (a[:, :-1] for a in (shapes.x_m, shapes.y_m, shapes.phi_rad))
     # in the clamp's own frame, in which the contact's forces are worked out
@@ -190,60 +197,6 @@ def _contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSoluti
         phi_rad=phi - tilt, curvature=shapes.curvature_per_m[:, :-1],
         end_phi_rad=shapes.phi_rad[:, -1] - beam.tilt_rad,
     )  # fmt: skip
-
-
-# -- what the effects do
-
-
-def _in_course(beam: BeamProblem, named: Sequence[Acting]) -> BeamProblem:
-    """EIBM and stiffness as the mean of a typical run's readings has them.
-
-    An unknown course in time is a matter of single readings, not of their mean.
-    """
-    courses = [one for one in named if type(one.effect).course is not Effect.course]
-    if not courses:
-        return beam
-    eibm, stiffness = np.zeros(len(beam.voltage_V)), np.zeros(len(beam.voltage_V))
-    for k, volts in enumerate(beam.voltage_V):
-        run = typical_run(float(volts), -float(volts), beam.sheet.rise_time_s)
-        for one in courses:
-            found = one.effect.course(run.clock, one.values)
-            if found is not None:
-                eibm[k] += mean_over(found[0], run.at(float(volts)))
-                stiffness[k] += mean_over(found[1], run.at(float(volts)))
-    share = (1.0 + eibm) / (1.0 + stiffness)
-    return replace(
-        beam, stiffness=beam.stiffness * (1.0 + stiffness), eibm=beam.eibm * share[:, None]
-    )
-
-
-def _applied(
-    base: BeamProblem,
-    contact: ContactSolution,
-    named: Sequence[Acting],
-    strange: Sequence[ActiveEffect],
-) -> BeamProblem:
-    beam = base
-    for one in named:
-        changed = one.effect.beam(beam, contact, one.values)
-        beam = changed if one.profile is None else _formed(beam, changed, one.profile)
-    for other in strange:
-        beam = _with_unknown(beam, other)
-    return beam
-
-
-def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamProblem:
-    """An effect's change times the factors of the form that was inferred."""
-    if profile.along in ("force", "time"):
-        return after
-    by_place = profile.along == "s"
-    factor = profile(before.s_m) if by_place else profile(np.nan_to_num(before.stated_m))
-    changed = {}
-    for name in _ALONG_SHEET if by_place else _ALL:
-        old, new = getattr(before, name), getattr(after, name)
-        wide = factor if by_place or old.ndim == 1 else factor[:, None]
-        changed[name] = old + (new - old) * wide
-    return replace(after, **changed)
 
 
 def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
@@ -271,19 +224,3 @@ def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
         typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
         return replace(beam, bend=beam.bend + typical * driven[:, None] * term)
     return beam
-
-
-def _same(one: BeamProblem, other: BeamProblem) -> bool:
-    """Whether nothing that matters differs."""
-    for name in _ALL:
-        a, b = getattr(one, name), getattr(other, name)
-        size = float(np.max(np.abs(b), initial=0.0))
-        if np.max(np.abs(a - b), initial=0.0) > SETTLED * max(size, _LEAST.get(name, 1.0)):
-            return False
-    return True
-
-
-def _halfway(one: BeamProblem, other: BeamProblem) -> BeamProblem:
-    return replace(
-        one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in _ALL}
-    )

@@ -11,13 +11,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.effects.interface import ImagePoints, LoadCellInput
+from model.effects.interface import ImagePoints
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
-from model.sheet.applied_effects import acting, unknowns
+from model.sheet.applied_effects import acting, beam_problem, contact_solution, unknowns
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.effect_hooks import (
+    added_force_N,
+    image_change,
+    image_displacement_m,
+    load_cell_input,
+)
 from model.sheet.solution import SolvedProblems
-from model.sheet.typical_run import TypicalRun, mean_over, typical_run
+from model.sheet.typical_run import mean_over, typical_run
 
 
 def load_cell_N(
@@ -34,13 +40,12 @@ def load_cell_N(
     """
     others = [v for v in rows if v not in (0.0, voltage_V)]
     run = typical_run(voltage_V, others[0] if others else 0.0)
-    name, total = found.setups[0].sheet.configuration, 0.0
-    for one in acting(effects, name):
-        weighed = _weighed(found, rows, run, position_m)
-        added = one.effect.force(weighed, one.values)
-        if added is not None:
-            mean = mean_over(np.asarray(added), run.at(voltage_V))
-            total += mean * _factor(one.profile, position_m)
+    name = found.setups[0].sheet.configuration
+    beam = beam_problem(found.setups, [position_m] * len(found.setups))
+    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
+    weighed = load_cell_input(beam, contact_solution(found, beam), run.clock, of)
+    added_N = added_force_N(acting(effects, name), weighed, np.arange(len(of)))
+    total = mean_over(added_N, run.at(voltage_V))
     for other in unknowns(effects, name):
         if other.location == "load_cell" and other.profile is not None:
             total += _strange_N(
@@ -63,18 +68,6 @@ def _factor(profile: Profile | None, position_m: float) -> float:
     return float(profile(np.array([position_m]))[0])
 
 
-def _weighed(
-    found: SolvedProblems, rows: Mapping[float, int], run: TypicalRun, position_m: float
-) -> LoadCellInput:
-    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
-    ones = np.ones(len(of))
-    return LoadCellInput(
-        np.nan_to_num(found.force_N[of]), np.nan_to_num(found.normal_N[of]),
-        np.nan_to_num(found.gamma_rad[of]), position_m * ones, run.clock.session, ones,
-        run.clock.wetted_s,
-    )  # fmt: skip
-
-
 def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> ConditionProblem:
     """The sheet as it was when the picture was taken, which may be older than the reading."""
     name = setup.sheet.configuration
@@ -82,13 +75,8 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
     if setup.voltage_V == 0.0:
         return setup
     run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s)
-    seen = [
-        change
-        for one in inner
-        if (change := one.effect.pictured(run.clock, one.values)) is not None
-    ]
-    use = run.at(setup.voltage_V)
-    more = sum(mean_over(one, use) for one in seen)
+    seen, use = image_change(inner, run.clock), run.at(setup.voltage_V)
+    more = 0.0 if seen is None else mean_over(seen, use)
     at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
     on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
     for other in unknowns(effects, name):
@@ -103,15 +91,9 @@ def camera_m(
 ) -> tuple[FloatArray, FloatArray]:
     """What the camera adds to the points of one curve, the first of `curve`."""
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
-    dx, dy = np.zeros_like(x_m), np.zeros_like(y_m)
     name = setup.sheet.configuration
     points = ImagePoints(x_m[None], y_m[None], setup.sheet.free_length_m)
-    for one in acting(effects, name):
-        added = one.effect.curve(points, one.values)
-        if added is not None:
-            along = one.profile is not None and one.profile.along == "s"
-            share = one.profile(s_m) if one.profile is not None and along else 1.0
-            dx, dy = dx + share * added[0][0], dy + share * added[1][0]
+    (dx,), (dy,) = image_displacement_m(acting(effects, name), points, s_m)
     for other in unknowns(effects, name):
         if other.location == "camera" and other.profile is not None and other.profile.along == "s":
             off = 1e-3 * other.profile(s_m)

@@ -13,7 +13,7 @@ def from_frame(first: int) -> range:
     return range(first, FOREVER)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class CameraFaults:
     """Which frames suffer from what; may be changed while the camera runs.
 

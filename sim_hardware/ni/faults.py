@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Faults:
     """What goes wrong; everything is off until it is set. Fields may be set at any time."""
 

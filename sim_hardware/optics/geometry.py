@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.optics.settings import Lens, OpticsSettings
+from sim_hardware.optics.settings import OpticsSettings
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,25 +36,13 @@ class Geometry:
         return self._origin_px + np.asarray(points_m, dtype=np.float64) @ self._matrix.T
 
     def distort(self, points_px: FloatArray) -> FloatArray:
-        """What the lens makes of undistorted pixels (n, 2)."""
-        return points_px if self._lens is None else _distorted(points_px, self._lens)
+        """Return where the lens shows undistorted pixels (n, 2)."""
+        return points_px if self._lens is None else self._lens.distort(points_px)
 
     def turned(self, angle_rad: float) -> FloatArray:
         """Unit vector in pixels of a world direction, counter-clockwise from x."""
         direction = self._matrix @ np.array([math.cos(angle_rad), math.sin(angle_rad)])
         return np.asarray(direction / self.px_per_m, dtype=np.float64)
-
-
-def _distorted(points_px: FloatArray, lens: Lens) -> FloatArray:
-    (fx, skew, cx), (_, fy, cy), _ = lens.camera_matrix
-    k1, k2, p1, p2, k3 = (*lens.distortion, 0.0)[:5]
-    y = (points_px[:, 1] - cy) / fy
-    x = (points_px[:, 0] - cx - skew * y) / fx
-    r2 = x * x + y * y
-    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    x_d = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
-    y_d = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y
-    return np.column_stack((fx * x_d + skew * y_d + cx, fy * y_d + cy))
 
 
 def smooth_polyline(shape_m: npt.ArrayLike, spacing_m: float) -> tuple[FloatArray, FloatArray]:

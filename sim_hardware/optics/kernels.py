@@ -1,54 +1,77 @@
 """The inner loops of the renderer, compiled. Import this where it is used: numba is slow to load.
 
-Pictures are flat float32 arrays of rows * columns. `touched` lists the pixels of a layer that
+Images are flat float32 arrays of rows * columns. `touched` lists the pixels of a layer that
 differ from the empty one, so that only those need to be visited and put back.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from typing import NamedTuple
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
+from sim_hardware.jit import strict_jit
 
 Floats = npt.NDArray[np.float64]
-Picture = npt.NDArray[np.float32]
+Image = npt.NDArray[np.float32]
 
 
-def _compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    return cast("Callable[_P, _R]", numba.njit(cache=True, nogil=True)(function))
+class Band(NamedTuple):
+    """A band along a polyline, at each of its points."""
+
+    points: Floats  # (n, 2), in pixels
+    half_width: Floats  # in pixels
+    level: Floats  # grey level
 
 
-@_compiled
+class Layer(NamedTuple):
+    """Where bands are drawn, and which of its pixels they touch."""
+
+    pixels: Image  # (pixels, 5), see `draw_band`
+    columns: int
+    touched: npt.NDArray[np.int32]
+    softness: float  # of the edges, in pixels
+
+
+class Disc(NamedTuple):
+    """A disc with a rim of another level; lengths in pixels."""
+
+    u: float
+    v: float
+    radius: float
+    level: float
+    rim: float
+    rim_level: float
+
+
+class Sensor(NamedTuple):
+    """The noise of one frame."""
+
+    seed: int
+    number: int
+    shot_variance_per_level: float
+    read_variance: float
+
+
+@strict_jit
 def edge(depth: float, softness: float) -> float:
     """Light of a pixel whose centre lies this deep inside a straight edge, both in px."""
     return 0.5 * (1.0 + math.erf(depth / (math.sqrt(2.0) * softness)))
 
 
-@_compiled
-def draw_band(
-    points: Floats,
-    half_width: Floats,
-    level: Floats,
-    softness: float,
-    layer: Picture,
-    columns: int,
-    touched: npt.NDArray[np.int32],
-    count: int,
-) -> int:
-    """Draw the band along a polyline (n, 2) in pixels, cut off square at both ends.
+@strict_jit
+def draw_band(band: Band, into: Layer, count: int) -> int:
+    """Draw a band, cut off square at both ends; `count` pixels are touched already.
 
-    `layer` (pixels, 5) holds of the piece of polyline nearest to each pixel: squared distance
-    (infinite: none is near), signed distance, half width, grey level, and how deep the pixel lies
-    inside the band's nearest end. Bands drawn into the same layer unite. Returns how many pixels
-    are touched so far.
+    The layer's pixels hold of the piece of polyline nearest to each: squared distance (infinite:
+    none is near), signed distance, half width, grey level, and how deep the pixel lies inside the
+    band's nearest end. Bands drawn into the same layer unite. Returns how many pixels are touched
+    so far.
     """
+    points, half_width, level = band.points, band.half_width, band.level
+    layer, columns, touched, softness = into.pixels, into.columns, into.touched, into.softness
     rows = layer.shape[0] // columns
     last = points.shape[0] - 1
     margin = 4.0 * softness
@@ -94,17 +117,10 @@ def draw_band(
     return count
 
 
-@_compiled
-def lay_down(
-    layer: Picture,
-    touched: npt.NDArray[np.int32],
-    count: int,
-    softness: float,
-    share: float,
-    hidden: Picture,
-    light: Picture,
-) -> None:
+@strict_jit
+def lay_down(drawn: Layer, count: int, share: float, hidden: Image, light: Image) -> None:
     """Add `share` of a layer to what hides the background and to the light; clear the layer."""
+    layer, touched, softness = drawn.pixels, drawn.touched, drawn.softness
     for k in range(count):
         pixel = touched[k]
         across = layer[pixel, 1]
@@ -118,19 +134,12 @@ def lay_down(
         layer[pixel, 0] = np.inf
 
 
-@_compiled
-def draw_disc(
-    picture: Picture,
-    columns: int,
-    u: float,
-    v: float,
-    radius: float,
-    level: float,
-    rim: float,
-    rim_level: float,
-) -> None:
-    """Draw a disc with a rim of another level over the picture."""
-    rows = picture.size // columns
+@strict_jit
+def draw_disc(image: Image, columns: int, disc: Disc) -> None:
+    """Draw a disc over the image."""
+    u, v, radius = disc.u, disc.v, disc.radius
+    level, rim, rim_level = disc.level, disc.rim, disc.rim_level
+    rows = image.size // columns
     for row in range(max(0, math.floor(v - radius - 1)), min(rows, math.ceil(v + radius + 2))):
         for column in range(
             max(0, math.floor(u - radius - 1)), min(columns, math.ceil(u + radius + 2))
@@ -138,12 +147,12 @@ def draw_disc(
             distance = math.hypot(column - u, row - v)
             outside = min(1.0, max(0.0, distance - radius + 0.5))
             inside = min(1.0, max(0.0, radius - rim - distance + 0.5))
-            disc = inside * level + (1.0 - inside) * rim_level
+            light = inside * level + (1.0 - inside) * rim_level
             pixel = row * columns + column
-            picture[pixel] += (1.0 - outside) * (disc - picture[pixel])
+            image[pixel] += (1.0 - outside) * (light - image[pixel])
 
 
-@_compiled
+@strict_jit
 def mixed(key: np.uint64) -> np.uint64:
     """A 64-bit hash (the finaliser of splitmix64), to turn counters into random bits."""
     z = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -151,33 +160,31 @@ def mixed(key: np.uint64) -> np.uint64:
     return z ^ (z >> np.uint64(31))
 
 
-@_compiled
+@strict_jit
 def expose(
-    picture: Picture,
-    gain: Picture,
-    glare: Picture,
-    seed: int,
-    number: int,
-    shot_variance_per_level: float,
-    read_variance: float,
+    image: Image,
+    gain: Image,
+    glare: Image,
+    sensor: Sensor,
     out: npt.NDArray[np.uint8],
 ) -> None:
-    """What the sensor makes of the light: uneven light, reflections, noise, whole grey levels.
+    """Fill `out` with the sensor's grey levels: uneven light, reflections, noise, rounding.
 
     The noise of a pixel depends on the seed, the frame number and the pixel only. It is the sum of
     eight random bytes, Gaussian to within 0.15 in kurtosis, and ends at 4.9 standard deviations.
     """
     golden = np.uint64(0x9E3779B97F4A7C15)
-    key = mixed(np.uint64(seed) * golden + np.uint64(1)) ^ mixed(np.uint64(number) + golden)
+    frame = mixed(np.uint64(sensor.number) + golden)
+    key = mixed(np.uint64(sensor.seed) * golden + np.uint64(1)) ^ frame
     bytes_even = np.uint64(0x00FF00FF00FF00FF)
     scale = np.float32(1.0 / math.sqrt(8.0 * (256.0**2 - 1.0) / 12.0))
-    shot = np.float32(shot_variance_per_level)
-    read = np.float32(read_variance)
-    for pixel in range(picture.size):
+    shot = np.float32(sensor.shot_variance_per_level)
+    read = np.float32(sensor.read_variance)
+    for pixel in range(image.size):
         bits = mixed(key + np.uint64(pixel) * golden)
         pairs = (bits & bytes_even) + ((bits >> np.uint64(8)) & bytes_even)
         total = (pairs * np.uint64(0x0001000100010001)) >> np.uint64(48)
-        value = picture[pixel] * gain[pixel] + glare[pixel]
+        value = image[pixel] * gain[pixel] + glare[pixel]
         deviation = math.sqrt(max(value, np.float32(0.0)) * shot + read)
         value += (np.float32(np.int32(total)) - np.float32(1020.0)) * scale * deviation
         out[pixel] = np.uint8(min(max(value + np.float32(0.5), np.float32(0.0)), np.float32(255.0)))

@@ -1,4 +1,4 @@
-"""Pictures of the sheet."""
+"""Images of the sheet."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from sim_hardware.optics import backdrop
 from sim_hardware.optics.geometry import FloatArray, Geometry, smooth_polyline
-from sim_hardware.optics.layer import BandLayer, Picture
+from sim_hardware.optics.layer import BandLayer, Image
 from sim_hardware.optics.marker import write_marker
 from sim_hardware.optics.settings import FarFace, OpticsSettings
 
@@ -103,7 +103,7 @@ class Renderer:
 
     def _draw_far_face(
         self,
-        picture: Picture,
+        picture: Image,
         bands: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
         face: FarFace,
     ) -> None:
@@ -121,7 +121,7 @@ class Renderer:
             self._layer.add(1 / len(bands))
         self._layer.lay_over(picture)
 
-    def _draw_rolls(self, picture: Picture, contact: Contact, sheet_length_m: float) -> None:
+    def _draw_rolls(self, picture: Image, contact: Contact, sheet_length_m: float) -> None:
         x, y, angle = contact
         rolls = self.settings.rolls
         # The straight way to the contact is near enough to the way along the sheet to tell.
@@ -134,18 +134,17 @@ class Renderer:
             centre = (x - side * math.sin(angle), y + side * math.cos(angle))
             u, v = self._geometry.to_pixels([centre])[0]
             scale = self._geometry.px_per_m
-            self._kernels.draw_disc(
-                picture,
-                self._columns,
-                float(u),
-                float(v),
-                rolls.radius_m * scale,
-                rolls.level,
-                rolls.rim_m * scale,
-                rolls.rim_level,
+            disc = self._kernels.Disc(
+                u=float(u),
+                v=float(v),
+                radius=rolls.radius_m * scale,
+                level=rolls.level,
+                rim=rolls.rim_m * scale,
+                rim_level=rolls.rim_level,
             )
+            self._kernels.draw_disc(picture, self._columns, disc)
 
-    def _blurred(self, frame: Picture) -> Picture:
+    def _blurred(self, frame: Image) -> Image:
         import cv2
 
         sigma = self._blur_left_px
@@ -154,19 +153,16 @@ class Renderer:
         blurred = cv2.GaussianBlur(frame, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
         return np.asarray(blurred, dtype=np.float32)
 
-    def _expose(self, frame: Picture, number: int, time_s: float | None) -> npt.NDArray[np.uint8]:
+    def _expose(self, frame: Image, number: int, time_s: float | None) -> npt.NDArray[np.uint8]:
         image = np.empty((self._rows, self._columns), dtype=np.uint8)
         noise = self.settings.noise
-        self._kernels.expose(
-            frame.ravel(),
-            self._gain,
-            self._glare,
-            self._seed,
-            number,
-            1 / noise.electrons_per_level,
-            noise.read_levels**2,
-            image.ravel(),
+        sensor = self._kernels.Sensor(
+            seed=self._seed,
+            number=number,
+            shot_variance_per_level=1 / noise.electrons_per_level,
+            read_variance=noise.read_levels**2,
         )
+        self._kernels.expose(frame.ravel(), self._gain, self._glare, sensor, image.ravel())
         if self.settings.marker:
             write_marker(image, number, time_s)
         return image

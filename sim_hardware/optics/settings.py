@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from sim_hardware.optics.lens import FloatArray, distorted
 from sim_hardware.optics.marker import MARKER_COLUMNS
 
 Level = Annotated[float, Field(ge=0, le=255)]
@@ -27,6 +29,10 @@ class Lens(_Closed):
     ]
     distortion: Annotated[tuple[float, ...], Field(min_length=4, max_length=5)]
     """k1, k2, p1, p2 and, if given, k3."""
+
+    def distort(self, points_px: FloatArray) -> FloatArray:
+        """Return where the lens shows undistorted pixels (n, 2)."""
+        return distorted(points_px, self.camera_matrix, self.distortion)
 
 
 class Jaws(_Closed):
@@ -144,10 +150,9 @@ class OpticsSettings(_Closed):
         return "bright" if self.sheet_level > self.background_level else "dark"
 
     def calibration(self) -> dict[str, Any]:
-        """What a perfect calibration of this camera would say: the content of an optics.json."""
-        from sim_hardware.optics.geometry import Geometry
-
-        clamp = Geometry(self).to_pixels([[0.0, 0.0]])[0]
+        """Return what a perfect calibration would find: the content of an optics.json."""
+        origin = np.array([self.origin_px])
+        clamp = (origin if self.lens is None else self.lens.distort(origin))[0]
         content: dict[str, Any] = {
             "image_size": list(self.image_size),
             "px_per_mm": self.px_per_mm,

@@ -5,25 +5,15 @@ Import this where it is used.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
-
-import numba
 import numpy as np
 import numpy.typing as npt
 
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
+from sim_hardware.jit import brief_jit
 
 Floats = npt.NDArray[np.float64]
 
 
-def _compiled(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """It keeps the GIL: it runs for microseconds, and taking the GIL back can take milliseconds."""
-    return cast("Callable[_P, _R]", numba.njit(cache=True)(function))
-
-
-@_compiled
+@brief_jit
 def spline(s: Floats, points: Floats, at: Floats) -> Floats:
     """The cubic spline through points (n, 2) with parameters `s` (n), at rising places (m): (m, 2).
 
@@ -46,7 +36,7 @@ def spline(s: Floats, points: Floats, at: Floats) -> Floats:
     return result
 
 
-@_compiled
+@brief_jit
 def _spline_slopes(s: Floats, points: Floats) -> Floats:
     """Slopes (n, 2) at the points, from the tridiagonal equations of the spline."""
     n = s.shape[0]
@@ -85,7 +75,7 @@ def _spline_slopes(s: Floats, points: Floats) -> Floats:
     return slope
 
 
-@_compiled
+@brief_jit
 def _few_slopes(s: Floats, points: Floats, slope: Floats) -> Floats:
     """Slopes of the parabola through three points, or of the line through two."""
     for c in range(2):

@@ -1,16 +1,28 @@
-"""Simulated serial devices, and the ports they can hang on."""
+"""Simulated serial devices, one file each, and the ports at which they answer."""
 
+from sim_hardware.plugins import PluginFolder
+from sim_hardware.serial_devices.contract import SerialDevice, SerialDeviceMaker, faults
 from sim_hardware.serial_devices.in_memory import InMemorySerial
 from sim_hardware.serial_devices.meter import SimulatedDpm3Meter
 from sim_hardware.serial_devices.pty_port import PtyPort
 from sim_hardware.serial_devices.stage import SimulatedZaberStage
-from sim_hardware.serial_devices.wire import SerialDevice, SerialFaults
+from sim_hardware.serial_devices.wire import SerialFaults
+
+FOLDER: PluginFolder[SerialDeviceMaker] = PluginFolder(
+    what="simulated serial device",
+    package="sim_hardware.serial_devices",
+    constant="SERIAL_DEVICE",
+    group="labrig.simulated_serial_devices",
+    faults=faults,
+)
 
 __all__ = [
+    "FOLDER",
     "InMemorySerial",
     "PtyPort",
     "SerialDevice",
     "SerialFaults",
     "SimulatedDpm3Meter",
     "SimulatedZaberStage",
+    "faults",
 ]

@@ -3,39 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, Protocol
 
 from drivers.interfaces import Clock
+from sim_hardware.serial_devices.contract import ArcWorld
 from sim_hardware.serial_devices.motion import Motion
 
 MICROSTEP_RAD = math.radians(0.000234375)
-
-
-class AxisArc(Protocol):
-    """The arc that the stage turns about."""
-
-    @property
-    def radius_mm(self) -> float:
-        """Its radius."""
-
-
-class AxisSettings(Protocol):
-    """What the stage needs of the world's settings."""
-
-    @property
-    def arc(self) -> AxisArc:
-        """The arc on which the load cell stands."""
-
-
-class ArcWorld(Protocol):
-    """What the stage needs of the world."""
-
-    @property
-    def settings(self) -> AxisSettings:
-        """The world's settings."""
-
-    def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
-        """The load cell now stands at this position on the arc, reached from below or above."""
 
 
 class Axis:

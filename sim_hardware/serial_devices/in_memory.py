@@ -8,7 +8,8 @@ from collections.abc import Callable
 from typing import Self
 
 from drivers.interfaces import Clock
-from sim_hardware.serial_devices.wire import SerialDevice, SerialFaults, Wire, garbled
+from sim_hardware.serial_devices.contract import SerialDevice
+from sim_hardware.serial_devices.wire import SerialFaults, Wire, garbled
 
 _TICK_S = 1e-3  # how often a device is asked whether it has something to say
 _BITS_PER_BYTE = 10  # 8N1

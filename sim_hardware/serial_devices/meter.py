@@ -9,23 +9,16 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Protocol
 
 import numpy as np
 
 from drivers.interfaces import Clock
+from sim_hardware.serial_devices.contract import ForceWorld, SerialDevice, SerialWorld
 
 GRAM_FORCE_N = 9.80665e-3
 _COMMAND = re.compile(rb"\*([0-9A-V])(B1|CA|CB|A0|A1)")
 _DIGITS = 5
 _STALE_S = 1.0  # unasked readings older than this are not kept for a late listener
-
-
-class ForceWorld(Protocol):
-    """What the meter needs of the world."""
-
-    def true_force_N(self, when: float) -> float:
-        """Force on the load cell at a clock time."""
 
 
 class SimulatedDpm3Meter:
@@ -122,3 +115,8 @@ class SimulatedDpm3Meter:
             return ""
         on = [abs(force_N) >= limit for limit in self._alarms_N]
         return "ABCDEFGH"[on[0] + 2 * on[1] + 4 * overload]
+
+
+def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
+    """Return the meter of a simulated rig."""
+    return SimulatedDpm3Meter(world, clock)

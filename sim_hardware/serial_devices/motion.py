@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Phase:
     start_s: float
     duration_s: float
@@ -74,9 +74,7 @@ class Motion:
                     early, late = (
                         (early, middle) if beyond >= abs(position - first) else (middle, late)
                     )
-                self._phases[k] = _Phase(
-                    phase.start_s, late, phase.position, phase.speed, phase.acceleration
-                )
+                self._phases[k] = replace(phase, duration_s=late)
                 del self._phases[k + 1 :]
                 self.end_s, self._end = phase.start_s + late, position
                 return True
@@ -102,7 +100,13 @@ class Motion:
         self._end_speed = speed
 
     def _add(self, duration_s: float, acceleration: float) -> None:
-        phase = _Phase(self.end_s, duration_s, self._end, self._end_speed, acceleration)
+        phase = _Phase(
+            start_s=self.end_s,
+            duration_s=duration_s,
+            position=self._end,
+            speed=self._end_speed,
+            acceleration=acceleration,
+        )
         self._phases.append(phase)
         self.end_s += duration_s
         self._end = phase.position_at(self.end_s)

@@ -7,7 +7,8 @@ import os
 import select
 import threading
 
-from sim_hardware.serial_devices.wire import SerialDevice, SerialFaults, Wire
+from sim_hardware.serial_devices.contract import SerialDevice
+from sim_hardware.serial_devices.wire import SerialFaults, Wire
 
 _POLL_S = 0.005
 

@@ -11,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from drivers.interfaces import Clock
-from sim_hardware.serial_devices.axis import MICROSTEP_RAD, ArcWorld, Axis
+from sim_hardware.serial_devices.axis import MICROSTEP_RAD, Axis
+from sim_hardware.serial_devices.contract import ArcWorld, SerialDevice, SerialWorld
 from sim_hardware.serial_devices.zaber_settings import SPEED_UNIT, Settings
 from sim_hardware.serial_devices.zaber_text import Command, message, number
 
@@ -226,3 +227,8 @@ def _whole(command: Command, index: int) -> int:
 def _device_only(command: Command) -> None:
     if command.axis != 0:
         raise RejectedError("DEVICEONLY")
+
+
+def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
+    """Return the stage of a simulated rig; it has been homed, else it would refuse to move."""
+    return SimulatedZaberStage(world, clock, homed=True)

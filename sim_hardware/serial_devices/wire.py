@@ -1,26 +1,13 @@
-"""What a simulated serial device is to the port it hangs on, and what can go wrong between them."""
+"""The cable between a simulated serial device and its port, and its faults."""
 
 from __future__ import annotations
 
 from collections.abc import Container
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-
-class SerialDevice(Protocol):
-    """A device as a state machine: bytes in, bytes out, no waiting and no threads."""
-
-    @property
-    def baudrate(self) -> int:
-        """Bits per second at which it listens and speaks."""
-
-    def respond(self, data: bytes) -> bytes:
-        """What it answers to these bytes; they may hold a part of a command, or several."""
-
-    def poll(self) -> bytes:
-        """What it says unasked; called again and again."""
+from sim_hardware.serial_devices.contract import SerialDevice
 
 
 @dataclass

@@ -1,7 +1,6 @@
 """The simulated sheet with all that surrounds it: amplifier, water, rolls, load cell, camera."""
 
 from sim_hardware.world.curve_noise import CurveErrors
-from sim_hardware.world.load_cell import CellFault
 from sim_hardware.world.loading import WorldError, load_world
 from sim_hardware.world.reduced import (
     ReducedCondition,
@@ -10,6 +9,7 @@ from sim_hardware.world.reduced import (
 )
 from sim_hardware.world.settings import FaultSettings, WorldSettings
 from sim_hardware.world.setup import Scatter
+from sim_hardware.world.signals.load_cell import CellFault
 from sim_hardware.world.timed import TimedReading, TimedRun, Train, Visit, timed_session
 from sim_hardware.world.world import World
 

@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Chain, ChainSheet
-from sim_hardware.world.table import DriveTable
+from sim_hardware.world.chain.chain import Chain, ChainSheet
+from sim_hardware.world.chain.drive_table import DriveTable
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.creep import PARTS, parts_of
-from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
 from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.signals.amplifier import SimulatedAmplifier
+from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 from sim_hardware.world.track import Track
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,7 +34,7 @@ _KEEP_S = 300.0
 _MOST_STEPS = 60_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Moment:
     """The sheet's state at some times."""
 
@@ -67,15 +67,15 @@ class History:
         self._step_s = settings.chain.step_ms * 1e-3
         e, w = settings.eibm, settings.water
         self._rules = state_kernels.StateRules(
-            settings.electrical.rise_time_s,
-            e.build_up_s,
-            e.saturation_V,
-            e.negative_ratio,
-            w.spread_s,
-            w.return_s,
-            e.relaxation_s,
-            e.relaxation_spread,
-            w.spread_order,
+            rise_s=settings.electrical.rise_time_s,
+            build_up_s=e.build_up_s,
+            saturation_V=e.saturation_V,
+            negative_ratio=e.negative_ratio,
+            spread_s=w.spread_s,
+            return_s=w.return_s,
+            relaxation_s=e.relaxation_s,
+            relaxation_spread=e.relaxation_spread,
+            spread_order=w.spread_order,
         )
         spread = settings.creep.spread
         self._creep_s = settings.creep.time_s * np.array([1 / spread, 1.0, spread])
@@ -179,7 +179,15 @@ class History:
         true_N = moved[:, 0] + stage.friction_N(times, drive, dry, turned[:, 2])
         felt_N = self._cell.felt_N(true_N, turned)
         felt_N = felt_N + self._cell.stray_N(stage.setup.position_m, states[:, _VOLTAGE])
-        return Moment(stage, times, states, drive, true_N, felt_N, crept)
+        return Moment(
+            stage=stage,
+            times=times,
+            states=states,
+            drive=drive,
+            true_N=true_N,
+            felt_N=felt_N,
+            crept=crept,
+        )
 
     def _creep(self, stage: Stage, drive: FloatArray, last: FloatArray) -> FloatArray:
         """The lags of what creeps (n, columns), from those of the row before."""

@@ -13,6 +13,7 @@ from sim_hardware.world.settings import WorldSettings
 
 SHIPPED = ("world.toml", "paper_scatter.toml")
 _MOST_BYTES = 1 << 20
+_REPLACED = ("boards",)  # a table of these replaces the shipped one whole
 _LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
@@ -74,8 +75,8 @@ def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     result = dict(below)
     for key, value in above.items():
         old = below.get(key)
-        both_tables = isinstance(old, dict) and isinstance(value, dict)
-        result[key] = _laid_over(old, value) if both_tables else value  # type: ignore[arg-type]
+        merge = isinstance(old, dict) and isinstance(value, dict) and key not in _REPLACED
+        result[key] = _laid_over(old, value) if merge else value  # type: ignore[arg-type]
     return result
 
 

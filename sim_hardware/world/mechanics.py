@@ -29,7 +29,7 @@ class Slip:
     since_s: float = math.inf
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stage:
     """A set-up from a moment on, with what hangs on the load cell."""
 
@@ -41,7 +41,7 @@ class Stage:
 
     def drive(self, states: FloatArray) -> FloatArray:
         """The drive of the set-up's chain in states (n, columns); see state_kernels."""
-        from sim_hardware.world.signal_kernels import approach, waves
+        from sim_hardware.world.signals.kernels import approach, waves
 
         _, moment, uneven, dry_s, relaxed, _, _, _, driven_s = states.T
         water, eibm = self.setup.settings.water, self.setup.settings.eibm
@@ -58,14 +58,14 @@ class Stage:
 
     def stiffening(self, dry_s: FloatArray) -> FloatArray:
         """B over that of a wet sheet."""
-        from sim_hardware.world.signal_kernels import approach
+        from sim_hardware.world.signals.kernels import approach
 
         rate = self.setup.settings.water.stiffening_per_min / 60
         return np.asarray(1 + approach(self._drying_s(dry_s), _MOST_STIFFENING - 1, rate))
 
     def _drying_s(self, dry_s: FloatArray) -> FloatArray:
         """Time under voltage as what dries counts it: all forms agree after a minute."""
-        from sim_hardware.world.signal_kernels import approach
+        from sim_hardware.world.signals.kernels import approach
 
         water = self.setup.settings.water
         if water.drying_form == "root":
@@ -101,7 +101,7 @@ class Stage:
         return result
 
     def _meniscus_N(self, dry_s: FloatArray) -> FloatArray:
-        from sim_hardware.world.signal_kernels import approach
+        from sim_hardware.world.signals.kernels import approach
 
         rolls = self.setup.settings.rolls
         share = self.setup.settings.configurations[self.setup.configuration].meniscus_share

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Equilibrium
-from sim_hardware.world.contact import ContactState
+from sim_hardware.world.chain.chain import Equilibrium
+from sim_hardware.world.chain.contact import ContactState
 from sim_hardware.world.curve_noise import CurveErrors
-from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -30,7 +30,7 @@ _CURVE_STREAM = 0xCE120
 _PULSE_S, _SAMPLE_S, _DISCARDED, _RUN_S = 0.6, 0.5, 2, 60.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReducedCondition:
     """One configuration, position and voltage; `true_` is what nobody at the rig knows."""
 
@@ -136,7 +136,12 @@ class _TableMaker:
     ) -> list[ReducedCondition]:
         """Of one set-up; those in which the sheet slips out are left out."""
         scatter = Scatter.draw(self._settings, number)
-        setup = MountedSheet(self._settings, configuration, position_m, scatter)
+        setup = MountedSheet(
+            settings=self._settings,
+            configuration=configuration,
+            position_m=position_m,
+            scatter=scatter,
+        )
         times = self._times(number)
         result = []
         for k, voltage in enumerate(self._voltages):
@@ -184,18 +189,18 @@ class _TableMaker:
             readings_N = self._cell.filtered_N(force_N, times, random)
             readings_N += self._cell.stray_N(setup.position_m, np.array(voltage_V))
         return ReducedCondition(
-            setup.configuration,
-            setup.position_m,
-            voltage_V,
-            readings_N,
-            s_m,
-            x_m,
-            y_m,
-            self._errors.sigma_m,
-            force_N,
-            B,
-            mean_eibm,
-            l_hat_m,
+            configuration=setup.configuration,
+            position_m=setup.position_m,
+            voltage_V=voltage_V,
+            forces_N=readings_N,
+            s_m=s_m,
+            x_m=x_m,
+            y_m=y_m,
+            curve_sigma_m=self._errors.sigma_m,
+            true_force_N=force_N,
+            true_B_Nm2=B,
+            true_mean_eibm_Nm=mean_eibm,
+            true_l_hat_m=l_hat_m,
         )
 
     def _curve(

@@ -9,11 +9,11 @@ from functools import cached_property, partial
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Chain, ChainSheet
-from sim_hardware.world.contact import ContactArc, ContactState
+from sim_hardware.world.chain.chain import Chain, ChainSheet
+from sim_hardware.world.chain.contact import ContactArc, ContactState
+from sim_hardware.world.chain.drive_table import DriveTable
 from sim_hardware.world.creep import crept_sheets
 from sim_hardware.world.settings import WorldSettings
-from sim_hardware.world.table import DriveTable
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -25,7 +25,7 @@ _APPROACH_M = 2e-3
 MILLI = 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scatter:
     """By how much one set-up differs from the nominal one."""
 
@@ -41,15 +41,18 @@ class Scatter:
         s = settings.scatter
         z = np.random.default_rng((settings.seed, _SCATTER_STREAM, number)).standard_normal(6)
         return Scatter(
-            max(_LEAST_SHARE, 1 + s.eibm * float(z[0])),
-            max(_LEAST_SHARE, 1 + s.stiffness * float(z[1])),
-            s.position_mm * MILLI * float(z[2]),
-            s.clamp_tilt_rad * float(z[3]),
-            (s.registration_mm * MILLI * float(z[4]), s.registration_mm * MILLI * float(z[5])),
+            eibm=max(_LEAST_SHARE, 1 + s.eibm * float(z[0])),
+            stiffness=max(_LEAST_SHARE, 1 + s.stiffness * float(z[1])),
+            position_m=s.position_mm * MILLI * float(z[2]),
+            tilt_rad=s.clamp_tilt_rad * float(z[3]),
+            registration_m=(
+                s.registration_mm * MILLI * float(z[4]),
+                s.registration_mm * MILLI * float(z[5]),
+            ),
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MountedSheet:
     """One set-up; what it does as a function of the drive is worked out when first asked for.
 
@@ -94,9 +97,9 @@ class MountedSheet:
         s = self.settings
         give = s.load_cell.compliance_mm_per_mN * self.stiffness_Nm2  # m per force over B
         return ContactArc(
-            s.arc.radius_mm * MILLI,
-            math.radians(s.arc.origin_deg),
-            s.rolls.offset_mm * MILLI,
+            radius_m=s.arc.radius_mm * MILLI,
+            origin_rad=math.radians(s.arc.origin_deg),
+            roll_offset_m=s.rolls.offset_mm * MILLI,
             give_rad_m2=give / (s.arc.radius_mm * MILLI),
         )
 
@@ -108,8 +111,8 @@ class MountedSheet:
         B = self.stiffness_Nm2
         return Chain(
             ChainSheet(
-                sheet.free_length_m,
-                sheet.elongation_m,
+                free_length_m=sheet.free_length_m,
+                elongation_m=sheet.elongation_m,
                 rest_curvature_per_m=self._rest_curvature,
                 drive_curvature_per_m=partial(s.eibm_per_m, self.configuration),
                 even_curvature_per_m=partial(s.bumped, "even_moment", self.configuration),

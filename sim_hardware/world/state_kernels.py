@@ -12,8 +12,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from sim_hardware.world.chain_kernels import Floats, compiled
+from sim_hardware.jit import brief_jit
+
+Floats = npt.NDArray[np.float64]
 
 VOLTAGE, MOMENT, UNEVEN, DRY_S, RELAXED, QUICK, MIDDLE, SLOW, DRIVEN_S = range(9)
 COLUMNS = 9
@@ -36,7 +39,7 @@ class StateRules(NamedTuple):
     spread_order: int
 
 
-@compiled
+@brief_jit
 def _step(now: Floats, drive: float, dt: float, r: StateRules, new: Floats) -> None:
     """The state `new` after `dt`, the amplifier at `drive` on average: exponential steps."""
     voltage, moment, uneven = now[VOLTAGE], now[MOMENT], now[UNEVEN]
@@ -62,14 +65,14 @@ def _step(now: Floats, drive: float, dt: float, r: StateRules, new: Floats) -> N
     new[RELAXED] = (new[QUICK] + new[MIDDLE] + new[SLOW]) / 3.0
 
 
-@compiled
+@brief_jit
 def advance(states: Floats, drive: Floats, dt: float, rules: StateRules) -> None:
     """Fill `states` (n + 1, COLUMNS) from its first row on: n steps with mean `drive` (n,)."""
     for k in range(drive.shape[0]):
         _step(states[k], drive[k], dt, rules, states[k + 1])
 
 
-@compiled
+@brief_jit
 def part_steps(states: Floats, drive: Floats, dt: Floats, rules: StateRules) -> Floats:
     """States (n, COLUMNS) after a step of its own from each of `states`, likewise."""
     result = np.empty_like(states)
@@ -78,7 +81,7 @@ def part_steps(states: Floats, drive: Floats, dt: Floats, rules: StateRules) -> 
     return result
 
 
-@compiled
+@brief_jit
 def follow(inputs: Floats, start: Floats, dt: float, times_s: Floats) -> Floats:
     """Means of lags, one for each of `times_s`, behind what moves: (n, m, lags).
 
@@ -97,7 +100,7 @@ def follow(inputs: Floats, start: Floats, dt: float, times_s: Floats) -> Floats:
     return result
 
 
-@compiled
+@brief_jit
 def turn_stops(moved: Floats, before: Floats, start: Floats, reach: Floats) -> Floats:
     """Elements that follow what they hang on until they are turned by their reach, then slip.
 

@@ -16,13 +16,13 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.curve_noise import CurveErrors, CurveNoise
 from sim_hardware.world.history import History, Moment
-from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.signals.amplifier import SimulatedAmplifier
+from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 from sim_hardware.world.view import state_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,7 +33,7 @@ _BOARD_HZ = 1000.0
 _CURVE_STREAM, _FRAME_STREAM = 0xCE130, 0xCE131
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Train:
     """The paper's pulses, and when a run begins."""
 
@@ -61,7 +61,7 @@ class Train:
         return zero + discarded + kept
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Visit:
     """One run: where, and how it was set up."""
 
@@ -75,7 +75,7 @@ class Visit:
     load_cell_alone: bool = False  # its zero, the sheet lifted out: at 0 V only
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TimedReading:
     """One reading, with the points (n, 2) of its own frame."""
 
@@ -87,7 +87,7 @@ class TimedReading:
     curve_m: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TimedRun:
     """All that was measured in one visit, and what nobody at the rig knows."""
 
@@ -119,9 +119,11 @@ def timed_session(
     `free_train` is for the free shapes. `series_hz` divides 200. A reading's curve is rougher than
     that of the mean image, whose errors are `errors`.
     """
-    return list(_Runner(settings, train or Train(), errors or CurveErrors(), series_hz).runs(
-        visits, free_train or train or Train()
-    ))  # fmt: skip
+    return list(
+        _Runner(settings, train or Train(), errors or CurveErrors(), series_hz).runs(
+            visits, free_train or train or Train()
+        )
+    )
 
 
 class _Runner:
@@ -134,9 +136,18 @@ class _Runner:
             raise ValueError(f"series_hz = {series_hz:g} must divide {FINE_HZ:g}")
         self._amplifier = SimulatedAmplifier(settings.amplifier, 0.0)
         self._cell = SimulatedLoadCell(settings.load_cell, settings.seed)
-        nowhere = MountedSheet(settings, next(iter(settings.configurations)), None, Scatter())
+        nowhere = MountedSheet(
+            settings=settings,
+            configuration=next(iter(settings.configurations)),
+            position_m=None,
+            scatter=Scatter(),
+        )
         self._history = History(
-            settings, self._amplifier, self._cell, Stage(0.0, nowhere), lambda *_: None
+            settings,
+            self._amplifier,
+            self._cell,
+            Stage(start_s=0.0, setup=nowhere),
+            lambda *_: None,
         )
 
     def runs(self, visits: Sequence[Visit], free_train: Train) -> Iterator[TimedRun]:
@@ -147,7 +158,11 @@ class _Runner:
                 train = replace(self._train, discarded=0, kept=0)
             scatter = visit.odd or Scatter.draw(self._settings, number)
             setup = MountedSheet(
-                self._settings, visit.configuration, visit.position_m, scatter, visit.turned_over
+                settings=self._settings,
+                configuration=visit.configuration,
+                position_m=visit.position_m,
+                scatter=scatter,
+                turned_over=visit.turned_over,
             )
             if setup.uncrept.reachable:
                 yield self._run(number, visit, train, setup, start_s)
@@ -158,7 +173,7 @@ class _Runner:
     ) -> TimedRun:
         self._history.advance(placed_s)
         moved_up = visit.approach == "up"
-        self._history.begin(Stage(self._history.reached_s, setup, moved_up=moved_up))
+        self._history.begin(Stage(start_s=self._history.reached_s, setup=setup, moved_up=moved_up))
         self._history.moisten()
         start_s = placed_s + train.wet_s
         voltages = train.edges()
@@ -182,15 +197,30 @@ class _Runner:
             used = [n for k, n in zip(rows, noisy, strict=True) if train.kinds()[k] != "discarded"]
             curves[voltage] = np.mean(used, axis=0)
             readings += [
-                TimedReading(k, of_kind[k], voltage, float(sampled_s[k]), float(readings_N[k]), n)
+                TimedReading(
+                    index=k,
+                    kind=of_kind[k],
+                    voltage_V=voltage,
+                    time_s=float(sampled_s[k]),
+                    force_N=float(readings_N[k]),
+                    curve_m=n,
+                )
                 for k, n in zip(rows, noisy, strict=True)
             ]
         return TimedRun(
-            visit, start_s, train.wet_s, tuple(sorted(readings, key=lambda r: r.index)), s_m,
-            curves, noise.reading_sigma_m, self._errors.sigma_m,
-            _blocks(time_s, self._block), _blocks(drive_V, self._block),
-            _blocks(force_N, self._block), setup.scatter,
-        )  # fmt: skip
+            visit=visit,
+            start_s=start_s,
+            wet_s=train.wet_s,
+            readings=tuple(sorted(readings, key=lambda r: r.index)),
+            s_m=s_m,
+            curves_m=curves,
+            reading_sigma_m=noise.reading_sigma_m,
+            curve_sigma_m=self._errors.sigma_m,
+            time_s=_blocks(time_s, self._block),
+            drive_V=_blocks(drive_V, self._block),
+            force_N=_blocks(force_N, self._block),
+            scatter=setup.scatter,
+        )
 
     def _signals(
         self, start_s: float, length_s: float

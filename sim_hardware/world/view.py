@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.chain import Equilibrium
+from sim_hardware.world.chain.chain import Equilibrium
 from sim_hardware.world.history import Moment
 from sim_hardware.world.setup import MountedSheet
 

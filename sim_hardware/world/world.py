@@ -13,22 +13,22 @@ import numpy.typing as npt
 
 from drivers.interfaces import Clock
 from sim_hardware.optics import Renderer
-from sim_hardware.world.amplifier import SimulatedAmplifier
 from sim_hardware.world.creep import PARTS
 from sim_hardware.world.history import History, Moment
-from sim_hardware.world.load_cell import CellFault, SimulatedLoadCell
 from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
-from sim_hardware.world.noise import WhiteNoise
 from sim_hardware.world.record import Record
-from sim_hardware.world.relay import SupplyRelay
-from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.signals.amplifier import SimulatedAmplifier
+from sim_hardware.world.signals.load_cell import CellFault, SimulatedLoadCell
+from sim_hardware.world.signals.noise import WhiteNoise
+from sim_hardware.world.signals.supply_relay import SupplyRelay
 from sim_hardware.world.view import contact_of, shape_of
 
 FloatArray = npt.NDArray[np.float64]
 
-DRIVE, FORCE, CURRENT, READBACK = "ao0", "ai0", "ai1", "ai2"
+_INPUTS: tuple[Signal, ...] = ("force", "current", "readback")
 _CURRENT_STREAM, _READBACK_STREAM = 0xCE112, 0xCE113
 _DRIVEN_V = 0.05
 _ROWS_PER_S = 100
@@ -62,7 +62,9 @@ class World:
         self._broken: dict[str, float] = {}
         self._current_noise = WhiteNoise(settings.seed, _CURRENT_STREAM)
         self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
-        first = Stage(clock.now(), self._new_setup(next(iter(settings.configurations)), None))
+        first = Stage(
+            start_s=clock.now(), setup=self._new_setup(next(iter(settings.configurations)), None)
+        )
         self._history = History(settings, self._amplifier, self._cell, first, self._watch)
         self._warm_up()
 
@@ -106,7 +108,9 @@ class World:
             self._turned_over = True
             now, stage = self._now(), self._history.stage
             setup = replace(stage.setup, turned_over=True)
-            self._history.begin(Stage(now, setup, stage.load_N, stage.moved_up))
+            self._history.begin(
+                Stage(start_s=now, setup=setup, load_N=stage.load_N, moved_up=stage.moved_up)
+            )
             self._write_row(now)
 
     def moisten(self) -> None:
@@ -127,12 +131,12 @@ class World:
         with self._lock:
             self._cell.fail(fault, self._now() - self._history.start_s)
 
-    def break_input(self, channel: str, volts: float | None) -> None:
-        """From now on this input reads these volts, whatever comes; None: as it is wired."""
+    def break_input(self, signal: Signal, volts: float | None) -> None:
+        """Let a signal's input read these volts from now on; None: what is wired to it."""
         with self._lock:
-            self._broken.pop(channel, None)
+            self._broken.pop(signal, None)
             if volts is not None:
-                self._broken[channel] = volts
+                self._broken[signal] = volts
 
     def when_first_driven(self, call: Callable[[float], None]) -> None:
         """Call this, once, with the time at which a voltage other than 0 is first written."""
@@ -163,9 +167,8 @@ class World:
             self._write_row(dropped_s)
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
-        """See `Bench.write`. Only the drive's channel has an effect, whatever the device."""
-        del device
-        if channel != DRIVE:
+        """See `AnalogSide.write`. Only the terminal wired to the amplifier has an effect."""
+        if self.settings.wiring.signal_at(device, channel) != "drive":
             return
         with self._lock:
             self._watch_supply(when)
@@ -181,20 +184,24 @@ class World:
                 self._write_row(when)
 
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:
-        """See `Bench.read`. Inputs that nothing is wired to read 0 V."""
-        del device
+        """See `AnalogSide.read`. Inputs that nothing is wired to read 0 V."""
+        signal = self.settings.wiring.signal_at(device, channel)
         times = np.asarray(times, dtype=np.float64)
-        if times.size == 0 or channel not in (FORCE, CURRENT, READBACK):
+        if times.size == 0 or signal in (None, "drive"):
             return np.zeros(times.shape)
+        return self._volts(signal, times)
+
+    def _volts(self, signal: Signal, times: FloatArray) -> FloatArray:
+        """Volts at the input to which a signal is wired."""
         with self._lock:
-            if channel in self._broken:
-                return np.full(times.shape, self._broken[channel])
+            if signal in self._broken:
+                return np.full(times.shape, self._broken[signal])
             self._watch_supply(float(times[-1]))
             since = times - self._history.start_s
-            if channel == FORCE:
+            if signal == "force":
                 moments = self._history.at(times)
                 return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
-            if channel == CURRENT:
+            if signal == "current":
                 return self._current_volts(times) + self._noise(
                     self._current_noise, self.settings.electrical.current_noise_mV, since
                 )
@@ -268,11 +275,16 @@ class World:
     def _warm_up(self) -> None:
         """Compile what a session needs: on the real clock there is no time for it later."""
         now = np.array([self._history.start_s])
-        setup = MountedSheet(self.settings, self.configuration, 0.0, Scatter())
-        stage = Stage(float(now[0]), setup)
+        setup = MountedSheet(
+            settings=self.settings,
+            configuration=self.configuration,
+            position_m=0.0,
+            scatter=Scatter(),
+        )
+        stage = Stage(start_s=float(now[0]), setup=setup)
         stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
-        for channel in (FORCE, CURRENT, READBACK):
-            self.read("", channel, now)
+        for signal in _INPUTS:
+            self._volts(signal, now)
         self.picture(float(now[0]), 0)
 
     def _now(self) -> float:
@@ -285,7 +297,13 @@ class World:
     def _new_setup(self, configuration: str, position_m: float | None) -> MountedSheet:
         scatter = Scatter.draw(self.settings, self._drawn)
         self._drawn += 1
-        return MountedSheet(self.settings, configuration, position_m, scatter, self._turned_over)
+        return MountedSheet(
+            settings=self.settings,
+            configuration=configuration,
+            position_m=position_m,
+            scatter=scatter,
+            turned_over=self._turned_over,
+        )
 
     def _set_up(
         self, configuration: str, position_m: float | None, *, moved_up: bool = True
@@ -293,7 +311,7 @@ class World:
         with self._lock:
             now = self._now()
             setup = self._new_setup(configuration, position_m)
-            self._history.begin(Stage(now, setup, moved_up=moved_up))
+            self._history.begin(Stage(start_s=now, setup=setup, moved_up=moved_up))
             self._write_row(now)
 
     def _moment(self, when: float) -> Moment:

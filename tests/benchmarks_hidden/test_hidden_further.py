@@ -15,10 +15,12 @@ from benchmarks.hidden_effects.score import APART, right_after_further
 from benchmarks.hidden_effects.suite import Task
 from benchmarks.hidden_effects.visits import FURTHER
 from labrig.config import parse_protocol
-from labrig.experiment.next_protocol import protocol_text
+from labrig.experiment.next_measurement.next_protocol import protocol_text
 from model.discrepancy import Next
 from model.discrepancy.next_measurement.candidate_measurements import MENU
 from protocols.planning.schedule import PlannedRun, Purpose
+
+pytestmark = pytest.mark.thorough
 
 WEIGHT = case("gravity", size=0.01, seed=5)
 
@@ -37,7 +39,6 @@ def position_of(run: PlannedRun) -> float | None:
     return run.position_m if run.purpose is Purpose.MEASUREMENT else None
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("extra", FURTHER)
 def test_it_has_the_runs_of_the_protocol_that_is_proposed(extra: str) -> None:
     made = hidden_session(replace(WEIGHT, seed=6, further=extra)).measurements
@@ -62,7 +63,6 @@ def test_it_has_the_runs_of_the_protocol_that_is_proposed(extra: str) -> None:
         assert one[2:] == other[2:]
 
 
-@pytest.mark.slow
 def test_weight_pulls_the_other_way_where_the_rig_is_turned_over() -> None:
     over = hidden_session(replace(WEIGHT, further="turned_over")).measurements
     for load, alike in ((-0.01, True), (0.01, False)):
@@ -74,7 +74,6 @@ def test_weight_pulls_the_other_way_where_the_rig_is_turned_over() -> None:
         assert np.allclose(*forces, rtol=0.0, atol=1e-12) == alike
 
 
-@pytest.mark.thorough
 def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:
     bare = hidden_session(WEIGHT.bare).measurements
     both, visible = with_further(first(), bare, ["turned_over"])
@@ -88,8 +87,6 @@ def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:
     assert min(visible.near.values()) > 0.9 * visible.d[0]  # nothing imitates weight any more
 
 
-@pytest.mark.slow
-@pytest.mark.thorough
 @pytest.mark.timeout(400)
 def test_a_class_is_measured_further_and_judged_by_both_sessions() -> None:
     scale = case("camera_scale", "both", seed=3)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +11,8 @@ from benchmarks.hidden_effects import CATALOGUE, OUTSIDE, Form, Hidden, case, fo
 from benchmarks.hidden_effects import hidden_session as session
 from model import Measurements
 from tests.benchmarks_hidden.senses import SENSES
+
+pytestmark = pytest.mark.thorough
 
 SEED = 11
 FORMS = [form for effect in (*CATALOGUE, *OUTSIDE) for form in forms_of(effect)]
@@ -31,14 +31,7 @@ def hiding(effect: str, form: str) -> Hidden:
     return session(case(effect, form, seed=SEED, symmetric=symmetric))
 
 
-def a_few(cases: Sequence[Any]) -> list[Any]:
-    """Every eighth for all days; the others are thorough."""
-    thorough = pytest.mark.thorough
-    return [c if i % 8 == 0 else pytest.param(c, marks=thorough) for i, c in enumerate(cases)]
-
-
-def test_the_catalogue_is_whole_and_every_effect_has_a_sense() -> None:
-    assert len(CATALOGUE) == 28
+def test_every_effect_has_a_sense() -> None:
     assert len(OUTSIDE) >= 8
     assert set(SENSES) == {*CATALOGUE, *OUTSIDE}
     slots = {form.slot for effect in OUTSIDE for form in forms_of(effect)}
@@ -48,8 +41,7 @@ def test_the_catalogue_is_whole_and_every_effect_has_a_sense() -> None:
     }  # fmt: skip
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("form", a_few(FORMS), ids=lambda f: f"{f.effect}-{f.form}")
+@pytest.mark.parametrize("form", FORMS, ids=lambda f: f"{f.effect}-{f.form}")
 def test_an_effect_changes_the_data_in_the_sense_of_its_name(form: Form) -> None:
     hidden, other = hiding(form.effect, form.form).measurements, bare(form.symmetric)
     change = SENSES[form.effect](hidden) - SENSES[form.effect](other)
@@ -70,8 +62,7 @@ def _forces_differ(a: Measurements, b: Measurements) -> bool:
     )
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("effect", a_few([*CATALOGUE, *OUTSIDE]))
+@pytest.mark.parametrize("effect", [*CATALOGUE, *OUTSIDE])
 def test_what_the_camera_does_no_force_feels_and_what_the_cell_does_no_curve_shows(
     effect: str,
 ) -> None:

@@ -17,22 +17,21 @@ from benchmarks.hidden_effects import (
     size_for_gap,
 )
 
+pytestmark = pytest.mark.thorough
 
-@pytest.mark.slow
+
 def test_an_offset_is_as_large_as_its_gap() -> None:
     hidden = hidden_session(case("force_offset", size=0.4, seed=1))
     assert force_gap_mN(hidden) == pytest.approx(0.4, rel=1e-6)
     assert curve_gap_mm(hidden) == 0.0
 
 
-@pytest.mark.slow
 def test_an_effect_of_no_size_is_no_effect() -> None:
     hidden = hidden_session(case("camera_scale", size=0.0, seed=1))
     assert curve_gap_mm(hidden) == 0.0
     assert hidden.truth.effects[0].parameters == {}
 
 
-@pytest.mark.slow
 def test_a_size_is_found_for_a_gap_and_for_what_the_caller_measures() -> None:
     hidden = case("load_cell_misalignment", seed=3)  # grows faster than its size
     size = size_for_gap(hidden, 0.25, tolerance=0.02)
@@ -48,7 +47,6 @@ def test_a_size_is_found_for_a_gap_and_for_what_the_caller_measures() -> None:
     assert size == pytest.approx(0.08, rel=0.05)
 
 
-@pytest.mark.slow
 def test_a_gap_that_cannot_be_is_refused() -> None:
     with pytest.raises(ValueError, match=r"roll_friction \(sliding\) of 0.5 makes 0\.0\d+, not 3"):
         size_for_gap(case("roll_friction", seed=3), 3.0)
@@ -63,7 +61,6 @@ def test_what_cannot_be_hidden_is_named() -> None:
         hidden_session(case("eibm_asymmetry"))
 
 
-@pytest.mark.slow
 def test_two_effects_can_be_hidden_at_once() -> None:
     both = Case((Hiding("force_offset", size=0.1), Hiding("gravity", size=0.01)), seed=2)
     assert both.name == "force_offset + gravity"

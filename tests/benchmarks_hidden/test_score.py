@@ -25,6 +25,8 @@ from benchmarks.hidden_effects.score import (
 )
 from benchmarks.hidden_effects.suite import FULL, tasks
 
+pytestmark = pytest.mark.thorough
+
 
 def hid(effect: str, d: float = 20.0, **other: Any) -> Hid:
     plain = Hid(effect, "a", 1.0, "eibm", ["eibm"], None, {}, False, d, d)

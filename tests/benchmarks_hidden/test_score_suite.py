@@ -17,7 +17,7 @@ from benchmarks.hidden_effects.suite import Task
 from benchmarks.hidden_effects.visible import Yardstick
 from tests.model.discrepancy.sessions import without_first_pulses
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.thorough
 
 
 def task(name: str, hidden: Case, **other: Any) -> Task:
@@ -63,13 +63,13 @@ def unknown_in_its_slot(r: Record) -> bool:
     ("asked", "right"),
     [
         (NOTHING, nothing_named),
-        pytest.param(WILD, nothing_named, marks=pytest.mark.thorough),
-        pytest.param(OTHER_FORM, exactly_and_clear, marks=pytest.mark.thorough),
-        pytest.param(REALISTIC, exactly_and_clear, marks=pytest.mark.thorough),
+        pytest.param(WILD, nothing_named),
+        pytest.param(OTHER_FORM, exactly_and_clear),
+        pytest.param(REALISTIC, exactly_and_clear),
         (MEANS, means_right),
-        pytest.param(PAIR, exactly_and_clear, marks=pytest.mark.thorough),
-        pytest.param(OUTSIDE, unknown_in_its_place, marks=pytest.mark.thorough),
-        pytest.param(EXCLUDED, unknown_in_its_slot, marks=pytest.mark.thorough),
+        pytest.param(PAIR, exactly_and_clear),
+        pytest.param(OUTSIDE, unknown_in_its_place),
+        pytest.param(EXCLUDED, unknown_in_its_slot),
     ],
     ids=lambda x: x.key if isinstance(x, Task) else "",
 )
@@ -134,7 +134,6 @@ def test_sizes_are_found_for_a_wanted_d_and_the_pool_gives_the_same_as_one_proce
     assert pooled.said == alone.said
 
 
-@pytest.mark.thorough
 def test_simpler_methods_name_what_is_not_there_or_name_nothing() -> None:
     found = answers(made(NOTHING))
     assert found["repeats_bic"]["named"]  # repeats do not hold the scatter of set-ups

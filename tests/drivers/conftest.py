@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
-from drivers import InputChannel, NiConnection, NiSignalInput, NiVoltageOutput
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
 from drivers.interfaces import Clock, RealClock
 
 DRIVE, FORCE, CURRENT, READ_BACK = "PCI6703/ao0", "PCI6034E/ai0", "PCI6034E/ai1", "PCI6034E/ai2"

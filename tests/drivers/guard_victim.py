@@ -11,7 +11,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from drivers import Guard, GuardSettings, InputChannel, NiConnection, NiSignalInput, NiVoltageOutput
+from drivers import Guard, GuardSettings
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.rescue import OutputPlace
 from drivers.interfaces import DeviceError, RealClock
 
 
@@ -25,7 +29,7 @@ ENDING = sys.argv[2]
 
 
 def main() -> None:
-    place = SETTINGS.place
+    place = OutputPlace(**SETTINGS.place)
     connection = NiConnection(place.address)
     connection.open()
     output = NiVoltageOutput(connection, CLOCK, place.output_channel, 0.25)

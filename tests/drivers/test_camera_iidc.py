@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.iidc import IidcCapture, iidc_guid
-from drivers.cameras.opencv import OpenCvCamera
 from drivers.interfaces import DeviceError, DeviceNotFoundError
 
 SOURCE = Path(__file__).with_name("fake_dc1394.c")
@@ -52,6 +52,7 @@ def seen(library: str, name: str) -> int:
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_frames_come_without_padding_and_with_their_time(library):
     capture = IidcCapture(GUID, SteppingClock(), rate_hz=25.0, library=library)
     for number in range(5):
@@ -69,6 +70,7 @@ def test_frames_come_without_padding_and_with_their_time(library):
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_the_camera_is_set_to_grey_and_to_the_next_rate_it_has(library):
     IidcCapture(GUID, SteppingClock(), rate_hz=25.0, library=library).release()
     assert seen(library, "seen_mode") == 69  # 640 x 480, 8 bit grey
@@ -77,6 +79,7 @@ def test_the_camera_is_set_to_grey_and_to_the_next_rate_it_has(library):
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_an_old_bus_is_used_at_its_own_speed(library):
     old_bus = ctypes.c_int.in_dll(ctypes.CDLL(library), "old_bus")
     old_bus.value = 1
@@ -88,6 +91,7 @@ def test_an_old_bus_is_used_at_its_own_speed(library):
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_a_camera_that_stops_is_waited_for_two_seconds_only(library):
     clock = SteppingClock()
     capture = IidcCapture(GUID, clock, library=library)
@@ -101,6 +105,7 @@ def test_a_camera_that_stops_is_waited_for_two_seconds_only(library):
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_a_camera_that_is_not_on_the_bus_is_refused_with_those_that_are(library):
     with pytest.raises(DeviceNotFoundError, match="iidc:00b09d0100aabbcc, iidc:00b09d0100112233"):
         IidcCapture(1, SteppingClock(), library=library)
@@ -108,15 +113,17 @@ def test_a_camera_that_is_not_on_the_bus_is_refused_with_those_that_are(library)
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_a_camera_that_another_program_uses_is_said_so(library):
     with pytest.raises(DeviceNotFoundError, match="another program uses it"):
         IidcCapture(None, SteppingClock(), library=library)  # the first on the bus
 
 
 @needs_compiler
+@pytest.mark.system_package("gcc")
 def test_the_driver_reads_it_like_any_other_camera(library):
     clock = SteppingClock()
-    camera = OpenCvCamera(
+    camera = CaptureCamera(
         "iidc:00b09d0100112233", clock, lambda _: IidcCapture(GUID, clock, library=library)
     )
     camera.open()

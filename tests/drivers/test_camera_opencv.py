@@ -10,7 +10,7 @@ import pytest
 
 from drivers.cameras import capture as camera_capture
 from drivers.cameras.capture import CONVERT_RGB, FPS, HEIGHT, WIDTH
-from drivers.cameras.opencv import OpenCvCamera
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import (
     Camera,
     DeviceError,
@@ -76,8 +76,8 @@ def grey(value: int, dtype=np.uint8, shape=(ROWS, COLUMNS)) -> np.ndarray:
     return np.full(shape, value, dtype=dtype)
 
 
-def opened(*pictures: np.ndarray, **kwargs) -> OpenCvCamera:
-    camera = OpenCvCamera("fake", RealClock(), lambda _: Capture(list(pictures), **kwargs))
+def opened(*pictures: np.ndarray, **kwargs) -> CaptureCamera:
+    camera = CaptureCamera("fake", RealClock(), lambda _: Capture(list(pictures), **kwargs))
     camera.open()
     return camera
 
@@ -101,7 +101,7 @@ def server():
 
 
 def test_a_network_stream_is_read_grey_and_undistorted(server):
-    camera = OpenCvCamera(server.url, RealClock())
+    camera = CaptureCamera(server.url, RealClock())
     camera.open()
     try:
         assert isinstance(camera, Camera)
@@ -125,7 +125,7 @@ def test_a_network_stream_is_read_grey_and_undistorted(server):
 def test_after_a_pause_no_stale_frame_is_served(server):
     """A session pauses for minutes between runs, while the stream goes on."""
     clock = RealClock()
-    camera = OpenCvCamera(server.url, clock)
+    camera = CaptureCamera(server.url, clock)
     camera.open()
     try:
         camera.start()
@@ -149,7 +149,7 @@ def test_a_url_that_nobody_serves_is_refused_in_bounded_time():
         url = f"http://127.0.0.1:{probe.getsockname()[1]}/"
     began = time.perf_counter()
     with pytest.raises(DeviceNotFoundError, match="nobody sends a picture there"):
-        OpenCvCamera(url, RealClock()).open()
+        CaptureCamera(url, RealClock()).open()
     assert time.perf_counter() - began < 6.0
 
 
@@ -158,12 +158,12 @@ def test_a_url_that_accepts_and_stays_silent_is_refused_in_bounded_time(monkeypa
     with socket.create_server(("127.0.0.1", 0)) as silent:
         began = time.perf_counter()
         with pytest.raises(DeviceNotFoundError):
-            OpenCvCamera(f"http://127.0.0.1:{silent.getsockname()[1]}/", RealClock()).open()
+            CaptureCamera(f"http://127.0.0.1:{silent.getsockname()[1]}/", RealClock()).open()
         assert time.perf_counter() - began < 1.5
 
 
 def test_a_server_that_goes_away_is_noticed(server, capfd):
-    camera = OpenCvCamera(server.url, RealClock(), stall_s=1.0)
+    camera = CaptureCamera(server.url, RealClock(), stall_s=1.0)
     camera.open()
     try:
         camera.start()
@@ -181,7 +181,7 @@ def test_a_server_that_goes_away_is_noticed(server, capfd):
 def test_a_camera_that_hangs_is_noticed_before_its_own_time_out():
     faults = CameraFaults(drop=from_frame(5))
     clock = RealClock()
-    camera = OpenCvCamera(
+    camera = CaptureCamera(
         "simulated",
         clock,
         lambda _: SimulatedCapture(NumberedScene(), clock, faults=faults),
@@ -203,7 +203,7 @@ def test_a_file_is_played_at_its_own_rate(tmp_path: Path):
     for value in range(20):
         writer.write(cv2.cvtColor(grey(10 * value), cv2.COLOR_GRAY2BGR))
     writer.release()
-    camera = OpenCvCamera(str(path), RealClock())
+    camera = CaptureCamera(str(path), RealClock())
     camera.open()
     camera.start()
     camera.want_all()
@@ -222,13 +222,13 @@ def test_a_file_without_video_is_refused(tmp_path: Path):
     path = tmp_path / "notes.avi"
     path.write_text("no video")
     with pytest.raises(DeviceNotFoundError, match="no video that can be read"):
-        OpenCvCamera(str(path), RealClock()).open()
+        CaptureCamera(str(path), RealClock()).open()
 
 
 @pytest.mark.parametrize("source", [97, "/dev/video-of-nobody"])
 def test_a_camera_that_is_not_there_is_refused(source):
     with pytest.raises(DeviceNotFoundError, match=rf"source = {source}"):
-        OpenCvCamera(source, RealClock()).open()
+        CaptureCamera(source, RealClock()).open()
 
 
 def test_colour_is_made_grey():
@@ -260,7 +260,7 @@ def test_pixels_of_another_type_are_refused():
 def test_a_frame_of_another_size_ends_the_delivery_with_its_reason():
     clock = RealClock()
     faults = CameraFaults(wrong_size=from_frame(20))
-    camera = OpenCvCamera(
+    camera = CaptureCamera(
         "simulated", clock, lambda _: SimulatedCapture(NumberedScene(), clock, faults=faults)
     )
     camera.open()
@@ -276,12 +276,12 @@ def test_a_frame_of_another_size_ends_the_delivery_with_its_reason():
 def test_a_capture_that_opens_but_sends_nothing_is_refused_and_released():
     capture = Capture([])
     with pytest.raises(DeviceNotFoundError, match="sends no frame"):
-        OpenCvCamera("fake", RealClock(), lambda _: capture).open()
+        CaptureCamera("fake", RealClock(), lambda _: capture).open()
     assert capture.released
 
 
 def test_a_camera_that_is_not_open_says_so():
-    camera = OpenCvCamera(0, RealClock())
+    camera = CaptureCamera(0, RealClock())
     with pytest.raises(DeviceError, match="not open"):
         camera.start()
     camera.stop()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivers.cameras.opencv import OpenCvCamera
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import DeviceError
 from sim_hardware.camera import CameraFaults, SimulatedCapture, from_frame
 from sim_hardware.clock import VirtualClock
@@ -30,8 +30,8 @@ def clock():
     return VirtualClock()
 
 
-def simulated(clock, scene, faults=None, **kwargs) -> OpenCvCamera:
-    camera = OpenCvCamera(
+def simulated(clock, scene, faults=None, **kwargs) -> CaptureCamera:
+    camera = CaptureCamera(
         "simulated", clock, lambda _: SimulatedCapture(scene, clock, faults=faults), **kwargs
     )
     camera.open()

@@ -13,14 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers import (
-    Guard,
-    GuardSettings,
-    NiConnection,
-    NiVoltageOutput,
-    OutputPlace,
-    take_over,
-)
+from drivers import Guard, GuardSettings
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
@@ -62,8 +58,15 @@ class Scene:
         self.is_ours = address is None
         self.report_path = folder / "guard.json"
         address = address or f"127.0.0.1:{self.server.listen(0)}"
-        self.place = OutputPlace(address, "PCI6703/ao0", "PCI6034E/ai2", limit_board_V=0.25)
-        self.settings = GuardSettings(self.place, report_path=str(self.report_path))
+        self.place = OutputPlace(
+            address=address,
+            output_channel="PCI6703/ao0",
+            drive_channel="PCI6034E/ai2",
+            limit_board_V=0.25,
+        )
+        self.settings = GuardSettings(
+            boards="ni", place=self.place.as_dict(), report_path=str(self.report_path)
+        )
         self.victim: subprocess.Popen[str] | None = None
         self.guard_pid = 0
 
@@ -322,9 +325,11 @@ def test_the_simulated_server_as_a_program_is_made_safe_too(tmp_path, strict):
 
 
 def test_a_guard_that_cannot_reach_the_boards_refuses_to_start():
-    place = OutputPlace("127.0.0.1:9", "PCI6703/ao0", "PCI6034E/ai2")
+    place = OutputPlace(
+        address="127.0.0.1:9", output_channel="PCI6703/ao0", drive_channel="PCI6034E/ai2"
+    )
     with pytest.raises(DeviceError, match=r"guard cannot start: .*no connection"):
-        Guard.start(GuardSettings(place))
+        Guard.start(GuardSettings(boards="ni", place=place.as_dict()))
 
 
 def test_disarming_while_energised_makes_the_guard_act(remote):
@@ -376,7 +381,7 @@ def test_the_dead_programs_tasks_are_taken_over_by_name(remote):
     assert remote.bench.volts == pytest.approx(0.2, abs=4e-4)  # nobody has cleaned up
     connection = NiConnection(remote.place.address)
     connection.open()
-    report = take_over(connection, CLOCK, remote.place)
+    report = shut_down(connection, CLOCK, remote.place)
     connection.close()
     assert report.state is Safety.SAFE
     assert report.failures == ()

@@ -4,13 +4,18 @@ import queue
 
 import pytest
 
-from drivers.boards.ni.take_over import OutputPlace
 from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
 from drivers.guard.watch import Ending, ParentWatchdog
 from drivers.interfaces import DeviceError
 
 SETTINGS = GuardSettings(
-    place=OutputPlace("127.0.0.1:1", "PCI6703/ao0", "PCI6034E/ai2"), time_under_voltage_s=30.0
+    boards="ni",
+    place={
+        "address": "127.0.0.1:1",
+        "output_channel": "PCI6703/ao0",
+        "drive_channel": "PCI6034E/ai2",
+    },
+    time_under_voltage_s=30.0,
 )
 DEATH = b""
 

@@ -3,13 +3,13 @@ import datetime as dt
 import numpy as np
 import pytest
 
-from drivers.force_sensors.load_cell import (
+from drivers.interfaces import OverloadError
+from drivers.load_cell import (
     CalibrationError,
     LoadCell,
     LoadCellCalibration,
     LoadState,
 )
-from drivers.interfaces import OverloadError
 
 CAPACITY_N = 0.0980665
 DIRECT = LoadCellCalibration(  # 1.5 mV/V at 10 V, straight into the board

@@ -3,8 +3,8 @@ import datetime as dt
 import numpy as np
 import pytest
 
-from drivers.force_sensors.calibration import fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError
+from drivers.load_cell import CalibrationError
+from drivers.load_cell_fit import fit_calibration
 
 WEIGHTS_N = np.array([0.0, 0.0098, 0.0196, 0.0392, 0.0588, 0.0785, 0.0981])
 SLOPE, OFFSET, NOISE_V = 0.153, 1.7e-4, 4e-6

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from drivers import InputChannel, NiSignalInput
 from drivers.boards.ni import analog_input as ni_input
 from drivers.boards.ni import deadlines as ni_deadlines
+from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from drivers.boards.ni.errors import DeviceReservedError, TaskGoneError
 from drivers.interfaces import (
     DeviceError,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drivers import NiInterlock
+from drivers.boards.ni.interlock import NiInterlock
 from drivers.interfaces import DeviceError, DeviceNotFoundError
 
 LINE = "PCI6703/port0/line0"

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from drivers import Amplifier, NiVoltageOutput, SheetDrive
+from drivers import Amplifier, SheetDrive
 from drivers.boards.ni import analog_output as ni_output
 from drivers.boards.ni import deadlines as ni_deadlines
+from drivers.boards.ni.analog_output import NiVoltageOutput
 from drivers.boards.ni.errors import DeviceReservedError, TaskGoneError
 from drivers.interfaces import (
     DeviceError,

@@ -2,12 +2,19 @@
 
 import pytest
 
-from drivers import Amplifier, NiConnection, OutputPlace, SheetDrive, make_safe, take_over
+from drivers import Amplifier, SheetDrive, make_safe
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceNotFoundError
 from drivers.safe_shutdown import Safety
 
 GAIN = 10.0
-PLACE = OutputPlace("simulated", "PCI6703/ao0", "PCI6034E/ai2", limit_board_V=0.25)
+PLACE = OutputPlace(
+    address="simulated",
+    output_channel="PCI6703/ao0",
+    drive_channel="PCI6034E/ai2",
+    limit_board_V=0.25,
+)
 METHODS = (
     "CreateTask",
     "CreateAOVoltageChan",
@@ -101,7 +108,7 @@ def test_a_read_back_that_is_no_number_is_unknown(simulated_ni):
 def test_another_client_takes_a_run_over_and_leaves_nothing_behind(simulated_ni):
     energised(simulated_ni)
     other = NiConnection("simulated", simulated_ni.server.in_process_channel())
-    report = take_over(other, simulated_ni.clock, PLACE)
+    report = shut_down(other, simulated_ni.clock, PLACE)
     assert report.state is Safety.SAFE
     assert report.failures == ()
     assert other.attach_task("labrig-output") is None
@@ -110,7 +117,7 @@ def test_another_client_takes_a_run_over_and_leaves_nothing_behind(simulated_ni)
 
 
 def test_taking_over_an_idle_rig_writes_zero_and_reads_it_back(simulated_ni):
-    report = take_over(simulated_ni.connection, simulated_ni.clock, PLACE)
+    report = shut_down(simulated_ni.connection, simulated_ni.clock, PLACE)
     assert report.state is Safety.SAFE
     assert report.failures == ()
 
@@ -120,7 +127,7 @@ def test_taking_over_says_safe_only_of_zero_volts_whatever_call_fails(simulated_
     energised(simulated_ni)
     other = NiConnection("simulated", simulated_ni.server.in_process_channel())
     simulated_ni.server.faults.refuse[method] = -200324
-    report = take_over(other, simulated_ni.clock, PLACE, patience_s=0.1)
+    report = shut_down(other, simulated_ni.clock, PLACE, patience_s=0.1)
     volts = board_volts(simulated_ni)
     if report.state is Safety.SAFE:
         assert volts == pytest.approx(0.0, abs=1e-3)
@@ -135,15 +142,17 @@ def test_boards_that_somebody_else_holds_are_waited_for_and_then_reported(simula
     foreign.open()
     foreign.write(0.2)
     began = simulated_ni.clock.now()
-    report = take_over(simulated_ni.connection, simulated_ni.clock, PLACE, patience_s=1.0)
+    report = shut_down(simulated_ni.connection, simulated_ni.clock, PLACE, patience_s=1.0)
     assert report.state is Safety.UNKNOWN
     assert any("-50103" in failure for failure in report.failures)
     assert 1.0 <= simulated_ni.clock.now() - began < 1.5
 
 
 def test_a_board_that_is_not_there_is_reported_with_those_that_are(simulated_ni):
-    place = OutputPlace("simulated", "PCI9999/ao0", "PCI6034E/ai2")
-    report = take_over(simulated_ni.connection, simulated_ni.clock, place)
+    place = OutputPlace(
+        address="simulated", output_channel="PCI9999/ao0", drive_channel="PCI6034E/ai2"
+    )
+    report = shut_down(simulated_ni.connection, simulated_ni.clock, place)
     assert report.state is Safety.UNKNOWN
     assert any("devices found: PCI6703, PCI6034E" in failure for failure in report.failures)
 

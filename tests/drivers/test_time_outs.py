@@ -10,7 +10,10 @@ import threading
 import numpy as np
 import pytest
 
-from drivers import Guard, GuardSettings, NiConnection, OpenCvCamera, OutputPlace
+from drivers import Guard, GuardSettings
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.rescue import OutputPlace
+from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import DeviceTimeoutError, RealClock
 from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
@@ -21,7 +24,11 @@ CLOCK = RealClock()
 @pytest.fixture
 def place():
     server = NiDeviceServer(LoopbackBench({"ao0": "ai2"}), CLOCK)
-    yield OutputPlace(f"127.0.0.1:{server.listen(0)}", "PCI6703/ao0", "PCI6034E/ai2")
+    yield OutputPlace(
+        address=f"127.0.0.1:{server.listen(0)}",
+        output_channel="PCI6703/ao0",
+        drive_channel="PCI6034E/ai2",
+    )
     server.stop()
 
 
@@ -29,7 +36,7 @@ def place():
 def test_a_guard_that_does_not_start_in_time_is_given_up_and_ended(place):
     before = CLOCK.now()
     with pytest.raises(DeviceTimeoutError, match=r"did not start in 0\.01 s"):
-        Guard.start(GuardSettings(place), timeout_s=0.01)
+        Guard.start(GuardSettings(boards="ni", place=place.as_dict()), timeout_s=0.01)
     assert CLOCK.now() - before < 10.0
 
 
@@ -37,7 +44,7 @@ def test_a_guard_that_does_not_start_in_time_is_given_up_and_ended(place):
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_a_guard_that_hangs_when_it_is_to_act_is_not_waited_for(place, monkeypatch):
     monkeypatch.setattr("drivers.guard.parent._END_S", 0.2)
-    guard = Guard.start(GuardSettings(place))
+    guard = Guard.start(GuardSettings(boards="ni", place=place.as_dict()))
     os.kill(guard.pid, signal.SIGSTOP)
     before = CLOCK.now()
     report = guard.act(timeout_s=0.3)
@@ -47,7 +54,7 @@ def test_a_guard_that_hangs_when_it_is_to_act_is_not_waited_for(place, monkeypat
 
 
 def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
-    monkeypatch.setattr("drivers.cameras.opencv._JOIN_S", 0.1)
+    monkeypatch.setattr("drivers.cameras.capture_camera._JOIN_S", 0.1)
     never = threading.Event()
 
     class Stuck:
@@ -79,7 +86,7 @@ def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
         def release(self):
             raise AssertionError("it is inside its capture")
 
-    camera = OpenCvCamera("stuck", CLOCK, lambda _: Stuck())
+    camera = CaptureCamera("stuck", CLOCK, lambda _: Stuck())
     camera.open()
     CLOCK.sleep_until(CLOCK.now() + 0.05)
     with pytest.raises(DeviceTimeoutError, match=r"did not end its last frame in 0\.1 s"):
@@ -88,7 +95,8 @@ def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
 
 
 def test_a_program_that_holds_the_boards_is_waited_for_in_bounded_time(place):
-    from drivers import NiVoltageOutput, take_over
+    from drivers.boards.ni.analog_output import NiVoltageOutput
+    from drivers.boards.ni.rescue import shut_down
 
     holder = NiConnection(place.address)
     holder.open()
@@ -96,7 +104,7 @@ def test_a_program_that_holds_the_boards_is_waited_for_in_bounded_time(place):
     mine = NiConnection(place.address)
     mine.open()
     before = CLOCK.now()
-    report = take_over(mine, CLOCK, place, patience_s=0.3)
+    report = shut_down(mine, CLOCK, place, patience_s=0.3)
     assert 0.3 <= CLOCK.now() - before < 2.0
     assert report.state is Safety.UNKNOWN
     mine.close()

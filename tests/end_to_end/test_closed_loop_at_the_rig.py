@@ -21,7 +21,7 @@ from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.session import load_measurements, open_session
 from tests.end_to_end.small_rig import labrig, make_rig
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.thorough, pytest.mark.timeout(300)]
 
 PROTOCOL = """
 [pulse_train]
@@ -96,7 +96,6 @@ def test_a_weight_that_looks_like_a_bent_sheet_is_named_when_the_rig_was_turned_
     assert low < 0.008 < high
 
 
-@pytest.mark.thorough
 def test_where_the_sheet_is_bent_the_rig_turned_over_clears_the_weight(tmp_path: Path) -> None:
     first = looped(tmp_path, rest_error=3.5)
     over = load_measurements(tmp_path / "first-2.h5")

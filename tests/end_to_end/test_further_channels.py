@@ -87,10 +87,13 @@ def test_a_session_with_further_channels_is_replayed(recorded: Path, tmp_path: P
     [
         (
             '[channels.t]\ninput = "PCI6034E/ai2"\nquantity = "x"\nunit = "N"\n',
-            r"PCI6034E/ai2 is the input of both drive_readback and t",
+            r"PCI6034E/ai2 is the input of both drive and t",
         ),
         ('[channels.force]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n', "'force' is the name"),
-        ('[channels.t]\ninput = "D/ao3"\nquantity = "x"\nunit = "N"\n', "an analog input"),
+        (
+            '[channels.t]\ninput = "D ai3"\nquantity = "x"\nunit = "N"\n',
+            "words of the boards",
+        ),
         ('[channels.t]\ninput = "D/ai3"\nquantity = "x"\nunit = "m/s"\n', "letters, digits and _"),
         ('[channels.t]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\ngain = 0\n', "gain = 0"),
         ('[channels.T]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n', "small letters"),

@@ -1,4 +1,4 @@
-"""Every way out of a run leads through one function; the last of them is the interpreter's end."""
+"""However a run ends, one function makes the output safe; the last chance is the exit."""
 
 from __future__ import annotations
 
@@ -85,24 +85,24 @@ def test_an_interpreter_that_ends_with_the_sheet_energised_makes_it_safe(tmp_pat
 
 
 def test_an_exception_makes_safe_before_it_goes_on(rig: Rig) -> None:
-    way = None
+    shutdown = None
     try:
-        with safe_shutdown(rig) as way:
+        with safe_shutdown(rig) as shutdown:
             rig.output.write(2.0)
             raise ZeroDivisionError
     except ZeroDivisionError:
         pass
-    assert way is not None
-    assert way.report is not None
-    assert way.report.is_safe
+    assert shutdown is not None
+    assert shutdown.report is not None
+    assert shutdown.report.is_safe
     assert abs(sheet_V(rig)) < 0.05
 
 
 def test_a_run_that_was_made_safe_is_not_made_safe_again(rig: Rig) -> None:
-    with safe_shutdown(rig) as way:
-        first = way.make_safe()
-    assert way.report is first
-    atexit.unregister(way.make_safe)  # it was already: nothing to remove, nothing raised
+    with safe_shutdown(rig) as shutdown:
+        first = shutdown.make_safe()
+    assert shutdown.report is first
+    atexit.unregister(shutdown.make_safe)  # it was already: nothing to remove, nothing raised
 
 
 @pytest.mark.parametrize("state", Safety)
@@ -112,8 +112,8 @@ def test_what_the_guard_finds_counts_when_the_program_cannot_do_it(
     def refuse(_board_V: float) -> None:
         raise DeviceError("the board refuses")
 
-    with safe_shutdown(rig) as way:
-        way.watch = Guarding(rig, state)
+    with safe_shutdown(rig) as shutdown:
+        shutdown.watchdog = Guarding(rig, state)
         monkeypatch.setattr(rig.output._output, "write", refuse)
         monkeypatch.setattr(rig.output._output, "open", lambda: None)
         real = rig.output.abandon
@@ -123,6 +123,6 @@ def test_what_the_guard_finds_counts_when_the_program_cannot_do_it(
             monkeypatch.undo()
 
         monkeypatch.setattr(rig.output, "abandon", abandon)
-        report = way.make_safe()
+        report = shutdown.make_safe()
     assert report.state is state
     assert report.failures == ("the board refuses", "the guard had to wait")

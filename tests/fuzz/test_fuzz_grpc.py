@@ -13,12 +13,12 @@ import pytest
 from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from drivers.boards.ni.analog_output import NiVoltageOutput
 from drivers.boards.ni.connection import NiConnection
-from drivers.boards.ni.take_over import OutputPlace, take_over
+from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import LoopbackBench, NiDeviceServer
 from sim_hardware.ni.rpc import CallError
-from sim_hardware.ni.transport.channel import InProcessRpcError
+from sim_hardware.ni.transport.in_process import InProcessRpcError
 from tests.fuzz.told import small_and_soon
 
 CASES = 60
@@ -154,12 +154,17 @@ def test_every_call_may_fail(method: str, code: grpc.StatusCode) -> None:
 
 @pytest.mark.slow
 def test_taking_over_from_such_a_server_never_raises() -> None:
-    place = OutputPlace("in process", "PCI6703/ao0", "PCI6034E/ai2", drive_terminals="rse")
+    place = OutputPlace(
+        address="in process",
+        output_channel="PCI6703/ao0",
+        drive_channel="PCI6034E/ai2",
+        drive_terminals="rse",
+    )
     for seed in range(CASES):
         dice = random.Random(seed)
         channel, clock = served(
             lambda _, reply, d=dice: odd(reply, d) if d.random() < 0.1 else reply
         )
         with small_and_soon():
-            report = take_over(NiConnection("in process", channel=channel), clock, place, 0.1)
+            report = shut_down(NiConnection("in process", channel=channel), clock, place, 0.1)
         assert report.text

@@ -90,7 +90,7 @@ def test_a_board_in_the_sheets_plane_calibrates_the_camera(
 ) -> None:
     scale = 8.0
     shown = cv2.warpPerspective(
-        CalibrationBoard().picture(20),
+        CalibrationBoard().image(20),
         np.array([[scale / 20, 0.0, 60.0], [0.0, scale / 20, 40.0], [0.0, 0.0, 1.0]]),
         (640, 480),
         flags=cv2.INTER_AREA,

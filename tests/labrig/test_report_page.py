@@ -219,6 +219,8 @@ def test_many_warnings_are_counted_at_the_top(tmp_path):
         measure("long", curves=False), warnings=tuple(f"curve {i} is odd" for i in range(30))
     )
     with open_session(session(tmp_path / "made.h5", many)) as opened:
-        said = remarks(Findings(opened, many, FittedSheets(None), ""))
+        said = remarks(
+            Findings(session=opened, measurements=many, fitted=FittedSheets(None), why_not="")
+        )
     assert said[-1] == "22 more are listed with the data's quality."
     assert sum("is odd" in text for text in said) == 8

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -21,26 +23,23 @@ from labrig.report.parts.table import Table
 from labrig.report.sections.conformance import content_faults, faults
 from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
 from labrig.session import open_session
-from tests.labrig.report_data import session, stopped_session
+from tests.labrig.report_data import measure, session, stopped_session
 
-PLUGIN = """
-from labrig.report.parts.section import Section
-from labrig.report.sections.interface import ReportSection
+DOCS = Path(__file__).parents[2] / "docs" / "report.md"
 
-NOTES = ReportSection(
-    title="Notes of the day",
-    order=45.5,
-    applies=lambda findings: True,
-    make=lambda findings, figures: f"{findings.session.path.name} has no notes.",
-)
-BAD = "no section"
-"""
+
+def documented(language: str) -> str:
+    """The example of docs/report.md in this language, as it stands there."""
+    (found,) = re.findall(rf"```{language}\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL)
+    return str(found)
 
 
 @pytest.fixture
 def findings(tmp_path):
     with open_session(session(tmp_path / "made.h5", None)) as opened:
-        yield Findings(opened, None, FittedSheets(None), "it was not tried")
+        yield Findings(
+            session=opened, measurements=None, fitted=FittedSheets(None), why_not="it was not tried"
+        )
 
 
 def made(title: str, make, order: float = 1.0, figures: tuple[str, ...] = ()) -> ReportSection:
@@ -108,8 +107,14 @@ def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(finding
     [
         (lambda *_: None, "neither a Section nor a sentence"),
         (lambda *_: Section(("text",)), "neither a table nor a figure"),
-        (lambda *_: Section((Table("T", ("a", "b"), (("1",),)),)), "not as many cells"),
-        (lambda *_: Section((Folded("F", Table("", ("a",), (("1", "2"),))),)), "not as many cells"),
+        (
+            lambda *_: Section((Table(title="T", columns=("a", "b"), rows=(("1",),)),)),
+            "not as many cells",
+        ),
+        (
+            lambda *_: Section((Folded("F", Table(title="", columns=("a",), rows=(("1", "2"),))),)),
+            "not as many cells",
+        ),
         (lambda *_: "  ", "its sentence is empty"),
     ],
 )
@@ -160,25 +165,40 @@ def test_a_figure_that_cannot_be_written_ends_the_report(findings, tmp_path):
 
 @pytest.fixture
 def distribution(tmp_path, monkeypatch):
-    """`labrig_notes` 0.3 with two entry points, one of them faulty."""
-    (tmp_path / "labrig_notes.py").write_text(PLUGIN)
-    info = tmp_path / "labrig_notes-0.3.dist-info"
+    """`labrig-every-force` 0.3: the section of the docs, and one that is none."""
+    code = documented("python")
+    (tmp_path / "labrig_every_force.py").write_text(code + 'BAD = "no section"\n')
+    info = tmp_path / "labrig_every_force-0.3.dist-info"
     info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-notes\nVersion: 0.3\n")
-    (info / "entry_points.txt").write_text(
-        "[labrig.report_sections]\nnotes = labrig_notes:NOTES\nbad = labrig_notes:BAD\n"
+    (info / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: labrig-every-force\nVersion: 0.3\n"
     )
+    points = tomllib.loads(documented("toml"))["project"]["entry-points"]
+    lines = [f"{name} = {point}" for name, point in points["labrig.report_sections"].items()]
+    lines += ["bad = labrig_every_force:BAD"]
+    (info / "entry_points.txt").write_text("\n".join(["[labrig.report_sections]", *lines]))
     monkeypatch.syspath_prepend(tmp_path)
     yield
-    sys.modules.pop("labrig_notes", None)
+    sys.modules.pop("labrig_every_force", None)
 
 
 @pytest.mark.slow
-def test_another_distributions_section_stands_where_its_order_puts_it(distribution, tmp_path):
-    path = stopped_session(tmp_path / "none.h5", after_runs=0)
-    with pytest.warns(PluginWarning, match="report section 'bad' of labrig-notes"):
-        text = write_report(path).read_text(encoding="utf-8")
-    assert "none.h5 has no notes." in text
-    headings = [text.index(f">{title}</h2>") for title in ("Notes of the day", "Configuration")]
+def test_the_section_of_the_docs_stands_where_its_order_puts_it(distribution, tmp_path):
+    path = session(tmp_path / "long.h5", measure("long", curves=False))
+    with pytest.warns(PluginWarning, match="report section 'bad' of labrig-every-force"):
+        page = write_report(path)
+    text = page.read_text(encoding="utf-8")
+    order = ("Simulation and measurement", "Every force", "Quality of the data")
+    headings = [text.index(f">{title}</h2>") for title in order]
     assert headings == sorted(headings)
-    assert "notes (labrig-notes 0.3)" in text
+    assert "every_force (labrig-every-force 0.3)" in text
+    assert (page.parent / "figures" / "every-force.svg").exists()
+
+
+@pytest.mark.slow
+def test_a_section_does_not_appear_where_it_does_not_apply(distribution, tmp_path):
+    path = stopped_session(tmp_path / "none.h5", after_runs=0)
+    with pytest.warns(PluginWarning):
+        text = write_report(path).read_text(encoding="utf-8")
+    assert ">Every force</h2>" not in text
+    assert "left out" not in text

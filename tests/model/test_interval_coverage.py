@@ -10,7 +10,7 @@ from sim_hardware.world import load_world
 from sim_hardware.world.reduced import reduced_session
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_stated_intervals_cover_the_world_s_truth_and_are_narrow():
     """A small edition of `benchmarks.interval_coverage.py`, which states the figures."""
     found = tally(load_world(None), range(900, 912))
@@ -20,7 +20,7 @@ def test_stated_intervals_cover_the_world_s_truth_and_are_narrow():
     assert np.max(found.width) < 0.15
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_noisier_set_ups_give_wider_intervals():
     world = load_world(None)
     rough = world.scatter.model_copy(update={"eibm": 0.05, "stiffness": 0.05})

@@ -23,6 +23,10 @@ SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
 Visit = Callable[..., Any]
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    item.add_marker(pytest.mark.system_package("Chromium"))
+
+
 @pytest.fixture(scope="session")
 def chromium():
     """One browser for all tests."""

@@ -22,6 +22,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import labrig.panel
+from labrig.panel.pages.interface import listing
 from tests.panel_browser import made_up
 
 STATIC = Path(labrig.panel.__file__).parent / "static"
@@ -99,7 +100,7 @@ class FakePanel:
         return {
             "version": "0", "mode": self.mode, "rig": "rig.toml", "session": None, "data": ".",
             "simulated": True, "model": "model.toml", "job": None, "control": self.control,
-            "stop_url": f"{self.url}stop",
+            "stop_url": f"{self.url}stop", **listing(self.mode),
         }  # fmt: skip
 
     async def _socket(self, one: WebSocket) -> None:

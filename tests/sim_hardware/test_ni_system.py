@@ -17,7 +17,7 @@ from nidaqmx.constants import (
 )
 from nidaqmx.stream_readers import AnalogSingleChannelReader
 
-from sim_hardware.ni import BOARDS, NiDeviceServer
+from sim_hardware.ni import NiDeviceServer, board_models
 
 
 def test_the_boards_are_listed(ni: Any) -> None:
@@ -75,7 +75,7 @@ def test_half_the_inputs_can_be_differential(ni: Any) -> None:
     assert pairs == [f"X/ai{k}" for k in (*range(8), *range(16, 24))]
 
 
-@pytest.mark.parametrize("model", sorted(BOARDS))
+@pytest.mark.parametrize("model", sorted(board_models()))
 def test_every_board_of_the_table_self_tests_and_resets(make_ni: Any, model: str) -> None:
     rig = make_ni(tcp=False, devices={"Dev1": model})
     device = rig.system.devices["Dev1"]

@@ -12,11 +12,13 @@ import serial
 
 from drivers.interfaces import RealClock
 from sim_hardware.serial_devices import (
+    FOLDER,
     InMemorySerial,
     PtyPort,
     SerialFaults,
     SimulatedDpm3Meter,
     SimulatedZaberStage,
+    faults,
 )
 
 GF = 9.80665e-3
@@ -223,3 +225,23 @@ def test_the_makers_library_drives_the_stage() -> None:
         port.stop()
     step_m = 0.04 * 4.090615434361711e-06
     assert world.places[:3] == pytest.approx([0, 50_000 * step_m, 30_000 * step_m], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", sorted(FOLDER.parts()))
+def test_every_serial_device_fulfils_the_contract(name: str) -> None:
+    assert faults(FOLDER.get(name)) == []
+
+
+def test_what_is_wrong_with_a_serial_device_is_said() -> None:
+    class Mute:
+        baudrate = 0
+
+        def respond(self, data: bytes) -> str:
+            return str(data)
+
+    assert faults(3) == ["SERIAL_DEVICE is of the type int, not a callable"]
+    assert faults(lambda _world, _clock: Mute()) == [
+        "baudrate = 0 must be a whole number above 0",
+        "respond must return bytes, not str",
+        "poll must return bytes, not NoneType",
+    ]

@@ -99,6 +99,25 @@ def test_a_whole_rig_is_served_until_it_is_told_to_end(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("model", ["PCIe-6363", "USB-6211"])
+def test_a_rig_with_one_board_is_served(serve: Any, model: str) -> None:
+    served = serve("--device", f"Dev1={model}", "--serial", "stage", "--configuration", "short")
+    assert [line.split("=")[0] for line in served.lines] == ["grpc", "camera", "stage", "ready"]
+    (device,) = System.remote(served.options()).devices
+    assert device.product_type == model
+    with (
+        nidaqmx.Task("out", grpc_options=served.options("out")) as output,
+        nidaqmx.Task("in", grpc_options=served.options("in")) as signal_in,
+    ):
+        output.ao_channels.add_ao_voltage_chan("Dev1/ao0", min_val=-0.25, max_val=0.25)
+        signal_in.ai_channels.add_ai_voltage_chan("Dev1/ai2", min_val=-5, max_val=5)
+        output.write(0.2)
+        assert signal_in.read() == pytest.approx(2.0, abs=0.05)  # the amplifier is wired to it
+        output.write(0.0)
+        assert signal_in.read() == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.slow
 def test_a_wire_needs_no_world(serve: Any) -> None:
     served = serve("--wire", "ao0:ai0", "--wire", "M/ao1:M/ai3", "--driver-version", "19.6",
                    "--device", "PCI6703=PCI-6703", "--device", "PCI6034E=PCI-6034E",
@@ -145,6 +164,9 @@ def test_it_ends_at_once_while_clients_listen_and_wait(serve: Any) -> None:
         (["serve", "--wire", "ao0:ai0", "--driver-version", "x"], "not a driver version"),
         (["serve", "--wire", "ao0:ai0", "--record", "r.csv"], "--record has no meaning"),
         (["serve", "--world", "nowhere.toml"], "nowhere.toml"),
+        (["serve", "--wire", "ao0:ai0", "--serial", "stage"], "--serial has no meaning"),
+        (["serve", "--serial", "oven"], "no simulated serial device 'oven'"),
+        (["serve", "--device", "Dev1=USB-6212"], "no simulated board 'USB-6212'"),
         (["serve", "--configuration", "medium"], "medium"),
         (["serve", "--record", "no/such/folder/r.csv"], "cannot be written"),
     ],

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim_hardware.world.chain import Chain, ChainSheet, Equilibrium
-from sim_hardware.world.contact import ContactArc, ContactState
+from sim_hardware.world.chain.chain import Chain, ChainSheet, Equilibrium
+from sim_hardware.world.chain.contact import ContactArc, ContactState
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 R = 0.04
@@ -34,7 +34,7 @@ def varying(row: dict[str, str]) -> Callable[[Floats], Floats]:
 
 
 def held(sheet: ChainSheet, row: dict[str, str], link_m: float) -> Equilibrium:
-    contact = ContactState(Chain(sheet, link_m), ContactArc(R))
+    contact = ContactState(Chain(sheet, link_m), ContactArc(radius_m=R))
     state = contact.place(0.0, float(row["p_mm"]) * 1e-3 / R)
     assert state is not None
     return state
@@ -61,8 +61,14 @@ VARYING = rows("v_varying_kappa_contact_R40mm.csv")
 def sheet_of(row: dict[str, str]) -> ChainSheet:
     length_m = float(row["l_mm"]) * 1e-3
     if "A_1_per_mm" in row:
-        return ChainSheet(length_m, 0.06, varying(row))
-    return ChainSheet(length_m, 0.06, constant(float(row["kappa_star_1_per_mm"]) * 1e3))
+        return ChainSheet(
+            free_length_m=length_m, elongation_m=0.06, rest_curvature_per_m=varying(row)
+        )
+    return ChainSheet(
+        free_length_m=length_m,
+        elongation_m=0.06,
+        rest_curvature_per_m=constant(float(row["kappa_star_1_per_mm"]) * 1e3),
+    )
 
 
 @pytest.mark.parametrize("row", CONSTANT + VARYING)
@@ -93,7 +99,13 @@ def test_the_free_chain_is_an_arc_and_crosses_where_it_should(row: dict[str, str
     k = float(row["kappa_1_per_mm(k0+Me/B)"]) * 1e3
     length_m = float(row["l_mm"]) * 1e-3
     link_m = 0.1e-3
-    contact = ContactState(Chain(ChainSheet(length_m, 0.06, constant(k)), link_m), ContactArc(R))
+    contact = ContactState(
+        Chain(
+            ChainSheet(free_length_m=length_m, elongation_m=0.06, rest_curvature_per_m=constant(k)),
+            link_m,
+        ),
+        ContactArc(radius_m=R),
+    )
     # The corners of a chain lie on a circle that is larger by (k h)^2 / 12 or / 24 of itself, and
     # the contact is rounded over links, which moves it by about k h^2 / 6.
     near_mm = 50 * (k * link_m) ** 2 / 4 + 1e3 * abs(k) * link_m**2 / 4 + 1e-9
@@ -114,25 +126,25 @@ def test_an_evenly_spread_weight_bends_less_than_the_same_weight_at_the_tip(
 ) -> None:
     length_m, load = 0.05, float(row["FL2_over_EI"])
     per_length = load / length_m**3
-    chain = Chain(ChainSheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
+    chain = Chain(ChainSheet(free_length_m=length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
     tip = chain.curve(chain.free(0.0).phi_rad, np.array([length_m]))[0]
     assert 0 < tip[1] < float(row["w_over_L(deflection)"]) * length_m
 
 
 def test_a_small_even_load_bends_the_chain_as_the_linear_beam() -> None:
     length_m, per_length = 0.05, 1e-3 / 0.05**3
-    chain = Chain(ChainSheet(length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
+    chain = Chain(ChainSheet(free_length_m=length_m, load_per_m3=(0.0, per_length)), 0.1e-3)
     tip = chain.curve(chain.free(0.0).phi_rad, np.array([length_m]))[0]
     assert tip[1] == pytest.approx(per_length * length_m**4 / 8, rel=1e-4)
 
 
 LONG = ChainSheet(
-    0.05,
+    free_length_m=0.05,
     rest_curvature_per_m=lambda s: 24 * np.exp(-s / 0.04),
     drive_curvature_per_m=lambda s: 100 * np.exp(-s / 0.012),
 )
 MIRRORED = ChainSheet(
-    0.05,
+    free_length_m=0.05,
     rest_curvature_per_m=lambda s: -24 * np.exp(-s / 0.04),
     drive_curvature_per_m=lambda s: 100 * np.exp(-s / 0.012),
 )
@@ -142,7 +154,7 @@ def test_the_mirrored_sheet_does_the_mirrored_thing() -> None:
     for position_m, drive in ((0.0, 1.0), (0.012, -0.5), (0.03, 0.0)):
         states = []
         for sheet, sign in ((LONG, 1), (MIRRORED, -1)):
-            contact = ContactState(Chain(sheet, 0.2e-3), ContactArc(R))
+            contact = ContactState(Chain(sheet, 0.2e-3), ContactArc(radius_m=R))
             start = contact.place(0.0, sign * position_m / R)
             assert start is not None
             state, whole = contact.drive_to(start, sign * drive, sign * position_m / R)
@@ -156,7 +168,7 @@ def test_the_mirrored_sheet_does_the_mirrored_thing() -> None:
 
 
 def test_the_force_along_the_arc_is_the_energy_s_derivative() -> None:
-    contact = ContactState(Chain(LONG, 0.1e-3), ContactArc(R))
+    contact = ContactState(Chain(LONG, 0.1e-3), ContactArc(radius_m=R))
     start = contact.place(0.0, 0.0)
     assert start is not None
     start, _ = contact.drive_to(start, 0.7, 0.0)
@@ -180,7 +192,7 @@ def test_the_force_along_the_arc_is_the_energy_s_derivative() -> None:
 
 
 def test_no_nearby_shape_through_the_same_contact_has_less_energy() -> None:
-    contact = ContactState(Chain(LONG, 0.5e-3), ContactArc(R))
+    contact = ContactState(Chain(LONG, 0.5e-3), ContactArc(radius_m=R))
     state = contact.place(0.0, 0.3)
     assert state is not None
     rng = np.random.default_rng(1)
@@ -188,35 +200,44 @@ def test_no_nearby_shape_through_the_same_contact_has_less_energy() -> None:
     drive = rng.normal(0.0, 1.0, (20, contact.chain.links))
     for bend in drive:
         nudged = ChainSheet(
-            0.05,
+            free_length_m=0.05,
             rest_curvature_per_m=lambda s, bend=bend: (
                 24 * np.exp(-s / 0.04) + np.interp(s, np.linspace(0, 0.05, bend.size), bend)
             ),
             drive_curvature_per_m=LONG.drive_curvature_per_m,
         )
-        other = ContactState(Chain(nudged, 0.5e-3), ContactArc(R)).place(0.0, 0.3)
+        other = ContactState(Chain(nudged, 0.5e-3), ContactArc(radius_m=R)).place(0.0, 0.3)
         assert other is not None
-        moved = Equilibrium(0.0, other.phi_rad, other.s_m, other.angle_rad, 0.0, 0.0, 0.0)
+        moved = Equilibrium(
+            drive=0.0,
+            phi_rad=other.phi_rad,
+            s_m=other.s_m,
+            angle_rad=other.angle_rad,
+            normal_per_m2=0.0,
+            along_per_m2=0.0,
+            outward_per_m2=0.0,
+        )
         assert contact.chain.energy_per_m(moved) > least
 
 
 def test_a_position_beyond_the_sheet_s_reach_is_not_reachable() -> None:
-    straight = ContactState(Chain(ChainSheet(0.05), 0.2e-3), ContactArc(R))
+    straight = ContactState(Chain(ChainSheet(free_length_m=0.05), 0.2e-3), ContactArc(radius_m=R))
     assert straight.place(0.0, 54.0e-3 / R) is not None
     assert straight.place(0.0, 54.3e-3 / R) is None
 
 
 def test_a_sheet_too_curled_to_meet_the_arc_cannot_be_placed() -> None:
     curled = ContactState(
-        Chain(ChainSheet(0.05, rest_curvature_per_m=constant(100.0)), 0.2e-3), ContactArc(R)
+        Chain(ChainSheet(free_length_m=0.05, rest_curvature_per_m=constant(100.0)), 0.2e-3),
+        ContactArc(radius_m=R),
     )
     assert curled.place(0.0, 0.0) is None
 
 
 def test_the_clamp_turns_by_its_compliance_times_the_moment_of_the_load() -> None:
     compliance_m = 2e-3
-    chain = Chain(ChainSheet(0.05, clamp_compliance_m=compliance_m), 0.1e-3)
-    contact = ContactState(chain, ContactArc(R))
+    chain = Chain(ChainSheet(free_length_m=0.05, clamp_compliance_m=compliance_m), 0.1e-3)
+    contact = ContactState(chain, ContactArc(radius_m=R))
     state = contact.place(0.0, 0.4)
     assert state is not None
     x, y = R * math.cos(0.4), R * math.sin(0.4)
@@ -228,7 +249,9 @@ def test_the_clamp_turns_by_its_compliance_times_the_moment_of_the_load() -> Non
 
 def test_friction_turns_the_force_by_its_angle() -> None:
     for mu in (0.1, -0.2):
-        contact = ContactState(Chain(ChainSheet(0.05), 0.1e-3), ContactArc(R, friction=mu))
+        contact = ContactState(
+            Chain(ChainSheet(free_length_m=0.05), 0.1e-3), ContactArc(radius_m=R, friction=mu)
+        )
         state = contact.place(0.0, 0.4)
         assert state is not None
         radial, along = state.outward_per_m2, state.along_per_m2
@@ -240,7 +263,10 @@ def test_friction_turns_the_force_by_its_angle() -> None:
 
 def test_rolls_beside_the_neutral_curve_touch_it_further_on() -> None:
     offset_m = 1e-3
-    contact = ContactState(Chain(ChainSheet(0.05), 0.1e-3), ContactArc(R, roll_offset_m=offset_m))
+    contact = ContactState(
+        Chain(ChainSheet(free_length_m=0.05), 0.1e-3),
+        ContactArc(radius_m=R, roll_offset_m=offset_m),
+    )
     state = contact.place(0.0, 0.4)
     assert state is not None
     point = contact.chain.curve(state.phi_rad, np.array([state.s_m]))[0]

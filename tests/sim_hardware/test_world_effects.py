@@ -22,7 +22,9 @@ def changed(path: str, value: float) -> WorldSettings:
 
 
 def force_mN(settings: WorldSettings, configuration: str, position_m: float, drive: float) -> float:
-    setup = MountedSheet(settings, configuration, position_m, Scatter())
+    setup = MountedSheet(
+        settings=settings, configuration=configuration, position_m=position_m, scatter=Scatter()
+    )
     force = setup.stiffness_Nm2 * setup.cell_force_per_m2(np.array([drive]))[0]
     return float(force) * 1e3
 
@@ -86,7 +88,12 @@ def test_gravity_lets_the_free_sheet_hang_down() -> None:
     heavy, light = changed("gravity_N_per_m", 0.02), load_world()
     tips = [
         s.chain.curve(s.free.state(0.0).phi_rad, np.array([0.05]))[0, 1]
-        for s in (MountedSheet(settings, "long", None, Scatter()) for settings in (heavy, light))
+        for s in (
+            MountedSheet(
+                settings=settings, configuration="long", position_m=None, scatter=Scatter()
+            )
+            for settings in (heavy, light)
+        )
     ]
     assert -0.02 < tips[0] - tips[1] < -1e-3
 

@@ -7,8 +7,8 @@ import pytest
 
 from sim_hardware.world import Train, Visit, load_world
 from sim_hardware.world.along import bump, fall, stiffness_rise
-from sim_hardware.world.load_cell import SimulatedLoadCell
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 from tests.sim_hardware.test_world_timed import forces_mN, one, world
 
 LONG_REST = Train(zero_readings=40, kept=1)
@@ -17,8 +17,8 @@ LONG_REST = Train(zero_readings=40, kept=1)
 @pytest.mark.slow
 def test_a_strain_that_stays_loses_its_share_of_the_force_and_keeps_its_shape() -> None:
     settings = world(creep__share=0.2, creep__time_s=1.5)
-    run = one(settings, Visit("long", 0.0), LONG_REST)
-    stiff = one(world(), Visit("long", 0.0), LONG_REST)
+    run = one(settings, Visit(configuration="long", position_m=0.0), LONG_REST)
+    stiff = one(world(), Visit(configuration="long", position_m=0.0), LONG_REST)
     zeros, whole = forces_mN(run, 0.0), forces_mN(stiff, 0.0)
     assert zeros[-1] == pytest.approx(0.8 * whole[-1], abs=2e-4)
     # one time constant after it was placed (the run begins later, so at its first reading less)
@@ -30,8 +30,8 @@ def test_a_strain_that_stays_loses_its_share_of_the_force_and_keeps_its_shape() 
 
 def test_a_creeping_sheet_that_is_driven_goes_on_bending() -> None:
     settings = world(creep__share=0.3, creep__time_s=0.2)
-    run = one(settings, Visit("long", None))
-    stiff = one(world(), Visit("long", None))
+    run = one(settings, Visit(configuration="long", position_m=None))
+    stiff = one(world(), Visit(configuration="long", position_m=None))
     ends = [[_end_rad(r.curves_m[v]) for v in (2.0, -2.0)] for r in (run, stiff)]
     assert 1.2 < np.ptp(ends[0]) / np.ptp(ends[1]) < 1.3
 
@@ -45,11 +45,15 @@ def _end_rad(curve: np.ndarray) -> float:
 def test_parts_of_what_creeps_add_up_to_the_sheet_that_crept_as_a_whole() -> None:
     # Held at 2 V for ever, a sheet with Me/B = d behaves as one with (1 - share) B.
     settings = world(creep__share=0.1)
-    setup = MountedSheet(settings, "long", 0.005, Scatter())
+    setup = MountedSheet(
+        settings=settings, configuration="long", position_m=0.005, scatter=Scatter()
+    )
     drive = np.array([0.8])
     strain = np.array([[1.0, 0.8, 0.8**2]])
     crept = setup.cell_force_per_m2(drive) + setup.crept_force_per_m2(drive, strain)
-    soft = 0.9 * MountedSheet(world(), "long", 0.005, Scatter()).cell_force_per_m2(drive / 0.9)
+    soft = 0.9 * MountedSheet(
+        settings=world(), configuration="long", position_m=0.005, scatter=Scatter()
+    ).cell_force_per_m2(drive / 0.9)
     plain = setup.cell_force_per_m2(drive)
     assert crept[0] - plain[0] == pytest.approx(soft[0] - plain[0], rel=0.15)
 
@@ -87,7 +91,9 @@ def test_a_bump_bends_the_sheet_where_it_is_and_only_the_sheet_it_is_of() -> Non
         turned = {}
         for name in ("long", "short"):
             angles = [
-                MountedSheet(w, name, None, Scatter()).free.state(drive).phi_rad
+                MountedSheet(settings=w, configuration=name, position_m=None, scatter=Scatter())
+                .free.state(drive)
+                .phi_rad
                 for w in (world(bumps=[{"of": of, **extra}]), world())
             ]
             turned[name] = angles[0] - angles[1]
@@ -102,7 +108,9 @@ def test_a_bump_bends_the_sheet_where_it_is_and_only_the_sheet_it_is_of() -> Non
 def test_a_soft_place_turns_more_under_load() -> None:
     notch = {"of": "stiffness", "at_mm": 10.0, "width_mm": 1.0, "amount": -0.5}
     forces = [
-        MountedSheet(w, "long", 0.03, Scatter()).cell_force_per_m2(np.zeros(1))[0]
+        MountedSheet(
+            settings=w, configuration="long", position_m=0.03, scatter=Scatter()
+        ).cell_force_per_m2(np.zeros(1))[0]
         for w in (world(bumps=[notch]), world())
     ]
     assert forces[1] < forces[0] < 0.0
@@ -113,7 +121,9 @@ def test_a_joint_and_a_soft_elongation_of_equal_give_take_the_same_force_away() 
     even = world(configurations__short__elongation_give=0.03)
     joint = world(configurations__short__elongation_joint_mm=0.03 * lever_mm / 3)
     loss = [
-        MountedSheet(w, "short", 0.02, Scatter()).cell_force_per_m2(np.zeros(1))[0]
+        MountedSheet(
+            settings=w, configuration="short", position_m=0.02, scatter=Scatter()
+        ).cell_force_per_m2(np.zeros(1))[0]
         for w in (even, joint, world())
     ]
     assert (loss[0] - loss[2]) == pytest.approx(loss[1] - loss[2], rel=0.05)
@@ -123,10 +133,15 @@ def test_a_joint_and_a_soft_elongation_of_equal_give_take_the_same_force_away() 
 def test_drying_goes_on_in_any_form_and_is_the_same_after_a_minute() -> None:
     changes = []
     for form in ("line", "root", "exp"):
-        setup = MountedSheet(world(water__drying_form=form), "short", 0.0, Scatter())
+        setup = MountedSheet(
+            settings=world(water__drying_form=form),
+            configuration="short",
+            position_m=0.0,
+            scatter=Scatter(),
+        )
         from sim_hardware.world.mechanics import Stage
 
-        values = Stage(0.0, setup).stiffening(np.array([0.0, 10.0, 60.0])) - 1
+        values = Stage(start_s=0.0, setup=setup).stiffening(np.array([0.0, 10.0, 60.0])) - 1
         assert values[0] == 0.0
         changes.append(values[1:])
     early, late = np.array(changes).T
@@ -135,16 +150,23 @@ def test_drying_goes_on_in_any_form_and_is_the_same_after_a_minute() -> None:
 
 
 def test_a_slow_share_of_the_moment_comes_late_and_tiredness_stays() -> None:
-    slow = one(world(eibm__relaxation=-0.5, eibm__relaxation_s=0.5), Visit("short", 0.0))
-    plain = one(world(), Visit("short", 0.0))
+    slow = one(
+        world(eibm__relaxation=-0.5, eibm__relaxation_s=0.5),
+        Visit(configuration="short", position_m=0.0),
+    )
+    plain = one(world(), Visit(configuration="short", position_m=0.0))
     swing = [forces_mN(r, 2.0)[-1] - forces_mN(r, -2.0)[-1] for r in (slow, plain)]
     assert swing[0] > swing[1]
     from sim_hardware.world import timed_session
 
     tired = timed_session(
-        world(water__tiring_per_min=1.0), [Visit("short", 0.0)] * 2, train=LONG_REST
+        world(water__tiring_per_min=1.0),
+        [Visit(configuration="short", position_m=0.0)] * 2,
+        train=LONG_REST,
     )
-    plain_2 = timed_session(world(), [Visit("short", 0.0)] * 2, train=LONG_REST)
+    plain_2 = timed_session(
+        world(), [Visit(configuration="short", position_m=0.0)] * 2, train=LONG_REST
+    )
     lost = [
         1 - np.ptp([forces_mN(a, v)[-1] for v in (2, -2)])
         / np.ptp([forces_mN(b, v)[-1] for v in (2, -2)])

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from sim_hardware.world import WorldError, load_world
+from sim_hardware.clock import VirtualClock
+from sim_hardware.rig_boards import boards_of
+from sim_hardware.world import World, WorldError, load_world
 
 
 def test_the_shipped_worlds_load() -> None:
@@ -91,5 +93,55 @@ def test_every_key_of_the_shipped_world_is_explained() -> None:
     page = Path(__file__).parents[2].joinpath("docs", "world.md").read_text(encoding="utf-8")
     for line in text.splitlines():
         key = line.split("=")[0].strip()
-        if "=" in line and not line.startswith("#"):
+        if "=" in line and line[:1] not in ("#", "["):
             assert f"`{key}`" in page, key
+
+
+def test_a_files_boards_replace_the_shipped_ones_and_its_wiring_is_laid_over(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('[boards]\nUSB6211 = "USB-6211"\n[wiring]\ndrive = "USB6211/ao1"\n')
+    world = load_world(path)
+    assert world.boards == {"USB6211": "USB-6211"}
+    assert (world.wiring.drive, world.wiring.force) == ("USB6211/ao1", "ai0")
+    assert world.wiring.signal_at("USB6211", "ao1") == "drive"
+    assert world.wiring.signal_at("usb6211", "ao1") == "drive"
+    assert world.wiring.signal_at("USB6211", "ao0") is None
+    assert world.wiring.signal_at("whatever", "ai0") == "force"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[boards]\n", ["boards", "at least 1"]),
+        ("[boards]\nDev1 = 6211", ["boards.Dev1 = 6211", "string"]),
+        ('[wiring]\ndrive = "ai0"', ["wiring.drive = 'ai0'"]),
+        ('[wiring]\nforce = "Dev1 ai0"', ["wiring.force = 'Dev1 ai0'"]),
+        ('[wiring]\nforce = "ai1"', ["wiring", "a terminal each"]),
+        ('[wiring]\nfocre = "ai1"', ["wiring.focre", "not a key"]),
+    ],
+)
+def test_wrong_boards_and_wiring_are_refused_in_words(
+    tmp_path: Path, text: str, words: list[str]
+) -> None:
+    test_a_wrong_world_is_refused_in_words(tmp_path, text, words)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[boards]\nDev1 = "USB-6212"', r"\[boards\] Dev1: .*'USB-6212'.*'USB-6211'"),
+        ('[boards]\n"a,b" = "USB-6211"', r"'a,b' is not a device's name"),
+        ('[wiring]\nforce = "Dev1/ai0"', r"\[wiring\] force = 'Dev1/ai0': none of the boards"),
+        ('[wiring]\ndrive = "PCI6034E/ao0"', r"\[wiring\] drive = 'PCI6034E/ao0': none"),
+    ],
+)
+def test_boards_that_are_not_simulated_and_terminals_that_are_not_there_are_refused(
+    tmp_path: Path, text: str, said: str
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    clock = VirtualClock()
+    with pytest.raises(WorldError, match=said):
+        boards_of(World(load_world(path), clock), clock)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_hardware.world import load_world
-from sim_hardware.world.contact import ContactState
+from sim_hardware.world.chain.contact import ContactState
 from sim_hardware.world.setup import MountedSheet, Scatter
 
 
@@ -15,7 +15,9 @@ from sim_hardware.world.setup import MountedSheet, Scatter
 def test_the_table_agrees_with_the_chain_to_a_nanonewton(
     configuration: str, position_m: float
 ) -> None:
-    setup = MountedSheet(load_world(), configuration, position_m, Scatter())
+    setup = MountedSheet(
+        settings=load_world(), configuration=configuration, position_m=position_m, scatter=Scatter()
+    )
     drives = np.linspace(-0.97, 1.22, 23)
     assert not setup.slipped(drives).any()
     forces_N = setup.stiffness_Nm2 * setup.cell_force_per_m2(drives)
@@ -34,8 +36,13 @@ def test_the_table_agrees_with_the_chain_to_a_nanonewton(
 def test_force_scales_with_stiffness_when_the_moment_does_too() -> None:
     settings = load_world()
     drives = np.array([-0.8, 0.0, 1.0])
-    thin = MountedSheet(settings, "long", 0.01, Scatter())
-    thick = MountedSheet(settings, "long", 0.01, Scatter(eibm=1.7, stiffness=1.7))
+    thin = MountedSheet(settings=settings, configuration="long", position_m=0.01, scatter=Scatter())
+    thick = MountedSheet(
+        settings=settings,
+        configuration="long",
+        position_m=0.01,
+        scatter=Scatter(eibm=1.7, stiffness=1.7),
+    )
     ratio = (thick.stiffness_Nm2 * thick.cell_force_per_m2(drives * thick.drive_share)) / (
         thin.stiffness_Nm2 * thin.cell_force_per_m2(drives * thin.drive_share)
     )
@@ -43,7 +50,9 @@ def test_force_scales_with_stiffness_when_the_moment_does_too() -> None:
 
 
 def test_the_table_ends_where_the_sheet_slips_out() -> None:
-    setup = MountedSheet(load_world(), "long", 0.03, Scatter())
+    setup = MountedSheet(
+        settings=load_world(), configuration="long", position_m=0.03, scatter=Scatter()
+    )
     drives = np.array([-3.0, -2.0, 0.0, 1.0])
     assert list(setup.slipped(drives)) == [True, True, False, False]
     edge = setup.held.lowest
@@ -63,8 +72,15 @@ def test_the_table_ends_where_the_sheet_slips_out() -> None:
 def test_misalignment_mixes_the_outward_force_in() -> None:
     settings = load_world()
     cell = settings.load_cell.model_copy(update={"misalignment_deg": 90.0 * 2 / 90})
-    turned = MountedSheet(settings.model_copy(update={"load_cell": cell}), "long", 0.03, Scatter())
-    straight = MountedSheet(settings, "long", 0.03, Scatter())
+    turned = MountedSheet(
+        settings=settings.model_copy(update={"load_cell": cell}),
+        configuration="long",
+        position_m=0.03,
+        scatter=Scatter(),
+    )
+    straight = MountedSheet(
+        settings=settings, configuration="long", position_m=0.03, scatter=Scatter()
+    )
     drive = np.array([0.3])
     along, outward = straight.held.forces_per_m2(drive)[:, 0]
     expected = along * np.cos(np.radians(2)) - outward * np.sin(np.radians(2))

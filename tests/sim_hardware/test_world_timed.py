@@ -47,7 +47,7 @@ def forces_mN(run: TimedRun, volts: float) -> np.ndarray:
 
 
 def test_a_run_holds_its_readings_in_order_with_curves_and_series() -> None:
-    run = one(load_world(), Visit("short", 0.01), series_hz=100.0)
+    run = one(load_world(), Visit(configuration="short", position_m=0.01), series_hz=100.0)
     assert [r.index for r in run.readings] == list(range(9))
     assert [r.kind for r in run.readings] == ["zero"] * 3 + ["discarded"] * 2 + ["kept"] * 4
     assert [r.voltage_V for r in run.readings] == [0, 0, 0, 2, -2, 2, -2, 2, -2]
@@ -68,7 +68,7 @@ def test_it_agrees_with_the_session_in_which_everything_is_settled() -> None:
         water__first_pulse_deficit=0.0, water__stiffening_per_min=0.0,
         water__weakening_per_min=0.0, eibm__build_up_s=1e-3, load_cell__hysteresis_mN=0.0,
     )  # fmt: skip
-    run = one(settings, Visit("long", 0.005), errors=EXACT)
+    run = one(settings, Visit(configuration="long", position_m=0.005), errors=EXACT)
     settled = reduced_session(settings, 1, ("long",), (0.005,), curve_errors=EXACT)
     for c in settled.conditions:
         assert forces_mN(run, c.voltage_V)[-1] == pytest.approx(c.forces_N[0] * 1e3, abs=1e-4)
@@ -78,7 +78,7 @@ def test_it_agrees_with_the_session_in_which_everything_is_settled() -> None:
 def test_its_noise_is_that_of_the_cell_and_readings_are_made_of_the_series() -> None:
     settings = world(load_cell__noise_mN=0.1, load_cell__hum_mN=0.0)
     train = Train(zero_readings=40, kept=1)
-    run = one(settings, Visit("long", 0.0), train, series_hz=200.0)
+    run = one(settings, Visit(configuration="long", position_m=0.0), train, series_hz=200.0)
     still = (run.time_s > 0.1) & (run.time_s < 23.9)
     assert np.std(run.force_N[still]) * 1e3 == pytest.approx(0.1 / np.sqrt(5), rel=0.05)
     zeros = forces_mN(run, 0.0)
@@ -90,7 +90,10 @@ def test_its_noise_is_that_of_the_cell_and_readings_are_made_of_the_series() -> 
 
 
 def test_the_same_seed_gives_the_same_session() -> None:
-    visits = [Visit("short", 0.0), Visit("short", None)]
+    visits = [
+        Visit(configuration="short", position_m=0.0),
+        Visit(configuration="short", position_m=None),
+    ]
     first, again = (timed_session(load_world(seed=4), visits, train=SHORT) for _ in range(2))
     other = timed_session(load_world(seed=5), visits, train=SHORT)
     for a, b, c in zip(first, again, other, strict=True):
@@ -101,7 +104,8 @@ def test_the_same_seed_gives_the_same_session() -> None:
 
 def test_what_the_picture_shows_late_is_the_pulse_before() -> None:
     now, late = (
-        one(world(frame_delay_s=s), Visit("short", None), errors=EXACT) for s in (0.0, 0.6)
+        one(world(frame_delay_s=s), Visit(configuration="short", position_m=None), errors=EXACT)
+        for s in (0.0, 0.6)
     )
     tip = [run.curves_m[2.0][-1, 1] for run in (now, late)]
     before = now.curves_m[-2.0][-1, 1]
@@ -110,8 +114,8 @@ def test_what_the_picture_shows_late_is_the_pulse_before() -> None:
 
 def test_a_set_up_gone_wrong_is_as_it_was_said_to_be() -> None:
     odd = Scatter(eibm=0.5, position_m=1e-3)
-    run = one(world(), Visit("short", 0.004, odd=odd))
-    moved = one(world(), Visit("short", 0.005))
+    run = one(world(), Visit(configuration="short", position_m=0.004, odd=odd))
+    moved = one(world(), Visit(configuration="short", position_m=0.005))
     assert forces_mN(run, 0.0)[0] == pytest.approx(forces_mN(moved, 0.0)[0], abs=0.01)
     swing = [np.ptp([forces_mN(r, 2.0)[-1], forces_mN(r, -2.0)[-1]]) for r in (run, moved)]
     assert swing[0] == pytest.approx(swing[1] / 2, rel=0.01)
@@ -120,7 +124,9 @@ def test_a_set_up_gone_wrong_is_as_it_was_said_to_be() -> None:
 def test_a_load_cell_with_hysteresis_knows_from_which_side_it_came() -> None:
     settings = world(load_cell__hysteresis_mN=0.05, load_cell__hysteresis_reach_mN=0.05)
     at_mN = [
-        forces_mN(one(settings, Visit("short", 0.015, approach=side)), 0.0)[0]
+        forces_mN(
+            one(settings, Visit(configuration="short", position_m=0.015, approach=side)), 0.0
+        )[0]
         for side in ("up", "down")
     ]
     # The force falls with the position: from below the cell has been let go, and shows too much.
@@ -133,6 +139,10 @@ def test_a_series_has_whole_blocks_of_samples() -> None:
 
 
 def test_a_position_that_cannot_be_held_is_left_out() -> None:
-    runs = timed_session(world(), [Visit("long", 0.06), Visit("long", 0.0)], train=SHORT)
+    runs = timed_session(
+        world(),
+        [Visit(configuration="long", position_m=0.06), Visit(configuration="long", position_m=0.0)],
+        train=SHORT,
+    )
     assert [run.visit.position_m for run in runs] == [0.0]
     assert runs[0].start_s == SHORT.run_s + SHORT.wet_s

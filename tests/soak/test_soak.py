@@ -12,7 +12,7 @@ from benchmarks.soak import figures, soak, summary
 MEDIAN_S = 0.3  # from a kill to 0 V
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.alone
 @pytest.mark.timeout(900)
 @pytest.mark.skipif(sys.platform != "linux", reason="stray processes are looked for in /proc")

@@ -1,1 +1,5 @@
-"""NI boards, local or behind a gRPC device server."""
+"""National Instruments boards: of this computer, or behind an NI gRPC Device Server."""
+
+from drivers.boards.ni.family import BOARDS
+
+__all__ = ["BOARDS"]

@@ -91,7 +91,7 @@ def camera(
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
-    from labrig.vision.calibration.drawing import write_calibration_picture
+    from labrig.vision.calibration.drawing import write_calibration_image
 
     images = [read_image(path) for path in pictures]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
@@ -107,9 +107,9 @@ def camera(
             clamp_px=(clamp_u, clamp_v),
             along_px=None if along is None else (along[0], along[1]),
         )
-    _tell(found, output)
+    _report(found, output)
     picture = output.with_suffix(".png")
-    write_calibration_picture(picture, images[0], found.optics)
+    write_calibration_image(picture, images[0], found.optics)
     say(f"wrote {picture}: look whether its lines run along the board's")
 
 
@@ -143,7 +143,7 @@ def _numbers(text: str, option: str, count: int) -> list[float]:
     return values
 
 
-def _tell(found: Calibration, output: Path) -> None:
+def _report(found: Calibration, output: Path) -> None:
     optics = found.optics
     say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
     if found.residual_px:

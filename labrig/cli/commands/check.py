@@ -42,7 +42,7 @@ def check(
 
 
 def _short(text: str) -> str:
-    """What fits into a table; a long fault stands below it, too, and there in full."""
+    """Return what fits into a table; the whole of a long fault is printed below it."""
     return text if len(text) < 70 else "see below"
 
 

@@ -52,7 +52,7 @@ def curves(
     """Find the neutral curve of a clamped strip in pictures.
 
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
-    what --optics and --sheet name. A picture without a curve is told with its reason, not an error.
+    what --optics and --sheet name. A picture without a curve is no error: its reason is printed.
     """
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
@@ -114,11 +114,11 @@ def _pictures(
 def _summary(curve: NeutralCurve) -> str:
     if not curve.ok:
         return f"no curve: {curve.why}"
-    told = "; ".join(curve.warnings)
+    warnings = "; ".join(curve.warnings)
     return (
         f"{1e3 * curve.s_m[-1]:.1f} mm, tip at ({1e3 * curve.x_m[-1]:+.2f}, "
         f"{1e3 * curve.y_m[-1]:+.2f}) mm, covered {curve.covered:.0%}, "
-        f"residual {curve.residual_px:.3f} px{'; ' + told if told else ''}"
+        f"residual {curve.residual_px:.3f} px{'; ' + warnings if warnings else ''}"
     )
 
 
@@ -156,7 +156,7 @@ def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) 
             sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
         else:
             points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
-            say(f"{name}: {points}{_by_frame_told(c)}{_contact_told(c.contact)}")
+            say(f"{name}: {points}{_by_frame_text(c)}{_contact_text(c.contact)}")
     for text in measurements.warnings:
         warn(f"warning: {text}")
     if output is not None:
@@ -165,7 +165,7 @@ def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) 
 
 
 def _by_frame(condition: Condition) -> FrameAverage | None:
-    """The other way to a condition's curve: that of each frame, averaged."""
+    """Average the curves of a condition's frames: the other path to its curve."""
     from labrig.analysis.curves import MEAN_OF
     from labrig.vision import average_of_frames
 
@@ -173,14 +173,14 @@ def _by_frame(condition: Condition) -> FrameAverage | None:
     return average_of_frames([r.curve for r in counts if r.curve is not None])
 
 
-def _by_frame_told(condition: Condition) -> str:
+def _by_frame_text(condition: Condition) -> str:
     average = _by_frame(condition)
     if average is None:
         return ""
-    told = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
+    text = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
     if condition.curve is not None:
-        told += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
-    return told
+        text += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
+    return text
 
 
 def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
@@ -198,7 +198,7 @@ def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
     }
 
 
-def _contact_told(contact: Contact | None) -> str:
+def _contact_text(contact: Contact | None) -> str:
     if contact is None:
         return ""
     how = "" if contact.rolls_m else " (no rolls seen; where it crosses the arc)"

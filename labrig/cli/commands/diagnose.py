@@ -60,7 +60,7 @@ def diagnose(
     What is found is kept in the (first) session; labrig report shows it, too.
     """
     from labrig.analysis.holding_out import held_out
-    from labrig.experiment.next_protocol import with_protocol
+    from labrig.experiment.next_measurement.next_protocol import with_protocol
     from model.discrepancy import DiagnoseOptions
     from model.effects import effect
 

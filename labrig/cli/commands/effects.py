@@ -13,7 +13,7 @@ from labrig.cli.screen import print_json, say
 
 
 def list_effects(context: typer.Context, as_json: Json = False) -> None:
-    """The catalogue of effects that diagnose knows."""
+    """List the effects that diagnose knows."""
     from labrig.report.tables.effects import catalogue_table, effect_as_dict
     from model.effects import catalogue
 
@@ -30,7 +30,7 @@ def list_effects(context: typer.Context, as_json: Json = False) -> None:
 def show_effect(
     name: Annotated[str, typer.Argument(help="an effect's name")], as_json: Json = False
 ) -> None:
-    """An effect: what it is, its form, how it shows, and what isolates it."""
+    """Show an effect: what it is, its form, how it shows, and what isolates it."""
     from labrig.report.tables.effects import effect_as_dict, effect_lines, parameter_table
     from model.effects import effect
 

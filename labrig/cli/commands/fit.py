@@ -98,8 +98,8 @@ def fit(
     )  # fmt: skip
     if figures is not None:
         make_folder(figures)
-    taken = _take(sessions, apart)
-    measurements = only(taken.measurements, configuration or [])
+    measured = _measured(sessions, apart)
+    measurements = only(measured.measurements, configuration or [])
     options = replace(options, held_out=_held_out(hold_out or [], measurements))
     found = fitted_of(", ".join(map(str, sessions)), measurements, options)
     written = []
@@ -111,22 +111,22 @@ def fit(
     if as_json:
         print_json(found.to_json())
         return
-    _print(found, measurements, taken.sessions if by_run else None)
+    _print(found, measurements, measured.sessions if by_run else None)
     for path in written:
         say(f"wrote {path}")
 
 
 @dataclass(frozen=True)
-class _Taken:
-    """What was measured in all sessions, and which of several each run is from."""
+class _Measured:
+    """The measurements of all sessions, and which of several sessions each run is from."""
 
     measurements: Measurements
     sessions: dict[Run, str]
 
 
-def _take(paths: list[Path], apart: bool) -> _Taken:
+def _measured(paths: list[Path], apart: bool) -> _Measured:
     from labrig.analysis.together import together
-    from labrig.report.data.findings import measured
+    from labrig.report.data.findings import measured as of_session
     from labrig.report.data.separate_sessions import apart as taken_apart
     from labrig.report.data.separate_sessions import labels
     from labrig.report.tables.mountings import sessions_of_runs
@@ -135,16 +135,16 @@ def _take(paths: list[Path], apart: bool) -> _Taken:
     if apart and len(paths) == 1:
         raise BadInputError("--apart: give several sessions to be kept apart.")
     with progress("analyze") as advance:
-        parts = [measured(path, advance, warn) for path in paths]
+        parts = [of_session(path, advance, warn) for path in paths]
     if apart:
-        return _Taken(taken_apart(parts, names), {})
+        return _Measured(taken_apart(parts, names), {})
     whole = together(list(zip(paths, parts, strict=True)))
     known = sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
-    return _Taken(whole, known)
+    return _Measured(whole, known)
 
 
 def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
-    """Configuration and position of all that is to be left out."""
+    """Return configuration and position of each condition to leave out."""
     from labrig.analysis.holding_out import SAME_M, held_out
 
     wanted = held_out(texts, measurements)
@@ -161,7 +161,7 @@ def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, 
 
 
 def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:
-    """Everything that was found; `sessions` is given where each set-up is asked for."""
+    """Print the whole fit; with `sessions` each set-up, too."""
     from labrig.report.tables.fit import trust
 
     for table in _tables(fit, measurements, sessions):

@@ -43,7 +43,7 @@ def next_measurement(
     as_json: Json = False,
 ) -> None:
     """Say which further measurement tells two effects apart, and write its protocol."""
-    from labrig.experiment.next_protocol import protocol_text
+    from labrig.experiment.next_measurement.next_protocol import protocol_text
     from labrig.report.diagnosis.tables import next_told
     from model.discrepancy import DiagnoseOptions
     from model.discrepancy import next_measurement as find

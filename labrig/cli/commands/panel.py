@@ -12,7 +12,7 @@ from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from labrig.panel.server.settings import PanelSettings
+    from labrig.panel.access.settings import PanelSettings
 
 _PORT = 8720
 
@@ -63,7 +63,7 @@ def panel(
 def _settings(
     what: Path | None, data: Path | None, model: Path | None, host: str, port: int
 ) -> PanelSettings:
-    from labrig.panel.server.settings import PanelSettings
+    from labrig.panel.access.settings import PanelSettings
 
     if what is None and Path("rig.toml").is_file():
         what = Path("rig.toml")
@@ -89,7 +89,7 @@ def _settings(
 
 
 def _require_readable(session: Path | None, model: Path | None) -> None:
-    """Raises BadInputError, in the words of whoever would meet the file later."""
+    """Raise BadInputError, as reading the file later would, if it cannot be read."""
     if session is not None:
         from labrig.session import open_session
 
@@ -105,7 +105,7 @@ def _with_tls(
 ) -> PanelSettings:
     from dataclasses import replace
 
-    from labrig.panel.server.settings import LOOPBACK
+    from labrig.panel.access.settings import LOOPBACK
 
     if (certificate is None) != (key is None):
         raise BadInputError("--certificate and --key belong together; give both.")

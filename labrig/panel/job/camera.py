@@ -52,4 +52,4 @@ def _show_all(
         frames = camera.frames()
         if frames:
             frame = frames[-1]
-            host.feed.tell_picture(raw_picture(frame, frame.time_s - begun_s, None, None))
+            host.stream.publish_picture(raw_picture(frame, frame.time_s - begun_s, None, None))

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Protocol
 
-from labrig.panel.live.packing import BrokenLinkError, Header, pack, receive, send
+from labrig.panel.live.packing import BrokenConnectionError, Header, pack, receive, send
 
 GREETING_S = 2.0
 ASK_S = 3.0
@@ -41,13 +41,13 @@ Do = Callable[[Header], Header | None]
 class JobConnectionServer:
     """The job's side. `do` is called with what is asked, in the asker's thread."""
 
-    def __init__(self, do: Do, teller: Callable[[str], Publisher]) -> None:
+    def __init__(self, do: Do, publisher: Callable[[str], Publisher]) -> None:
         self._do = do
-        self._teller = teller
+        self._publisher = publisher
         self.key = secrets.token_urlsafe(24)
         self._socket = socket.create_server((HERE, 0))
         self.port: int = self._socket.getsockname()[1]
-        self._tellers: dict[Publisher, threading.Thread] = {}
+        self._publishers: dict[Publisher, threading.Thread] = {}
         self._lock = threading.Lock()
         threading.Thread(target=self._accept, name="link", daemon=True).start()
 
@@ -55,10 +55,10 @@ class JobConnectionServer:
         """Let everybody hear the end, as far as they listen."""
         self._socket.close()
         with self._lock:
-            tellers = dict(self._tellers)
-        for teller in tellers:
-            teller.close()
-        for thread in tellers.values():
+            publishers = dict(self._publishers)
+        for publisher in publishers:
+            publisher.close()
+        for thread in publishers.values():
             thread.join(timeout_s)
 
     def _accept(self) -> None:
@@ -67,7 +67,7 @@ class JobConnectionServer:
                 connection, _ = self._socket.accept()
             except OSError:
                 return
-            if len(self._tellers) >= MOST_LISTENERS:
+            if len(self._publishers) >= MOST_LISTENERS:
                 connection.close()
                 continue
             threading.Thread(
@@ -75,7 +75,7 @@ class JobConnectionServer:
             ).start()
 
     def _serve(self, connection: socket.socket) -> None:
-        with suppress(OSError, BrokenLinkError), connection:
+        with suppress(OSError, BrokenConnectionError), connection:
             role = self._greet(connection)
             if role is None:
                 return
@@ -87,19 +87,19 @@ class JobConnectionServer:
                 with lock:
                     send(connection, packed)
 
-            teller = self._teller(role)
+            publisher = self._publisher(role)
             thread = threading.Thread(
-                target=_told, args=(teller, connection, send_it), name="link-tell", daemon=True
+                target=_told, args=(publisher, connection, send_it), name="link-tell", daemon=True
             )
             with self._lock:
-                self._tellers[teller] = thread
+                self._publishers[publisher] = thread
             thread.start()
             try:
                 self._hear(connection, send_it)
             finally:
-                teller.close()
+                publisher.close()
                 with self._lock:
-                    self._tellers.pop(teller, None)
+                    self._publishers.pop(publisher, None)
 
     def _greet(self, connection: socket.socket) -> str | None:
         connection.settimeout(GREETING_S)
@@ -116,9 +116,11 @@ class JobConnectionServer:
             send_it(pack({**answer, "type": "reply", "ask": asked.get("ask")}))
 
 
-def _told(teller: Publisher, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
+def _told(
+    publisher: Publisher, connection: socket.socket, send_it: Callable[[bytes], None]
+) -> None:
     try:
-        teller.run(send_it)
+        publisher.run(send_it)
     except OSError:
         pass
     finally:
@@ -151,20 +153,20 @@ class JobConnection:
         threading.Thread(target=self._listen, name=f"link-{role}", daemon=True).start()
 
     def ask(self, what: Header, timeout_s: float = ASK_S) -> Header:
-        """Ask for something and wait for the answer. Raises BrokenLinkError."""
+        """Ask for something and wait for the answer. Raises BrokenConnectionError."""
         number, answer = next(self._numbers), _Answer()
         self._waiting[number] = answer
         try:
             with self._lock:
                 send(self._connection, pack({**what, "ask": number}))
             if not answer.came.wait(timeout_s):
-                raise BrokenLinkError(f"no answer came in {timeout_s:g} s")
+                raise BrokenConnectionError(f"no answer came in {timeout_s:g} s")
         except OSError as error:
-            raise BrokenLinkError(str(error)) from None
+            raise BrokenConnectionError(str(error)) from None
         finally:
             self._waiting.pop(number, None)
         if answer.header is None:
-            raise BrokenLinkError("the other side has gone")
+            raise BrokenConnectionError("the other side has gone")
         return answer.header
 
     def close(self) -> None:
@@ -175,7 +177,7 @@ class JobConnection:
 
     def _listen(self) -> None:
         try:
-            with suppress(OSError, BrokenLinkError):
+            with suppress(OSError, BrokenConnectionError):
                 while True:
                     self._take(*receive(self._connection))
         finally:

@@ -22,9 +22,9 @@ from protocols.execution.states import RunState
 class Follower:
     """Subscribe to a run's events. `asks_itself`: whoever asks a prompt publishes it."""
 
-    def __init__(self, feed: EventStream, scribe: MessageEncoder, *, asks_itself: bool) -> None:
-        self._feed = feed
-        self._scribe = scribe
+    def __init__(self, stream: EventStream, encoder: MessageEncoder, *, asks_itself: bool) -> None:
+        self._stream = stream
+        self._encoder = encoder
         self._left_out: tuple[type, ...] = ()
         if asks_itself:
             self._left_out = (ev.OperatorAsked, ev.OperatorAnswered)
@@ -48,10 +48,10 @@ class Follower:
             self.going = False
         self._note(event)
         if not isinstance(event, self._left_out):
-            message = self._scribe.message(event)
+            message = self._encoder.message(event)
             if message is not None:
-                self._feed.tell(message)
-        self.tell_state()
+                self._stream.publish(message)
+        self.publish_state()
         if isinstance(event, ev.SignalsArrived):
             self._signals(event)
         if isinstance(event, ev.ReadingTaken) and self._preview is None and event.frame is not None:
@@ -68,14 +68,14 @@ class Follower:
         elif isinstance(event, ev.VoltageSet):
             self._sheet_V = event.write.sheet_V
 
-    def tell_state(self) -> None:
+    def publish_state(self) -> None:
         """What the scheduler does, when it has changed; its last state comes after all events."""
         if self.scheduler is None:
             return
         status = self.scheduler.status
         if (status.state, status.run) != self._state:
             self._state = (status.state, status.run)
-            self._feed.tell({"type": "state", "state": status.state.value, "run": status.run})
+            self._stream.publish({"type": "state", "state": status.state.value, "run": status.run})
 
     def _signals(self, event: ev.SignalsArrived) -> None:
         if self._rig is None or self._run is None or self._envelope is None:
@@ -94,9 +94,9 @@ class Follower:
         )
         strip = self._envelope.add(samples)
         if strip is not None:
-            self._feed.tell_strip(strip)
+            self._stream.publish_strip(strip)
 
     def _picture(self, frame: Frame, voltage_V: float) -> None:
         run = None if self._run is None else self._run.run
-        time_s = self._scribe.since_begin(frame.time_s)
-        self._feed.tell_picture(raw_picture(frame, time_s, run, voltage_V))
+        time_s = self._encoder.since_begin(frame.time_s)
+        self._stream.publish_picture(raw_picture(frame, time_s, run, voltage_V))

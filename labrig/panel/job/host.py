@@ -11,7 +11,7 @@ from typing import Any
 from labrig.errors import LabrigError
 from labrig.panel.job.connection import JobConnectionServer
 from labrig.panel.job.order import Order
-from labrig.panel.job.registry import JobAddress, write_place
+from labrig.panel.job.registry import JobAddress, write_address
 from labrig.panel.live.event_stream import EventStream, Mail, Mailbox, Message
 from labrig.panel.live.packing import Header, pack
 
@@ -26,10 +26,10 @@ class Host:
 
     def __init__(self, order: Order) -> None:
         self.order = order
-        self.feed = EventStream()
+        self.stream = EventStream()
         self._handlers: dict[str, Handler] = {}
-        self._server = JobConnectionServer(self._do, self._teller)
-        self.place = JobAddress(
+        self._server = JobConnectionServer(self._do, self._publisher)
+        self.address = JobAddress(
             id=order.id,
             kind=order.kind,
             by=order.by,
@@ -40,8 +40,8 @@ class Host:
             port=self._server.port,
             key=self._server.key,
         )
-        self.feed.tell(self.place.message())
-        write_place(Path(order.data), self.place)
+        self.stream.publish(self.address.message())
+        write_address(Path(order.data), self.address)
 
     def on(self, what: str, handler: Handler) -> None:
         """Do this when asked for `what`. A LabrigError is the asker's answer."""
@@ -49,13 +49,13 @@ class Host:
 
     def tell(self, message: Message) -> None:
         """To all who follow."""
-        self.feed.tell(message)
+        self.stream.publish(message)
 
     def end(self, code: int, text: str) -> None:
         """Say how it ended, here and in the file, and let everybody hear it."""
-        self.place = self.place.ended(code, text)
-        write_place(Path(self.order.data), self.place)
-        self.feed.tell(self.place.message())
+        self.address = self.address.ended(code, text)
+        write_address(Path(self.order.data), self.address)
+        self.stream.publish(self.address.message())
         self._server.close(_FAREWELL_S)
 
     def _do(self, asked: Header) -> Header:
@@ -70,23 +70,23 @@ class Host:
             return {"error": f"what was asked cannot be understood ({error!r})."}
         return {}
 
-    def _teller(self, role: str) -> EventStreamPublisher:
-        return EventStreamPublisher(self.feed, _FOR_STOP if role == "stop" else None)
+    def _publisher(self, role: str) -> EventStreamPublisher:
+        return EventStreamPublisher(self.stream, _FOR_STOP if role == "stop" else None)
 
 
 class EventStreamPublisher:
     """Sends what a feed tells; `only`: messages of these types and nothing else."""
 
-    def __init__(self, feed: EventStream, only: frozenset[str] | None = None) -> None:
-        self._feed = feed
+    def __init__(self, stream: EventStream, only: frozenset[str] | None = None) -> None:
+        self._stream = stream
         self._only = only
         self._news = threading.Event()
         self._closed = False
         self._box = Mailbox(self._news.set)
 
     def run(self, send_it: Callable[[bytes], None]) -> None:
-        """See `link.Teller`."""
-        self._feed.join(self._box)
+        """See `link.Publisher`."""
+        self._stream.join(self._box)
         try:
             while True:
                 closed = self._closed  # first, so that what came before is sent
@@ -98,10 +98,10 @@ class EventStreamPublisher:
                     return
                 self._news.wait()
         finally:
-            self._feed.leave(self._box)
+            self._stream.leave(self._box)
 
     def close(self) -> None:
-        """See `link.Teller`."""
+        """See `link.Publisher`."""
         self._closed = True
         self._news.set()
 

@@ -9,15 +9,15 @@ from contextlib import suppress
 from pathlib import Path
 
 from labrig.errors import LabrigError
+from labrig.panel.errors import NotNowError, UnreachableError
 from labrig.panel.job import Order
 from labrig.panel.job.connection import JobConnection
-from labrig.panel.job.processes import detached, module_environment
-from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, hidden_folder, read_place
+from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, hidden_folder, read_address
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
-from labrig.panel.live.packing import BrokenLinkError, Header
+from labrig.panel.live.packing import BrokenConnectionError, Header
 from labrig.panel.live.strip_chart import strip_from
-from labrig.panel.server.errors import NotNowError, UnreachableError
+from labrig.panel.processes import detached, module_environment
 from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
 
 LOOK_S = 0.3
@@ -31,12 +31,12 @@ _LOST = (
 class Jobs:
     """One job at a time in a data folder. Its threads are the panel's, the job is nobody's."""
 
-    def __init__(self, data: Path, feed: EventStream, darkroom: FramePipeline) -> None:
+    def __init__(self, data: Path, stream: EventStream, frame_pipeline: FramePipeline) -> None:
         self._data = data
-        self._feed = feed
-        self._darkroom = darkroom
-        self._link: JobConnection | None = None
-        self._place: JobAddress | None = None
+        self._stream = stream
+        self._frame_pipeline = frame_pipeline
+        self._connection: JobConnection | None = None
+        self._address: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._guarded: str | None = None  # the job whose guard was heard last
         self._starting = False
@@ -47,18 +47,18 @@ class Jobs:
         self._thread.start()
 
     @property
-    def place(self) -> JobAddress | None:
+    def address(self) -> JobAddress | None:
         """The job that is going on, or the last one."""
-        return self._place
+        return self._address
 
     @property
     def going(self) -> bool:
         """Whether a job has the rig."""
-        return self._starting or (self._place is not None and self._place.state == GOING)
+        return self._starting or (self._address is not None and self._address.state == GOING)
 
     def message(self) -> Message | None:
         """The job as pages see it."""
-        return None if self._place is None else self._place.message()
+        return None if self._address is None else self._address.message()
 
     def start(self, order: Order) -> Message:
         """Start a job and wait until it can be followed. Raises NotNowError, LabrigError."""
@@ -78,19 +78,19 @@ class Jobs:
 
     def ask(self, what: Header) -> None:
         """Ask the job for something. Raises LabrigError with its answer, or that there is none."""
-        link = self._link
-        if link is None:
+        connection = self._connection
+        if connection is None:
             raise NotNowError("no job is going on.")
         try:
-            answer = link.ask(what)
-        except BrokenLinkError as error:
+            answer = connection.ask(what)
+        except BrokenConnectionError as error:
             raise UnreachableError(f"the job does not answer: {error}.") from None
         if answer.get("error"):
             raise NotNowError(str(answer["error"]))
 
     def note(self, who: str, what: str) -> None:
         """Into the session's log, if there is one going on."""
-        if self._link is not None:
+        if self._connection is not None:
             with suppress(LabrigError):
                 self.ask({"do": "note", "who": who, "what": what})
 
@@ -98,17 +98,17 @@ class Jobs:
         """Stop following; the job goes on."""
         self._closed = True
         self._changed.set()
-        if self._link is not None:
-            self._link.close()
+        if self._connection is not None:
+            self._connection.close()
         self._thread.join(2.0)
 
     # -------------------------------------------------------------------------- in threads of ours
 
     def _watch(self) -> None:
         while not self._closed:
-            if self._link is None:
+            if self._connection is None:
                 self._look()
-            self._hear_the_guard()
+            self._read_guard()
             if self._process is not None:
                 self._process.poll()  # so that a job of ours that has ended is no zombie
             self._changed.wait(LOOK_S)
@@ -116,93 +116,97 @@ class Jobs:
 
     def _look(self) -> None:
         """Whether there is a job to follow."""
-        found = read_place(self._data)
-        if found is None or (self._place is not None and found == self._place):
+        found = read_address(self._data)
+        if found is None or (self._address is not None and found == self._address):
             return
         if found.state == GOING:
-            if self._place is not None and self._place.id == found.id and self._place.state == LOST:
+            if (
+                self._address is not None
+                and self._address.id == found.id
+                and self._address.state == LOST
+            ):
                 return
-            self._place = found
+            self._address = found
             try:
-                self._link = JobConnection(
+                self._connection = JobConnection(
                     found.port, found.key, "panel", self._on_message, self._on_end
                 )
             except OSError:
                 self._lose(found)
             return
-        if self._place is None or self._place.id != found.id:
-            self._feed.tell_story([found.message()])  # it ended before we were there
-        self._place = found
+        if self._address is None or self._address.id != found.id:
+            self._stream.publish_story([found.message()])  # it ended before we were there
+        self._address = found
 
     def _on_message(self, header: Header, payload: memoryview) -> None:
         kind = header.get("type")
         if kind == "story":
             messages = header["messages"]
             setups = [m for m in messages if m["type"] == "setup"]
-            self._darkroom.know(setups[-1] if setups else None)
-            self._feed.tell_story([m for m in messages if m["type"] != "setup"])
+            self._frame_pipeline.know(setups[-1] if setups else None)
+            self._stream.publish_story([m for m in messages if m["type"] != "setup"])
         elif kind == "setup":
-            self._darkroom.know(header)
+            self._frame_pipeline.know(header)
         elif kind == "picture":
-            self._darkroom.put((header, bytes(payload)))
+            self._frame_pipeline.put((header, bytes(payload)))
         elif kind == "signals":
             with suppress(ValueError, KeyError):
-                self._feed.tell_strip(strip_from(header, payload))
+                self._stream.publish_strip(strip_from(header, payload))
         else:
             if kind == "job":
                 self._note_end(header)
-            self._feed.tell(header)
+            self._stream.publish(header)
 
     def _note_end(self, job: Header) -> None:
         """It has ended, though its process may still be saying so to others."""
-        place = self._place
-        if place is not None and job.get("id") == place.id and job.get("state") == ENDED:
-            self._place = place.ended(job.get("code"), str(job.get("text", "")))
+        address = self._address
+        if address is not None and job.get("id") == address.id and job.get("state") == ENDED:
+            self._address = address.ended(job.get("code"), str(job.get("text", "")))
 
     def _on_end(self) -> None:
-        place, self._link = self._place, None
-        found = read_place(self._data)
-        if found is not None and place is not None and found.id == place.id:
+        address, self._connection = self._address, None
+        found = read_address(self._data)
+        if found is not None and address is not None and found.id == address.id:
             if found.state == GOING:
                 self._lose(found)
             else:
-                self._place = found
+                self._address = found
         self._changed.set()
 
-    def _lose(self, place: JobAddress) -> None:
-        self._place = place.ended(None, _LOST, LOST)
-        messages = [m for m in self._feed.messages() if m["type"] != "job"]
-        self._feed.tell_story([*messages, self._place.message(), _output("unknown", _LOST)])
+    def _lose(self, address: JobAddress) -> None:
+        self._address = address.ended(None, _LOST, LOST)
+        messages = [m for m in self._stream.messages() if m["type"] != "job"]
+        self._stream.publish_story([*messages, self._address.message(), _output("unknown", _LOST)])
         self._guarded = None
-        self._hear_the_guard()
+        self._read_guard()
 
-    def _hear_the_guard(self) -> None:
+    def _read_guard(self) -> None:
         """What a job that hangs or is gone cannot tell: that the guard has written 0 V."""
-        place = self._place
-        if place is None or place.session is None or place.state == ENDED:
+        address = self._address
+        if address is None or address.session is None or address.state == ENDED:
             return
-        if self._guarded == place.id:
+        if self._guarded == address.id:
             return
-        report = read_guard_report(self._data / place.session)
+        report = read_guard_report(self._data / address.session)
         if report is None:
             return
-        self._guarded = place.id
-        if place.state == LOST:
-            self._place = place.ended(None, _told(report), LOST)
-            self._feed.tell(self._place.message())
+        self._guarded = address.id
+        if address.state == LOST:
+            self._address = address.ended(None, _told(report), LOST)
+            self._stream.publish(self._address.message())
         state = "safe" if report.is_safe else "unknown"
-        self._feed.tell({**_output(state, report.text), "by": "guard"})
+        self._stream.publish({**_output(state, report.text), "by": "guard"})
 
     def _wait_for(self, order: Order, process: subprocess.Popen[bytes]) -> None:
         """Until it is followed, or has ended."""
         waited = threading.Event()
         for _ in range(round(START_S / 0.05)):
             self._changed.set()
-            if self._place is not None and self._place.id == order.id:
+            if self._address is not None and self._address.id == order.id:
                 return
             ended = process.poll() is not None
             waited.wait(0.05)
-            if ended and (self._place is None or self._place.id != order.id):
+            if ended and (self._address is None or self._address.id != order.id):
                 raise LabrigError(f"the job did not start; see {self._data}/.labrig/job.log.")
         raise LabrigError(f"the job did not start in {START_S:g} s; is the computer overloaded?")
 

@@ -19,12 +19,12 @@ class PageOperator:
 
     def __init__(
         self,
-        scribe: MessageEncoder,
+        encoder: MessageEncoder,
         tell: Callable[[Message], None],
         stop: StopRequest,
         now: Callable[[], float],
     ) -> None:
-        self._scribe = scribe
+        self._encoder = encoder
         self._tell = tell
         self._stop = stop
         self._now = now
@@ -35,14 +35,14 @@ class PageOperator:
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
         with self._changed:
-            self._asking, message = self._scribe.asked(self._now(), prompt)
+            self._asking, message = self._encoder.asked(self._now(), prompt)
             self._answer = None
             self._tell(message)
             while self._answer is None and self._stop.level is StopLevel.NONE:
                 self._changed.wait(_LOOK_S)
             self._asking = None
             done = bool(self._answer)
-            self._tell(self._scribe.answered(self._now(), done))
+            self._tell(self._encoder.answered(self._now(), done))
             return done
 
     def answer(self, prompt: int, done: bool) -> str:

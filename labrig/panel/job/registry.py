@@ -57,19 +57,19 @@ def hidden_folder(data: Path) -> Path:
     return folder
 
 
-def place_path(data: Path) -> Path:
+def address_path(data: Path) -> Path:
     """Where the file is."""
     return data / HIDDEN / "job.json"
 
 
-def write_place(data: Path, place: JobAddress) -> None:
+def write_address(data: Path, address: JobAddress) -> None:
     """Write it, whole or not at all; only its owner can read it."""
     hidden_folder(data)
-    path = place_path(data)
+    path = address_path(data)
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
-            file.write(to_json(place))
+            file.write(to_json(address))
         _put(beside, path)
     except OSError as error:
         raise not_written(path, error) from None
@@ -86,10 +86,10 @@ def _put(beside: Path, path: Path) -> None:
     beside.replace(path)
 
 
-def read_place(data: Path) -> JobAddress | None:
+def read_address(data: Path) -> JobAddress | None:
     """The last job; None when there was none, or the file is no such file."""
     try:
-        with place_path(data).open("rb") as file:
+        with address_path(data).open("rb") as file:
             return from_json(JobAddress, file.read(65536))
     except (OSError, ValueError):
         return None

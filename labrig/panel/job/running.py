@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from labrig.errors import BadInputError, NotReadyError
-from labrig.experiment.networked_rig import served_rig
+from labrig.experiment.networked_rig import at_addresses, served_rig
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
 from labrig.experiment.rig import Rig
@@ -73,13 +72,7 @@ def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
         options = ["--world", str(rig.simulated.world)]
     record = hidden_folder(Path(order.data)) / "world_record.csv"
     with served_rig(record, plan.schedule.runs[0].configuration, options) as served:
-        update: dict[str, Any] = {"ni": rig.ni.model_copy(update={"address": served["grpc"]})}
-        if rig.camera is not None:
-            update["camera"] = rig.camera.model_copy(update={"source": served["camera"]})
-        if "stage" in served:
-            stage = {"kind": "zaber", "port": served["stage"]}
-            update["stage"] = rig.stage.model_copy(update=stage)
-        yield replace(plan, rig=rig.model_copy(update=update))
+        yield replace(plan, rig=at_addresses(rig, served))
 
 
 def _refuse_what_nobody_does(plan: Plan) -> None:
@@ -101,10 +94,10 @@ class _Run:
         self._plan = plan
         self._stop = StopRequest()
         self._hub = EventBus(threaded=not plan.rig.is_simulated)
-        scribe = MessageEncoder()
+        encoder = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
-        self._follower = Follower(host.feed, scribe, asks_itself=asks_itself)
-        self._person = PageOperator(scribe, host.tell, self._stop, self._now)
+        self._follower = Follower(host.stream, encoder, asks_itself=asks_itself)
+        self._person = PageOperator(encoder, host.tell, self._stop, self._now)
         self._rig = self._wired(plan)
         for name, handler in (
             ("stop", self._do_stop),
@@ -129,7 +122,7 @@ class _Run:
                 resumption=resumption,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
-        self._follower.tell_state()
+        self._follower.publish_state()
         return result
 
     def _wired(self, plan: Plan) -> Rig:

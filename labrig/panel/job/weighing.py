@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from drivers.force_sensors.calibration import CalibrationFit, fit_calibration
-from drivers.force_sensors.load_cell import CalibrationError
 from drivers.interfaces import RealClock
+from drivers.load_cell import CalibrationError
+from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.load_cell_calibration import weigh, write_calibration
 from labrig.experiment.preflight import plan_of
@@ -30,14 +30,14 @@ def weigh_all(host: Host) -> tuple[int, str]:
         raise BadInputError("a rig.toml is needed to weigh.")
     plan = plan_of(Path(host.order.rig))
     loads_N = [load / 1000 for load in host.order.loads_mN]
-    scribe, stop = MessageEncoder(), StopRequest()
-    person = PageOperator(scribe, host.tell, stop, RealClock().now)
+    encoder, stop = MessageEncoder(), StopRequest()
+    person = PageOperator(encoder, host.tell, stop, RealClock().now)
     host.on("answer", lambda asked: person.answer(int(asked["prompt"]), bool(asked["done"])))
     host.on("stop", lambda asked: stop.request(StopLevel.NOW, str(asked.get("why", ""))))
 
     def of_simulated_person(event: Event) -> None:
         """Who answers by themselves; what they were asked is shown all the same."""
-        message = scribe.message(event) if plan.rig.is_simulated else None
+        message = encoder.message(event) if plan.rig.is_simulated else None
         if message is not None:
             host.tell(message)
 

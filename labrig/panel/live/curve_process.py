@@ -20,7 +20,7 @@ from labrig.model_file import load_model
 from labrig.panel.live.event_stream import Message
 from labrig.panel.live.frames import image_of
 from labrig.panel.live.optics_message import optics_of, strips_of
-from labrig.panel.live.packing import BrokenLinkError, pack, read, write
+from labrig.panel.live.packing import BrokenConnectionError, pack, read, write
 from labrig.vision import NeutralCurve, Optics, StripGeometry, Tracker
 from model import ModelError, SheetModel, predict, predict_free
 
@@ -130,7 +130,7 @@ def main() -> None:
         os.nice(10)
     finder = Finder()
     source, sink = sys.stdin.buffer, sys.stdout.buffer
-    with suppress(BrokenLinkError, OSError, KeyboardInterrupt):
+    with suppress(BrokenConnectionError, OSError, KeyboardInterrupt):
         while True:
             header, payload = read(source)
             if header["type"] == "setup":

@@ -1,8 +1,8 @@
-"""What is known of a job so far, and mailboxes for those who follow it.
+"""What is known of a job so far, and mailboxes for its subscribers.
 
-The same on both sides of a link: the job keeps a feed for panels, a panel keeps one for pages.
-Nobody who follows can hold back whoever tells: a mailbox has a bound, and one place for each thing
-of which only the newest counts. Whoever falls behind is told the story anew.
+The same on both sides of a job connection: the job keeps a stream for panels, a panel keeps one for
+pages. No subscriber holds up a publisher: a mailbox has a bound, and one slot for each kind of
+message of which only the newest counts. A subscriber that falls behind gets the whole story again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MOST_STORY = 200_000  # beyond this the oldest single voltages are left out
 CURVE = "curve"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Mail:
     """What a follower is given: in this order, each part perhaps empty."""
 
@@ -95,11 +95,11 @@ class Mailbox:
         """All that waits; None when nothing does."""
         with self._lock:
             found = Mail(
-                self._story,
-                self._messages,
-                self._strips.pop(0) if self._strips else None,
-                list(self._newest.values()),
-                self._picture,
+                story=self._story,
+                messages=self._messages,
+                strip=self._strips.pop(0) if self._strips else None,
+                newest=list(self._newest.values()),
+                picture=self._picture,
             )
             self._story, self._messages, self._picture, self._newest = None, [], None, {}
         return None if found == Mail() else found
@@ -128,7 +128,7 @@ class EventStream:
             if box in self._boxes:
                 self._boxes.remove(box)
 
-    def tell(self, message: Message) -> None:
+    def publish(self, message: Message) -> None:
         """Something happened."""
         with self._lock:
             self._story.append(message)
@@ -139,28 +139,28 @@ class EventStream:
                 if box.behind:
                     self._retell(box)
 
-    def tell_newest(self, message: Message) -> None:
+    def publish_newest(self, message: Message) -> None:
         """Something of which only the last one counts."""
         with self._lock:
             self._newest[message["type"]] = message
             for box in self._boxes:
                 box.put_newest(message)
 
-    def tell_strip(self, strip: StripChart) -> None:
+    def publish_strip(self, strip: StripChart) -> None:
         """Signals."""
         with self._lock:
             self._strips = joined([*self._strips, strip])[-1:]
             for box in self._boxes:
                 box.put_strip(strip)
 
-    def tell_picture(self, picture: Picture) -> None:
+    def publish_picture(self, picture: Picture) -> None:
         """A picture."""
         with self._lock:
             self._picture = picture
             for box in self._boxes:
                 box.put_picture(picture)
 
-    def tell_story(self, messages: list[Message]) -> None:
+    def publish_story(self, messages: list[Message]) -> None:
         """Everything anew: another job, or the same one found again."""
         with self._lock:
             self._story = deque(messages)

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from drivers.interfaces import GreyImage
-from labrig.panel.job.processes import module_environment
 from labrig.panel.live.event_stream import EventStream, Message, Picture
 from labrig.panel.live.frames import image_of, jpeg_picture
-from labrig.panel.live.packing import BrokenLinkError, pack, read, write
+from labrig.panel.live.packing import BrokenConnectionError, pack, read, write
+from labrig.panel.processes import module_environment
 
 _RESTARTS = 3  # of a curve process that dies; then there are no curves any more
 Item = TypeVar("Item")
@@ -54,8 +54,8 @@ class FrameSlot(Generic[Item]):
 class FramePipeline:
     """Takes raw pictures, tells a feed of JPEGs and curves. Its threads end with `close`."""
 
-    def __init__(self, feed: EventStream) -> None:
-        self._feed = feed
+    def __init__(self, stream: EventStream) -> None:
+        self._stream = stream
         self._raw: FrameSlot[Picture] = FrameSlot()
         self._to_search: FrameSlot[Picture] = FrameSlot()
         self._setup: Message | None = None
@@ -99,7 +99,7 @@ class FramePipeline:
             with suppress(ValueError, KeyError):  # a picture that says it is larger than it is
                 image = image_of(header, raw)
                 self._newest = (header, image)
-                self._feed.tell_picture(jpeg_picture(header, image))
+                self._stream.publish_picture(jpeg_picture(header, image))
                 if self._setup is not None and header.get("run") is not None:
                     self._to_search.put(picture)
 
@@ -115,9 +115,9 @@ class FramePipeline:
                     told = self._told
                     self._introduce(self._process)
                 curve = _asked(self._process, picture)
-            except (OSError, BrokenLinkError):
+            except (OSError, BrokenConnectionError):
                 continue
-            self._feed.tell_newest(curve)
+            self._stream.publish_newest(curve)
 
     def _introduce(self, process: subprocess.Popen[bytes]) -> None:
         assert process.stdin is not None  # noqa: S101 - for the type checker

@@ -19,7 +19,7 @@ MOST_BYTES = 64 << 20  # a picture of 16384 x 2000 in 16 bit
 _U32 = struct.Struct("<I")
 
 
-class BrokenLinkError(Exception):
+class BrokenConnectionError(Exception):
     """The other side has gone, or sends what it should not."""
 
 
@@ -31,18 +31,18 @@ def pack(header: Header, payload: bytes | memoryview = b"") -> bytes:
 
 
 def unpack(packed: bytes) -> tuple[Header, memoryview]:
-    """The reverse of `pack`. Raises BrokenLinkError."""
+    """The reverse of `pack`. Raises BrokenConnectionError."""
     if len(packed) < 4:
-        raise BrokenLinkError("a message is shorter than its own beginning")
+        raise BrokenConnectionError("a message is shorter than its own beginning")
     end = 4 + _U32.unpack_from(packed)[0]
     if end > len(packed):
-        raise BrokenLinkError("a message is shorter than it says")
+        raise BrokenConnectionError("a message is shorter than it says")
     try:
         header = json.loads(packed[4:end])
     except (ValueError, RecursionError) as error:
-        raise BrokenLinkError(f"a message cannot be read: {error}") from None
+        raise BrokenConnectionError(f"a message cannot be read: {error}") from None
     if not isinstance(header, dict):
-        raise BrokenLinkError("a message is no object")
+        raise BrokenConnectionError("a message is no object")
     return header, memoryview(packed)[end:]
 
 
@@ -60,10 +60,10 @@ def send(connection: socket.socket, packed: bytes) -> None:
 
 
 def receive(connection: socket.socket, most_bytes: int = MOST_BYTES) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenLinkError at the end, OSError (also TimeoutError)."""
+    """The next message. Raises BrokenConnectionError at the end, OSError (also TimeoutError)."""
     size = _U32.unpack(_exactly(connection, 4))[0]
     if size > most_bytes:
-        raise BrokenLinkError(f"a message of {size} bytes is more than {most_bytes}")
+        raise BrokenConnectionError(f"a message of {size} bytes is more than {most_bytes}")
     return unpack(_exactly(connection, size))
 
 
@@ -74,12 +74,12 @@ def write(pipe: IO[bytes], packed: bytes) -> None:
 
 
 def read(pipe: IO[bytes]) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenLinkError at the end, OSError."""
+    """The next message. Raises BrokenConnectionError at the end, OSError."""
     begin = pipe.read(4)
     size = _U32.unpack(begin)[0] if len(begin) == 4 else 0
     packed = pipe.read(min(size, MOST_BYTES))
     if not size or len(packed) != size:
-        raise BrokenLinkError("the other side has gone")
+        raise BrokenConnectionError("the other side has gone")
     return unpack(packed)
 
 
@@ -88,6 +88,6 @@ def _exactly(connection: socket.socket, size: int) -> bytes:
     while len(parts) < size:
         part = connection.recv(min(size - len(parts), 1 << 20))
         if not part:
-            raise BrokenLinkError("the other side has gone")
+            raise BrokenConnectionError("the other side has gone")
         parts += part
     return bytes(parts)

@@ -1,4 +1,4 @@
-"""Plays a recording into a feed, in a thread of its own."""
+"""Plays a recording into a stream, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Player:
 
     def __init__(self, path: Path, name: str, model: Path | None) -> None:
         """Raises BadInputError when the session cannot be replayed."""
-        self.feed = EventStream()
+        self.stream = EventStream()
         self._recording = Recording(path, name)
-        self._darkroom = FramePipeline(self.feed)
-        self._darkroom.know(self._recording.setup)
-        self._darkroom.choose_model(model)
+        self._frame_pipeline = FramePipeline(self.stream)
+        self._frame_pipeline.know(self._recording.setup)
+        self._frame_pipeline.choose_model(model)
         self._changed = threading.Condition()
         self._at_s = 0.0
         self._seek: float | None = 0.0
@@ -58,7 +58,7 @@ class Player:
             else:
                 return
             self._changed.notify()
-        self.feed.tell_newest(self._state())
+        self.stream.publish_newest(self._state())
 
     def close(self) -> None:
         """End it."""
@@ -66,7 +66,7 @@ class Player:
             self._closed = True
             self._changed.notify()
         self._thread.join(5.0)
-        self._darkroom.close()
+        self._frame_pipeline.close()
         self._recording.close()
 
     # --------------------------------------------------------------------------------- its thread
@@ -95,18 +95,20 @@ class Player:
             ) as error:  # a damaged part of the file
                 self._playing = False
                 text = f"the replay ends here: {error}"
-                self.feed.tell({"type": "warning", "time_s": self._at_s, "text": text, "log": text})
+                self.stream.publish(
+                    {"type": "warning", "time_s": self._at_s, "text": text, "log": text}
+                )
             if seek is not None or now_s - told_s >= TELL_EVERY_S or not self._playing:
                 told_s = now_s
-                self.feed.tell_newest(self._state())
+                self.stream.publish_newest(self._state())
 
     def _jump(self, at_s: float) -> None:
         recording = self._recording
         self._at_s = at_s
-        self.feed.tell_story(recording.story(at_s))
+        self.stream.publish_story(recording.story(at_s))
         strip = recording.strip(0.0, at_s, fresh=True)
         if strip is not None:
-            self.feed.tell_strip(strip)
+            self.stream.publish_strip(strip)
         self._show(-1.0, at_s)
 
     def _advance(self, step_s: float) -> None:
@@ -118,10 +120,10 @@ class Player:
                 at_s = max(at_s, following_s - GAP_S / 2)
         self._at_s = at_s
         for message in recording.between(before_s, at_s):
-            self.feed.tell(message)
+            self.stream.publish(message)
         strip = recording.strip(before_s, at_s, fresh=False)
         if strip is not None:
-            self.feed.tell_strip(strip)
+            self.stream.publish_strip(strip)
         self._show(before_s, at_s)
         if at_s >= recording.duration_s:
             self._playing = False
@@ -129,7 +131,7 @@ class Player:
     def _show(self, after_s: float, to_s: float) -> None:
         picture = self._recording.picture(after_s, to_s)
         if picture is not None:
-            self._darkroom.put(picture)
+            self._frame_pipeline.put(picture)
 
     def _state(self) -> Message:
         return {

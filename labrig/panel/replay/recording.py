@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from drivers.force_sensors.load_cell import LoadCell
 from drivers.interfaces import Frame
-from labrig.config import parse_load_cell, parse_sheet
+from drivers.load_cell import LoadCell
+from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.experiment.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
@@ -65,8 +65,8 @@ class Recording:
                 "recorded can be replayed."
             )
         self._begin_s = events[0].time_s
-        scribe = MessageEncoder()
-        told = [(event.time_s - self._begin_s, scribe.message(event)) for event in events]
+        encoder = MessageEncoder()
+        told = [(event.time_s - self._begin_s, encoder.message(event)) for event in events]
         self.timed = [(at_s, message) for at_s, message in told if message is not None]
         self._times = [at_s for at_s, _ in self.timed]
         self.duration_s = self._times[-1]
@@ -177,7 +177,8 @@ def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
 
 def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
     """All signals of a run, in the units of people."""
-    calibration = parse_load_cell(session.texts["load_cell.toml"], "load_cell.toml")
+    text = session.texts["load_cell.toml"]
+    calibration = recorded_calibration(text, "load_cell.toml", session.resolved)
     cell = LoadCell(calibration, run.ranges_V["force"])
     shunt_ohm = float(session.resolved["rig"]["current_sense"]["shunt_ohm"])
     samples = np.stack(

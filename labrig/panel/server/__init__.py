@@ -1,1 +1,1 @@
-"""The panel's web server: who may connect, and what each request is answered."""
+"""The panel's web server: all routes put together, and the process that serves them."""

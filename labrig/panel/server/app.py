@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI, Request, WebSocket
@@ -14,25 +13,20 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from labrig.errors import LabrigError
-from labrig.panel.pages import calibration as routes_calibration
-from labrig.panel.pages import files as routes_files
-from labrig.panel.pages import library as routes_library
-from labrig.panel.pages import run as routes_run
-from labrig.panel.pages.replay_socket import serve_replay
-from labrig.panel.pages.sockets import serve_live
-from labrig.panel.server.access_control import AccessControl
-from labrig.panel.server.credentials import same_token
-from labrig.panel.server.errors import status_of
-from labrig.panel.server.panel import Panel
-from labrig.panel.server.settings import COOKIE, PanelSettings
+from labrig.panel.access.access_control import AccessControl
+from labrig.panel.access.credentials import same_token
+from labrig.panel.access.settings import COOKIE, PanelSettings
+from labrig.panel.core.panel import Panel
+from labrig.panel.errors import status_of
+from labrig.panel.pages.interface import STATIC
+from labrig.panel.server.live_socket import serve_live
+from labrig.panel.server.operation import router
+from labrig.panel.server.page_routes import add_page_routes
 from model import ModelError
-
-STATIC = Path(__file__).parents[1] / "static"
-ROUTERS = (routes_run.router, routes_files.router, routes_calibration.router, routes_library.router)
 
 
 def create_app(panel: Panel) -> FastAPI:
-    """The server's application. Nothing is served to who does not pass the gate."""
+    """Return the server's application. Access control sees each request before anything else."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -42,15 +36,15 @@ def create_app(panel: Panel) -> FastAPI:
     app = FastAPI(
         title="labrig", docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan
     )
-    for router in ROUTERS:
-        app.include_router(router)
-    _pages(app, panel.settings)
+    app.include_router(router)
+    add_page_routes(app)
+    _entrance(app, panel.settings)
     _answers_in_sentences(app)
     app.add_middleware(AccessControl, settings=panel.settings)
     return app
 
 
-def _pages(app: FastAPI, settings: PanelSettings) -> None:
+def _entrance(app: FastAPI, settings: PanelSettings) -> None:
     @app.get("/")
     def page(token: str | None = None) -> Response:
         if token is None:
@@ -66,10 +60,6 @@ def _pages(app: FastAPI, settings: PanelSettings) -> None:
     @app.websocket("/ws")
     async def live(socket: WebSocket) -> None:
         await serve_live(socket, socket.app.state.panel)
-
-    @app.websocket("/ws/replay")
-    async def replay(socket: WebSocket, session: str) -> None:
-        await serve_replay(socket, socket.app.state.panel, session)
 
     app.mount("/static", StaticFiles(directory=STATIC), name="static")
 

@@ -11,9 +11,9 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.panel.job.processes import detached, module_environment
-from labrig.panel.pages.sockets import MOST_WORD_BYTES
-from labrig.panel.server.settings import ANYWHERE, LOOPBACK, PanelSettings
+from labrig.panel.access.settings import ANYWHERE, LOOPBACK, PanelSettings
+from labrig.panel.core.sockets import MOST_WORD_BYTES
+from labrig.panel.processes import detached, module_environment
 
 _MOST_CONNECTIONS = 200
 _GOODBYE_S = 2
@@ -23,9 +23,9 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
     """Serve until Ctrl-C. `on_ready` is called with the address as it came to be."""
     import uvicorn
 
+    from labrig.panel.core.panel import Panel
     from labrig.panel.server.app import create_app
     from labrig.panel.server.connection import PageConnection
-    from labrig.panel.server.panel import Panel
 
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])

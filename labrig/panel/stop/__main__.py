@@ -19,8 +19,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
-from labrig.panel.server.credentials import cookie_of, same_token
-from labrig.panel.server.settings import host_name
+from labrig.panel.access.credentials import cookie_of, same_token
+from labrig.panel.access.settings import host_name
 from labrig.panel.stop.press import StopConnection
 
 PATIENCE_S = 3.0  # with a client that connects and says nothing
@@ -31,7 +31,7 @@ _LOOK_S = 0.5
 _HEARING_S = 1.0  # who has its answer and is still sending
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StopSettings:
     """What the panel says on our input, as one line of JSON."""
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from labrig.panel.job.connection import JobConnection
-from labrig.panel.job.processes import module_environment
-from labrig.panel.job.registry import GOING, JobAddress, read_place
-from labrig.panel.live.packing import BrokenLinkError, Header
+from labrig.panel.job.registry import GOING, JobAddress, read_address
+from labrig.panel.live.packing import BrokenConnectionError, Header
+from labrig.panel.processes import module_environment
 
 OBEY_S = 1.0  # as long as the guard gives a run that hangs
 DIE_S = 2.0
@@ -50,8 +50,8 @@ class StopConnection:
     def __init__(self, data: Path) -> None:
         self._data = data
         self._lock = threading.Lock()
-        self._link: JobConnection | None = None
-        self._place: JobAddress | None = None
+        self._connection: JobConnection | None = None
+        self._address: JobAddress | None = None
         self._output = "unknown"
         self._changed = threading.Condition()
 
@@ -64,22 +64,22 @@ class StopConnection:
     @property
     def going(self) -> bool:
         """Whether there is a job that could be stopped."""
-        return self._link is not None and self._link.alive
+        return self._connection is not None and self._connection.alive
 
     def hold(self) -> JobAddress | None:
         """Link to the present job if there is one. Raises OSError when it should be but is not."""
         with self._lock:
             if self.going:
-                return self._place
-            found = read_place(self._data)
+                return self._address
+            found = read_address(self._data)
             if found is None or found.state != GOING:
-                self._place = None
+                self._address = None
                 return None
-            self._place, self._output = (
+            self._address, self._output = (
                 found,
                 "armed",
             )  # a job begins at 0 V, and tells what follows
-            self._link = JobConnection(
+            self._connection = JobConnection(
                 found.port, found.key, "stop", self._on_message, self._on_end
             )
             return found
@@ -88,30 +88,30 @@ class StopConnection:
         """STOP. Returns when the voltage has gone, or when nothing more can be done about it."""
         began_s = time.monotonic()
         try:
-            place = self.hold()
+            address = self.hold()
         except OSError:
             return self._looked_after(began_s, "the run's process is gone")
-        link = self._link
-        if place is None or link is None:
-            last = read_place(self._data)
+        connection = self._connection
+        if address is None or connection is None:
+            last = read_address(self._data)
             if last is not None and last.code == _UNKNOWN_CODE:
                 return self._looked_after(began_s, "the last run left its output unknown")
             return Pressed("safe", 0.0, "no run is going on")
         asked, refused = threading.Event(), list[str]()
-        ask = (link, who, why, asked, refused)
+        ask = (connection, who, why, asked, refused)
         threading.Thread(target=_ask, args=ask, daemon=True).start()
 
         def obeyed() -> bool:
-            return (asked.is_set() or not link.alive) and self._output != ENERGISED
+            return (asked.is_set() or not connection.alive) and self._output != ENERGISED
 
         if self._wait_for(obeyed, OBEY_S):
             return self._told(began_s, refused[0] if refused else "the run was stopped")
         if self._output != ENERGISED:
             return self._told(began_s, "the run does not answer; its output was not energised")
-        if link.alive:
+        if connection.alive:
             with suppress(OSError):  # it has just ended by itself
-                os.kill(place.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
-            self._wait_for(lambda: not link.alive, DIE_S)
+                os.kill(address.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+            self._wait_for(lambda: not connection.alive, DIE_S)
         return self._looked_after(began_s, "the run did not obey and was ended")
 
     # ------------------------------------------------------------------------------------- helpers
@@ -121,11 +121,11 @@ class StopConnection:
 
     def _looked_after(self, began_s: float, text: str) -> Pressed:
         """`labrig safe` frees the boards, writes 0 V, reads it back."""
-        place = self._place or read_place(self._data)
+        address = self._address or read_address(self._data)
         self._output = "unknown"
-        if place is None or place.rig is None:
+        if address is None or address.rig is None:
             return self._told(began_s, f"{text}; switch the amplifier off by hand")
-        command = [sys.executable, "-m", "labrig", "safe", place.rig]
+        command = [sys.executable, "-m", "labrig", "safe", address.rig]
         try:
             done = subprocess.run(
                 command,
@@ -167,9 +167,9 @@ class StopConnection:
 
 
 def _ask(
-    link: JobConnection, who: str, why: str, asked: threading.Event, refused: list[str]
+    connection: JobConnection, who: str, why: str, asked: threading.Event, refused: list[str]
 ) -> None:
-    with suppress(BrokenLinkError):
-        answer = link.ask({"do": "stop", "who": who, "why": why})
+    with suppress(BrokenConnectionError):
+        answer = connection.ask({"do": "stop", "who": who, "why": why})
         refused += [str(answer["error"])] if answer.get("error") else []
         asked.set()

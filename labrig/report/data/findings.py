@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Findings:
     """A session, and what was found in it as far as that goes. The session is open."""
 
@@ -101,4 +101,10 @@ def gather(
         diagnosis = kept_diagnosis(path)
     except BadInputError as error:
         tell(str(error))
-    return Findings(open_session(path), measurements, fitted, why, diagnosis)
+    return Findings(
+        session=open_session(path),
+        measurements=measurements,
+        fitted=fitted,
+        why_not=why,
+        diagnosis=diagnosis,
+    )

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Quoted:
     """One configuration of the paper."""
 
@@ -26,6 +26,24 @@ class Quoted:
 
 
 PAPER: Mapping[str, Quoted] = {
-    "long": Quoted(50.0, 1.5, 11.0, 0.21, 15.0, (0.44, 2.23), (0.81, 2.13), (0.322, 0.622)),
-    "short": Quoted(4.5, 3.5, 11.0, 0.21, 5.0, (0.05, 0.09), (0.13, 0.18), (0.424, 0.422)),
+    "long": Quoted(
+        free_length_mm=50.0,
+        clamped_length_mm=1.5,
+        width_mm=11.0,
+        thickness_mm=0.21,
+        rest_position_mm=15.0,
+        curve_rmse_at_0_mm=(0.44, 2.23),
+        curve_rmse_mm=(0.81, 2.13),
+        force_rmse_mN=(0.322, 0.622),
+    ),
+    "short": Quoted(
+        free_length_mm=4.5,
+        clamped_length_mm=3.5,
+        width_mm=11.0,
+        thickness_mm=0.21,
+        rest_position_mm=5.0,
+        curve_rmse_at_0_mm=(0.05, 0.09),
+        curve_rmse_mm=(0.13, 0.18),
+        force_rmse_mN=(0.424, 0.422),
+    ),
 }

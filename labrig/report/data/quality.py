@@ -55,7 +55,9 @@ def _timing(runs: list[RunRecord]) -> Quality:
     columns = ("ms", "median", "99 %", "worst", "of")
     late = int(np.count_nonzero(late_s > _LATE_S))
     said = f"{late} of {len(late_s)} voltages were written more than {1e3 * _LATE_S:g} ms late."
-    return Quality((Table("Timing", columns, tuple(rows)),), (said,) if late else ())
+    return Quality(
+        (Table(title="Timing", columns=columns, rows=tuple(rows)),), (said,) if late else ()
+    )
 
 
 def _joined(parts: list[FloatArray]) -> FloatArray:
@@ -84,7 +86,9 @@ def _losses(session: RecordedSession, runs: list[RunRecord]) -> Quality:
         remarks.append(f"{samples} samples and {frames} frames were lost.")
     if bare and session.frame_shape is not None:
         remarks.append(f"{bare} readings have no frame.")
-    return Quality((Table("Losses", ("", "taken", "lost"), tuple(rows)),), tuple(remarks))
+    return Quality(
+        (Table(title="Losses", columns=("", "taken", "lost"), rows=tuple(rows)),), tuple(remarks)
+    )
 
 
 def _saturation(runs: list[RunRecord]) -> Quality:
@@ -101,7 +105,7 @@ def _saturation(runs: list[RunRecord]) -> Quality:
         if hit:
             remarks.append(f"{hit} samples of the channel {channel} are at the end of its range.")
     columns = ("channel", "range V", "largest V", "of range", "samples at its end")
-    table = Table("Saturation", columns, tuple(rows))
+    table = Table(title="Saturation", columns=columns, rows=tuple(rows))
     return Quality((table,), tuple(remarks))
 
 
@@ -120,7 +124,7 @@ def _invalid(measurements: Measurements) -> Quality:
     why = Counter(key[-1] for key in found.elements())
     reasons = "; ".join(f"{count} x {text.rstrip('.')}" for text, count in why.most_common(4))
     said = f"{total} readings are invalid and were left out ({reasons})."
-    return Quality((Table("Invalid readings", columns, rows),), (said,))
+    return Quality((Table(title="Invalid readings", columns=columns, rows=rows),), (said,))
 
 
 def _missing_curves(session: RecordedSession, measurements: Measurements) -> Quality:
@@ -160,7 +164,7 @@ def _noise(measurements: Measurements) -> Table:
         "Scatter: standard deviation of a condition's readings about their straight line in time. "
         "Drift: what that line changes from the first to the last reading."
     )
-    return Table("Noise and drift", columns, tuple(rows), note)
+    return Table(title="Noise and drift", columns=columns, rows=tuple(rows), note=note)
 
 
 def scatter_and_drift(condition: Condition) -> tuple[float, float]:

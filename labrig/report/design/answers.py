@@ -35,7 +35,7 @@ from model.design.working_section import (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Wanted:
     """What the sheet is to do."""
 
@@ -49,7 +49,7 @@ class Wanted:
     lag_s: float  # of the voltage's effect
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DesignAnswers:
     """One configuration's answers; what cannot be answered is in `unanswered`, with the reason."""
 
@@ -141,7 +141,9 @@ def _line_table(found: DesignAnswers, name: str) -> Table:
         for line in found.lines
     )
     columns = ("V", "slope mN/mm", "F at 0 mm, mN", "RMS error mN", "of its range %")
-    return Table(f"1. {name}: the best line through F(p), {section}", columns, rows)
+    return Table(
+        title=f"1. {name}: the best line through F(p), {section}", columns=columns, rows=rows
+    )
 
 
 def _control_table(found: DesignAnswers) -> Table:
@@ -161,7 +163,7 @@ def _control_table(found: DesignAnswers) -> Table:
         f"1. Linear model and controller, for {1e3 * wanted.mass_kg:g} g and "
         f"{wanted.bandwidth_rad_per_s / (2 * np.pi):g} Hz"
     )
-    return Table(title, ("", "value"), rows)
+    return Table(title=title, columns=("", "value"), rows=rows)
 
 
 def _force_table(found: DesignAnswers, name: str) -> Table:
@@ -186,7 +188,11 @@ def _force_table(found: DesignAnswers, name: str) -> Table:
     value = _said(both.force_N, 1e3) if possible else "none"
     said = f"limited {limit}" if possible else f"no force {limit}"
     rows.append(("5. force in both directions, mN", value, said))
-    return Table(f"2-5. {name}: shapes, reach and forces", ("", "value", "where"), tuple(rows))
+    return Table(
+        title=f"2-5. {name}: shapes, reach and forces",
+        columns=("", "value", "where"),
+        rows=tuple(rows),
+    )
 
 
 def _size_table(found: DesignAnswers) -> Table:
@@ -203,7 +209,11 @@ def _size_table(found: DesignAnswers) -> Table:
     rows += [(name, "-", "-", "-", why) for name, why in found.unanswered.items()]
     force_mN = 1e3 * (found.wanted.force_N or 0.0)
     title = f"6. The sheet of least area for {force_mN:g} mN ({found.wanted.direction})"
-    return Table(title, ("", "length mm", "width mm", "area mm²", "elongation mm"), tuple(rows))
+    return Table(
+        title=title,
+        columns=("", "length mm", "width mm", "area mm²", "elongation mm"),
+        rows=tuple(rows),
+    )
 
 
 def as_dict(found: DesignAnswers) -> dict[str, Any]:

@@ -52,7 +52,9 @@ def where_table(found: Diagnosis) -> Table:
     if not rows:
         note = "No place stands out of the noise and the set-ups' scatter."
     columns = ("observable", "sheet", "voltage", "at p, mm", "along s, mm", "z", "reading or time")
-    return Table("Where simulation and measurement disagree", columns, rows, note)
+    return Table(
+        title="Where simulation and measurement disagree", columns=columns, rows=rows, note=note
+    )
 
 
 def _where(one: Where) -> tuple[str, ...]:
@@ -87,7 +89,9 @@ def invisible_table(found: Diagnosis) -> Table | None:
     if not found.invisible:
         return None
     rows = tuple(found.invisible.items())
-    return Table("Invisible in these data", ("effect", "what would show it"), rows)
+    return Table(
+        title="Invisible in these data", columns=("effect", "what would show it"), rows=rows
+    )
 
 
 def ranking_table(found: Diagnosis) -> Table:
@@ -109,7 +113,7 @@ def ranking_table(found: Diagnosis) -> Table:
         f"To be named: ln of the Bayes factor of {fixed(found.threshold, 1)} or more"
         f" ({found.threshold_from}). Size: the most likely one over a plausible one."
     )
-    return Table("Candidates", columns, rows, note)
+    return Table(title="Candidates", columns=columns, rows=rows, note=note)
 
 
 def _standing(one: Ranked, found: Diagnosis) -> str:
@@ -160,7 +164,9 @@ def parameter_table(found: Diagnosis) -> Table | None:
         return None
     columns = ("parameter", "value", "90 %", "unit", "sure", "form of its own")
     note = "Form of its own: the share of the effect that is no part of the catalogue's form."
-    return Table("Parameters", columns, tuple(rows), note if found.effects else "")
+    return Table(
+        title="Parameters", columns=columns, rows=tuple(rows), note=note if found.effects else ""
+    )
 
 
 def _effect_rows(name: str, found: Diagnosis) -> Iterator[tuple[str, ...]]:
@@ -199,7 +205,7 @@ def improvement_table(found: Diagnosis) -> Table:
     if np.isfinite(found.closed):
         note += f" What was found closes {100 * found.closed:.1f} % of the gap there."
     columns = ("root mean squared errors", "before", "after")
-    return Table("Before and after", columns, tuple(rows), note)
+    return Table(title="Before and after", columns=columns, rows=tuple(rows), note=note)
 
 
 def _gap_rows(title: str, before: Gap, after: Gap) -> Iterator[tuple[str, ...]]:

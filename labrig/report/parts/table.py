@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 _PLAIN = 1e7  # up to here without an exponent
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Table:
     """Cells as text; the first column names the row. `note` is a sentence under the table."""
 

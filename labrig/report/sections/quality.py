@@ -17,7 +17,7 @@ def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     folded = [Folded("All runs", runs)] if runs.rows else []
     warned = [] if findings.measurements is None else findings.measurements.warnings
     if len(warned) > MOST_WARNINGS:
-        table = Table("", ("",), tuple((text,) for text in warned))
+        table = Table(title="", columns=("",), rows=tuple((text,) for text in warned))
         folded.append(Folded(f"All {len(warned)} warnings of the analysis", table))
     return Section((*findings.quality.tables, *folded))
 

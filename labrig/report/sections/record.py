@@ -20,8 +20,8 @@ def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     versions = tuple(sorted(session.versions.items()))
     return Section(
         (
-            Table("Session", facts.columns, (*facts.rows, *sums)),
-            Table("Recorded with", ("", ""), versions),
+            Table(title="Session", columns=facts.columns, rows=(*facts.rows, *sums)),
+            Table(title="Recorded with", columns=("", ""), rows=versions),
             Folded(f"Event log, {len(log.rows)} lines", log),
         )
     )

@@ -28,7 +28,7 @@ def baseline_table(rows: Sequence[BaselineRow]) -> Table:
         "All but the model with the EIBM along the sheet, and model files, have B and one number "
         "for each voltage, fitted to all forces and curves by least squares."
     )
-    return Table("Beside simpler models", columns, cells, note)
+    return Table(title="Beside simpler models", columns=columns, rows=cells, note=note)
 
 
 def baselines_as_list(rows: Sequence[BaselineRow]) -> list[dict[str, Any]]:

@@ -63,4 +63,4 @@ def channels_as_table(channels: tuple[ChannelSummary, ...]) -> Table:
         )
         for channel in channels
     )
-    return Table("Channels", _COLUMNS, rows)
+    return Table(title="Channels", columns=_COLUMNS, rows=rows)

@@ -26,7 +26,7 @@ def catalogue_table(effects: Mapping[str, Effect]) -> Table:
         for one in effects.values()
     )
     columns = ("effect", "acts on", "parameters", "what it is")
-    return Table(f"The catalogue: {len(rows)} effects", columns, rows)
+    return Table(title=f"The catalogue: {len(rows)} effects", columns=columns, rows=rows)
 
 
 def _sentence(text: str) -> str:
@@ -63,7 +63,7 @@ def parameter_table(one: Effect) -> Table:
     columns = ("parameter", "unit", "plausible", "least", "most", "what it is")
     own = "Each configuration has its own size. " if one.by_configuration else ""
     note = f"{own}Its form may differ along: {', '.join(one.form_error_along) or 'nothing'}."
-    return Table("Parameters", columns, tuple(rows), note)
+    return Table(title="Parameters", columns=columns, rows=tuple(rows), note=note)
 
 
 def _bound(value: float) -> str:

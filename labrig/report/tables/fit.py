@@ -16,6 +16,7 @@ _SCATTER = {
     "stiffness": ("bending stiffness, %", 100.0),
     "eibm": ("EIBM, %", 100.0),
     "eibm_condition": ("EIBM within a set-up, %", 100.0),
+    "eibm_free": ("EIBM of a free shape, %", 100.0),
     "position": ("position on the arc, mm", 1e3),
     "clamp_tilt": ("tilt of the clamp, mrad", 1e3),
     "registration": ("registration of the camera, µm", 1e6),
@@ -31,7 +32,10 @@ def scatter_table(fit: Fit) -> Table:
         rows.append((text, number(scale * value, 2)))
     note = "Estimated from the misfit; the uncertainties of table 4 include it."
     return Table(
-        "Scatter from one set-up to the next", ("", "standard deviation"), tuple(rows), note
+        title="Scatter from one set-up to the next",
+        columns=("", "standard deviation"),
+        rows=tuple(rows),
+        note=note,
     )
 
 
@@ -50,7 +54,12 @@ def one_by_one_table(fit: Fit) -> Table:
         for v in driven
     ]
     note = "± from the scatter between positions alone. Beside table 4, which is one joint fit."
-    return Table("Condition by condition, as the paper does it", ("", *names), tuple(rows), note)
+    return Table(
+        title="Condition by condition, as the paper does it",
+        columns=("", *names),
+        rows=tuple(rows),
+        note=note,
+    )
 
 
 def _stiffness(one: ConfigurationFit) -> str:
@@ -88,7 +97,7 @@ def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
         )
         for row in conditions
     ]
-    return Table(title, columns, tuple(rows))
+    return Table(title=title, columns=columns, rows=tuple(rows))
 
 
 def repeats_table(fit: Fit) -> Table | None:
@@ -97,7 +106,12 @@ def repeats_table(fit: Fit) -> Table | None:
         return None
     rows = tuple((name, fixed(ratio, 2)) for name, ratio in fit.bootstrap_ratio.items())
     note = f"1 means that table 4 is right. From {fit.options.bootstrap} simulated sessions."
-    return Table("Scatter of simulated repeats over stated uncertainty", ("", "ratio"), rows, note)
+    return Table(
+        title="Scatter of simulated repeats over stated uncertainty",
+        columns=("", "ratio"),
+        rows=rows,
+        note=note,
+    )
 
 
 def _signed(value: float) -> str:

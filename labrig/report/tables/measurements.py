@@ -18,8 +18,12 @@ def measurements_tables(measurements: Measurements) -> list[Table]:
     columns = ("condition", "F mN", "scatter mN", "readings", "invalid", "curve")
     summary = [_summary(measurements, name) for name in names]
     return [
-        Table("Conditions", columns, tuple(rows)),
-        Table("Found", ("sheet", "conditions", "with force", "with curve"), tuple(summary)),
+        Table(title="Conditions", columns=columns, rows=tuple(rows)),
+        Table(
+            title="Found",
+            columns=("sheet", "conditions", "with force", "with curve"),
+            rows=tuple(summary),
+        ),
     ]
 
 

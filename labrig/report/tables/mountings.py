@@ -50,7 +50,7 @@ def by_run_table(
         "common value as far as the scatter between set-ups allows no more. ± one standard "
         "uncertainty at that scatter."
     )
-    return Table("Set-up by set-up", tuple(columns), tuple(rows), note)
+    return Table(title="Set-up by set-up", columns=tuple(columns), rows=tuple(rows), note=note)
 
 
 def _row(

@@ -23,7 +23,9 @@ def observations(measurements: Measurements, fit: Fit | None) -> Table:
         rows += _lines(measurements, name)
     columns = ("observation", "this session", "paper")
     note = "Straightness: RMS distance of F(p) from its line, of the range of F."
-    return Table("Observations", columns, tuple(rows), note, frozenset({2}))
+    return Table(
+        title="Observations", columns=columns, rows=tuple(rows), note=note, quoted=frozenset({2})
+    )
 
 
 def _rest(measurements: Measurements, name: str) -> list[tuple[str, str, str]]:

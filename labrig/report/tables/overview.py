@@ -32,13 +32,15 @@ class Overview:
     def tables(self, *, log: bool = False) -> list[Table]:
         """For a person."""
         found = [
-            Table("Session", ("", ""), self.facts),
-            Table("Runs", tuple(_COLUMNS.values()), tuple(map(_row, self.runs))),
+            Table(title="Session", columns=("", ""), rows=self.facts),
+            Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
         ]
         if self.channels:
             found.append(channels_as_table(self.channels))
         if log:
-            found.append(Table("Log", ("time s", "event", "run", "text"), self.log))
+            found.append(
+                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+            )
         return found
 
 

@@ -69,7 +69,9 @@ def _beside_paper(title: str, names: list[str], rows: list[tuple[str, ...]], not
         if name in quotes:
             quoted.add(len(columns))
             columns.append(f"{base(name)}, paper")
-    return Table(title, tuple(columns), tuple(rows), note, frozenset(quoted))
+    return Table(
+        title=title, columns=tuple(columns), rows=tuple(rows), note=note, quoted=frozenset(quoted)
+    )
 
 
 def _quotes(names: list[str]) -> dict[str, Quoted]:
@@ -89,7 +91,7 @@ def table_4(fit: Fit) -> Table:
         "± one standard uncertainty, which includes the scatter from one set-up to the next. "
         "The text of the paper at hand has no numbers of its table 4."
     )
-    return Table("Table 4. Parameters", tuple(columns), tuple(rows), note)
+    return Table(title="Table 4. Parameters", columns=tuple(columns), rows=tuple(rows), note=note)
 
 
 _Pick = Callable[[ConfigurationFit], Parameter | None]

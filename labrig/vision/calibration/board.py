@@ -51,7 +51,7 @@ class CalibrationBoard:
         v, u = np.mgrid[1 : self.rows, 1 : self.columns]
         return np.stack([u.ravel(), v.ravel()], axis=1) * self.square_mm
 
-    def picture(self, px_per_mm: int = 20) -> npt.NDArray[np.uint8]:
+    def image(self, px_per_mm: int = 20) -> npt.NDArray[np.uint8]:
         """The board as pixels, for looking and for tests; without a margin."""
         size = (
             round(self.columns * self.square_mm * px_per_mm),
@@ -77,7 +77,7 @@ def write_board_pdf(path: Path, board: CalibrationBoard) -> None:
     page.set_axis_off()
     # as it is, pixel by pixel: any smoothing would move the edges
     page.imshow(
-        board.picture(DOTS_PER_MM),
+        board.image(DOTS_PER_MM),
         cmap="gray",
         interpolation="none",
         extent=(15, 15 + width, 25, 25 + height),

@@ -1,8 +1,8 @@
-"""Camera calibration: from pictures of a board in the sheet's plane to an optics.json.
+"""Camera calibration: from images of a board in the sheet's plane to an optics.json.
 
-The first picture shows the board flat in the plane in which the sheet moves; it fixes the plane's
+The first image shows the board flat in the plane in which the sheet moves; it fixes the plane's
 homography and, with it, scale and axes. Alone it also fixes the lens (k1, k2); further, tilted
-pictures fix the lens better. Without a board, two points of a ruler give a scale and nothing else.
+images fix the lens better. Without a board, two points of a ruler give a scale and nothing else.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ def calibrate_camera(
     board_scale_sigma: float = 5e-4,
     date: dt.date | None = None,
 ) -> Calibration:
-    """Calibrate from pictures of `board`, the first one flat in the sheet's plane.
+    """Calibrate from images of `board`, the first one flat in the sheet's plane.
 
     `clamp_px`: the raw pixel where the sheet leaves the clamp; `along_px`: a second pixel on the
-    clamped sheet's line, ahead of it (default: the picture's rows). `focal_px`: a guess of the
-    focal length for a single picture. `board_scale_sigma`: how well the printed squares are known.
+    clamped sheet's line, ahead of it (default: the image's rows). `focal_px`: a guess of the
+    focal length for a single image. `board_scale_sigma`: how well the printed squares are known.
     """
     size = _common_size(images)
     _inside(clamp_px, "clamp_px", size)
@@ -74,7 +74,7 @@ def calibrate_camera(
                 f"along_px is {math.dist(along_px, clamp_px):.1f} pixels from clamp_px; choose a "
                 f"place on the clamped sheet's line at least {LEAST_ALONG_PX:g} pixels away."
             )
-    found = [find_corners(image, board, f"picture {i + 1}") for i, image in enumerate(images)]
+    found = [find_corners(image, board, f"image {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
     lens, lens_sigma = np.zeros(5), np.array([0.3, 0.3])
@@ -122,19 +122,19 @@ def calibrate_ruler(
 def _inside(place: Point, name: str, size: tuple[int, int]) -> None:
     if not (-0.5 <= place[0] < size[0] - 0.5 and -0.5 <= place[1] < size[1] - 0.5):
         raise BadInputError(
-            f"{name} ({place[0]:g}, {place[1]:g}) is outside of the picture of {size[0]} x "
+            f"{name} ({place[0]:g}, {place[1]:g}) is outside of the image of {size[0]} x "
             f"{size[1]} pixels; give its column and row, counted from the upper left."
         )
 
 
 def _common_size(images: Sequence[npt.NDArray[Any]]) -> tuple[int, int]:
     if not images:
-        raise BadInputError("no picture to calibrate from; give at least one of the board.")
+        raise BadInputError("no image to calibrate from; give at least one of the board.")
     sizes = {(image.shape[1], image.shape[0]) for image in images}
     if len(sizes) > 1:
         listed = ", ".join(f"{w} x {h}" for w, h in sorted(sizes))
         raise BadInputError(
-            f"the pictures differ in size ({listed}); take all with the same camera setting."
+            f"the images differ in size ({listed}); take all with the same camera setting."
         )
     return sizes.pop()
 
@@ -235,7 +235,7 @@ def _as_calibration(
     back = np.asarray(np.linalg.inv(fit.homography), dtype=np.float64)
     origin, second = project(back, ideal)
     axis = (second - origin) / math.dist(second, origin)
-    # board axes: x right, y down as it lies; the world's y is up in the picture
+    # board axes: x right, y down as it lies; the world's y is up in the image
     handed = math.copysign(1.0, float(np.linalg.det(plane_jacobian(fit.homography, origin))))
     up = np.array([axis[1], -axis[0]]) * handed
     world = np.array([[axis[0], up[0], origin[0]], [axis[1], up[1], origin[1]], [0, 0, 1]])
@@ -261,7 +261,7 @@ def _as_calibration(
         distortion=tuple(float(c) for c in fit.lens),
         homography=_rows(homography),
         clamp_px=(float(clamp_px[0]), float(clamp_px[1])),
-        method=f"board, {views} picture{'s' if views > 1 else ''}",
+        method=f"board, {views} image{'s' if views > 1 else ''}",
         residual_px=residual_px,
         residual_um=residual_px * per_um,
         views=views,
@@ -283,5 +283,5 @@ def _warnings(
         out.append(f"the board fits with {residual_px:.2f} pixels RMS; 0.1 is usual")
     change = math.hypot(homography[2, 0], homography[2, 1]) * size[0] / scale
     if change > 0.05:
-        out.append(f"the camera is tilted: the scale changes by {change:.0%} over the picture")
+        out.append(f"the camera is tilted: the scale changes by {change:.0%} over the image")
     return tuple(out)

@@ -1,4 +1,4 @@
-"""A calibration to look at: the world's grid drawn over the picture it was made from."""
+"""A calibration to look at: the world's grid drawn over the canvas it was made from."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _REACH_MM = 200.0
 _STEP_MM = 1.0
 
 
-def write_calibration_picture(path: Path, image: npt.NDArray[Any], optics: Optics) -> None:
+def write_calibration_image(path: Path, image: npt.NDArray[Any], optics: Optics) -> None:
     """A line every 10 mm through the lens as it is, the world's axes, and the clamp's end.
 
     Where the lines run along the board's squares, scale, axes and distortion are right.
@@ -24,7 +24,7 @@ def write_calibration_picture(path: Path, image: npt.NDArray[Any], optics: Optic
 
     grey = image if image.ndim == 2 else image[..., :3].mean(axis=2)
     eight_bit = cv2.normalize(grey, None, 0, 255, cv2.NORM_MINMAX).astype(np.uint8)
-    picture = cv2.cvtColor(eight_bit, cv2.COLOR_GRAY2BGR)
+    canvas = cv2.cvtColor(eight_bit, cv2.COLOR_GRAY2BGR)
     for place_mm in np.arange(-_REACH_MM, _REACH_MM + 1, GRID_MM):
         along = np.arange(-_REACH_MM, _REACH_MM + 1, _STEP_MM)
         axis = place_mm == 0
@@ -32,22 +32,22 @@ def write_calibration_picture(path: Path, image: npt.NDArray[Any], optics: Optic
             np.column_stack([along, np.full_like(along, place_mm)]),
             np.column_stack([np.full_like(along, place_mm), along]),
         ):
-            _line(picture, optics.world_to_pixel(points_mm / 1000), axis=axis)
+            _line(canvas, optics.world_to_pixel(points_mm / 1000), axis=axis)
     u, v = (round(value) for value in optics.clamp_px)
-    cv2.drawMarker(picture, (u, v), (80, 80, 255), cv2.MARKER_CROSS, 24, 2)
-    good, data = cv2.imencode(".png", picture)
+    cv2.drawMarker(canvas, (u, v), (80, 80, 255), cv2.MARKER_CROSS, 24, 2)
+    good, data = cv2.imencode(".png", image)
     if good:
         path.write_bytes(data.tobytes())
 
 
-def _line(picture: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float64], *, axis: bool) -> None:
+def _line(canvas: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float64], *, axis: bool) -> None:
     import cv2
 
-    rows, columns = picture.shape[:2]
-    # Far outside the picture a lens model means nothing and may fold back into it.
+    rows, columns = canvas.shape[:2]
+    # Far outside the canvas a lens model means nothing and may fold back into it.
     near = (np.abs(pixels[:, 0] - columns / 2) < columns) & (np.abs(pixels[:, 1] - rows / 2) < rows)
     colour, width = ((80, 80, 255), 2) if axis else ((90, 220, 90), 1)
     for first, second, seen in zip(pixels[:-1], pixels[1:], near[:-1] & near[1:], strict=True):
         if seen:
             start, end = (tuple(int(x) for x in np.rint(16 * p)) for p in (first, second))
-            cv2.line(picture, start, end, colour, width, cv2.LINE_AA, 4)
+            cv2.line(canvas, start, end, colour, width, cv2.LINE_AA, 4)

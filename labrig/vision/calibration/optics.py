@@ -1,8 +1,8 @@
 """What is known of the camera: optics.json, and the way between the sheet's plane and pixels.
 
-World coordinates (m): origin at the clamp, x along the clamped sheet, y up in the picture. An
+World coordinates (m): origin at the clamp, x along the clamped sheet, y up in the image. An
 integer pixel coordinate is a pixel's centre. The lens is OpenCV's model; points are undistorted,
-pictures never are, so that no interpolation touches the intensities.
+images never are, so that no interpolation touches the intensities.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Optics(ClosedModel):
     px_per_mm: float = Field(gt=0, le=1e4, description="scale in the sheet's plane")
     clamp_px: Point = Field(description="where the sheet leaves the clamp, a raw pixel")
     image_size: tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]] | None = Field(
-        None, description="columns and rows of the pictures this calibration belongs to"
+        None, description="columns and rows of the images this calibration belongs to"
     )
     date: str | None = Field(None, description="when it was calibrated, ISO 8601")
     px_per_mm_sigma: float = Field(0.0, ge=0, description="standard uncertainty of px_per_mm")
@@ -153,7 +153,7 @@ class Optics(ClosedModel):
     def vanishing_px(self, size: tuple[int, int]) -> FloatArray:
         """Where lines square to the sheet's plane meet, an undistorted pixel, shape (2,).
 
-        `size`: columns and rows of the picture, whose middle it is where nothing else is known.
+        `size`: columns and rows of the image, whose middle it is where nothing else is known.
         """
         if self.camera_matrix is None:
             return np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])

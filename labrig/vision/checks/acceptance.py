@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.checks.continuation import seen_beyond_px
+from labrig.vision.checks.continuation import visible_continuation_px
 from labrig.vision.checks.gap_continuity import GapJoin, worst_join
 from labrig.vision.checks.neighbouring_structure import is_an_edge, runs_beside_opposite
 from labrig.vision.checks.sheet_end import SheetEnd, missing_end_px, missing_start_px
@@ -40,33 +40,36 @@ class Verdict:
     warnings: tuple[str, ...]
     covered: float
     residual_px: float
-    worth: float  # to choose between candidates: how much of the picture the curve explains
+    worth: float  # to choose between candidates: how much of the image the curve explains
     join: GapJoin  # the least likely one of what is seen before and beyond hidden stretches
 
 
-def judge(
+def check_curve(
     fit: CurveFit,
-    setting: FitContext,
-    tip: SheetEnd,
+    context: FitContext,
+    sheet_end: SheetEnd,
     *,
     followed: bool = False,
     beside: bool = True,
 ) -> Verdict:
     """All tests of a fitted curve.
 
-    `followed`: from the picture before, whose end and surroundings were looked at. `beside`: look
+    `followed`: from the image before, whose end and surroundings were looked at. `beside`: look
     at what lies beside the curve.
     """
     covered = float(fit.used[2:-2].mean())
     residual = smooth_residual_px(fit)
-    strength = np.abs(fit.contrast[fit.used]) / setting.picture.noise
+    strength = np.abs(fit.contrast[fit.used]) / context.image.noise
     worth = float(np.minimum(strength, 50).sum() / len(fit.used)) if fit.used.any() else 0.0
-    join = worst_join(fit, setting)
-    found = [*_faults(fit, setting, tip, residual, followed, beside), _broken(join, tip)]
+    join = worst_join(fit, context)
+    found = [
+        *_faults(fit, context, sheet_end, residual, followed, beside),
+        _broken(join, sheet_end),
+    ]
     faults = [fault for fault in found if fault]
     return Verdict(
         why=faults[0] if faults else "",
-        warnings=tuple(_warnings(setting, tip, covered, join)),
+        warnings=tuple(_warnings(context, sheet_end, covered, join)),
         covered=covered,
         residual_px=residual,
         worth=worth * (0.3 if faults else 1.0),
@@ -88,29 +91,34 @@ def smooth_residual_px(fit: CurveFit) -> float:
 
 
 def _faults(
-    fit: CurveFit, setting: FitContext, tip: SheetEnd, residual: float, followed: bool, beside: bool
+    fit: CurveFit,
+    context: FitContext,
+    sheet_end: SheetEnd,
+    residual: float,
+    followed: bool,
+    beside: bool,
 ) -> list[str]:
-    shape, optics = fit.shape, setting.optics
+    shape, optics = fit.shape, context.optics
     length_mm = shape.basis.total_px / optics.px_per_mm
-    end_u, end_v = setting.nodes_px(shape)[-1]
-    rows, columns = setting.picture.grey.shape
-    near = 8 if tip.out_of_sight else 3
+    end_u, end_v = context.nodes_px(shape)[-1]
+    rows, columns = context.image.grey.shape
+    near = 8 if sheet_end.out_of_sight else 3
     inside = near < end_u < columns - near - 1 and near < end_v < rows - near - 1
     snr = fit.usual_contrast / fit.noise
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
-    start_px, start_rad, start_chi2 = _start_beside(fit, setting)
+    start_px, start_rad, start_chi2 = _start_beside(fit, context)
     allowed = max(6.0, 0.03 * shape.basis.total_px)
-    tip = tip if followed else _further(tip, fit, setting, allowed)
-    tip_px = tip.beyond_px if tip.beyond_px is not None else -missing_end_px(fit)
+    sheet_end = sheet_end if followed else _further(sheet_end, fit, context, allowed)
+    tip_px = sheet_end.beyond_px if sheet_end.beyond_px is not None else -missing_end_px(fit)
     in_view = float(fit.in_view[2:-2].mean())
     seen = _share(fit.used, fit.in_view, slice(2, -2))
     whole = fit.used.mean() > WHOLLY_SEEN
     loose = 0.0 if whole else float(spread(shape.normal_modes(), fit.cautious_covariance).max())
-    late = missing_start_px(fit, setting)
-    most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.band.half_width[0]) / 3)
+    late = missing_start_px(fit, context)
+    most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.section.half_width[0]) / 3)
     return [
-        f"the sheet leaves the picture: its end, {length_mm:.1f} mm along the best path, is "
+        f"the sheet leaves the image: its end, {length_mm:.1f} mm along the best path, is "
         "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's "
         "length."
         if not inside
@@ -120,13 +128,13 @@ def _faults(
         if in_view < LEAST_IN_VIEW
         else "",
         f"no sheet was found that starts at the clamp: only {seen:.0%} of the best path looks "
-        "like one; check the picture, clamp_px and the sheet's length."
+        "like one; check the image, clamp_px and the sheet's length."
         if seen < LEAST_COVERED
         else "",
         "no sheet was found at the clamp: the first "
         f"{start} pixels of the best path do not look like one; check clamp_px."
         if _share(fit.used, fit.in_view, slice(2, start)) < LEAST_START_COVERED
-        and not _shows(fit, setting, start)
+        and not _shows(fit, context, start)
         else "",
         f"there is plain background on the first {late:.0f} pixels of the best path; the "
         "sheet does not begin at the clamp, or something else was followed; check clamp_px."
@@ -150,35 +158,35 @@ def _faults(
         if steepest > 1.5 * MOST_CURVATURE_PER_M * smallness(length_mm / 1000)
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
-        if beside and not followed and is_an_edge(fit, setting)
+        if beside and not followed and is_an_edge(fit, context)
         else "",
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."
-        if beside and runs_beside_opposite(fit, setting)
+        if beside and runs_beside_opposite(fit, context)
         else "",
-        f"the sheet ends {'at least ' if tip.at_least else ''}"
+        f"the sheet ends {'at least ' if sheet_end.at_least else ''}"
         f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "
         f"stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
-        if abs(tip_px) > (5.0 if tip.at_least else allowed)
+        if abs(tip_px) > (5.0 if sheet_end.at_least else allowed)
         else "",
     ]
 
 
-def _broken(join: GapJoin, tip: SheetEnd) -> str:
-    in_place = tip.beyond_px is not None and abs(tip.beyond_px) < IN_PLACE_PX
+def _broken(join: GapJoin, sheet_end: SheetEnd) -> str:
+    in_place = sheet_end.beyond_px is not None and abs(sheet_end.beyond_px) < IN_PLACE_PX
     if join.chi2 <= MOST_JOIN_CHI2 + (END_IN_PLACE if in_place else 0.0):
         return ""
     return (
-        f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels and "
-        f"{abs(join.turned_rad):.2f} rad beside where the sheet before it leads; something else "
+        f"what is seen beyond a hidden stretch is {abs(join.offset_px):.1f} pixels and "
+        f"{abs(join.turn_rad):.2f} rad beside where the sheet before it leads; something else "
         "was followed there; make more of the sheet visible."
     )
 
 
-def _start_beside(fit: CurveFit, setting: FitContext) -> tuple[float, float, float]:
+def _start_beside(fit: CurveFit, context: FitContext) -> tuple[float, float, float]:
     """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
-    beside, covariance = seen_start(fit, setting)
-    clamp = np.diag(setting.prior**2 + np.array([0.0, KINK_RAD**2]))
+    beside, covariance = seen_start(fit, context)
+    clamp = np.diag(context.prior**2 + np.array([0.0, KINK_RAD**2]))
     chi2 = beside @ np.linalg.solve(covariance + clamp, beside)
     return float(beside[0]), float(beside[1]), float(chi2)
 
@@ -188,35 +196,38 @@ def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:
     return float(used[part].sum() / in_view[part].sum()) if in_view[part].any() else 1.0
 
 
-def _further(tip: SheetEnd, fit: CurveFit, setting: FitContext, allowed: float) -> SheetEnd:
+def _further(sheet_end: SheetEnd, fit: CurveFit, context: FitContext, allowed: float) -> SheetEnd:
     """The end as it is seen, or that the sheet goes on far beyond where it should end."""
-    if tip.at_least or (tip.beyond_px is not None and abs(tip.beyond_px) > allowed):
-        return tip
-    beyond = seen_beyond_px(fit, setting)
-    return SheetEnd(beyond, at_least=True) if beyond > allowed else tip
+    if sheet_end.at_least or (
+        sheet_end.beyond_px is not None and abs(sheet_end.beyond_px) > allowed
+    ):
+        return sheet_end
+    beyond = visible_continuation_px(fit, context)
+    return SheetEnd(beyond, at_least=True) if beyond > allowed else sheet_end
 
 
-def _shows(fit: CurveFit, setting: FitContext, start: int) -> bool:
+def _shows(fit: CurveFit, context: FitContext, start: int) -> bool:
     """Whether something of the sheet's brightness leaves the clamp, though of another width."""
-    contrast = setting.sign * fit.contrast
+    contrast = context.sign * fit.contrast
     usual = float(np.median(contrast[fit.used])) if fit.used.any() else np.inf
     return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)
 
 
-def _warnings(setting: FitContext, tip: SheetEnd, covered: float, join: GapJoin) -> list[str]:
+def _warnings(context: FitContext, sheet_end: SheetEnd, covered: float, join: GapJoin) -> list[str]:
     out = []
     if covered < 0.85:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
     if join.doubtful:
         out.append(
-            f"what is seen beyond a hidden stretch is {abs(join.beside_px):.1f} pixels beside "
-            "where the sheet before it leads; the band holds both"
+            f"what is seen beyond a hidden stretch is {abs(join.offset_px):.1f} pixels beside "
+            "where the sheet before it leads; the credible band holds both"
         )
-    if setting.sign > 0 and setting.picture.clipped > 0.005:
-        out.append("parts of the picture are saturated")
-    if tip.beyond_px is not None and abs(tip.beyond_px) > 4:
+    if context.sign > 0 and context.image.clipped > 0.005:
+        out.append("parts of the image are saturated")
+    beyond_px = sheet_end.beyond_px
+    if beyond_px is not None and abs(beyond_px) > 4:
         out.append(
-            f"the sheet's end is seen {tip.beyond_px / setting.optics.px_per_mm:+.2f} mm from "
+            f"the sheet's end is seen {beyond_px / context.optics.px_per_mm:+.2f} mm from "
             "where length and scale put it"
         )
     return out

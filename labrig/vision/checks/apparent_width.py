@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Band, FitContext, look
+from labrig.vision.fit.context import CrossSection, FitContext, look
 from labrig.vision.fit.curve_fit import CurveFit, ridge_points
 from labrig.vision.image.image import SMOOTHING_PX
 
@@ -24,18 +24,18 @@ SUSPICIOUS_BLUR_PX = 1.5
 EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 LEAST_GAIN = 50.0
 MOST_LOCAL_EXCESS_PX = 2.0
-SPOILT_PX = 1.0
+CORRUPTED_WIDTH_PX = 1.0
 ALL_PRESENT = 0.97  # share of the pixels beside the curve: nothing is hidden there
 
 
-def excess_width_px(fit: CurveFit, setting: FitContext) -> FloatArray:
+def excess_width_px(fit: CurveFit, context: FitContext) -> FloatArray:
     """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
-    blur, wider = _sharper_look(fit, setting)
-    half = np.append(fit.band.half_width, fit.band.half_width[-1])
+    blur, wider = _sharper_section(fit, context)
+    half = np.append(fit.section.half_width, fit.section.half_width[-1])
     reach = np.full(len(half), round(2 * float(half.max()) + 10))
-    offset, _, width = ridge_points(fit.shape, setting, reach)
+    offset, _, width = ridge_points(fit.shape, context, reach)
     blur = float(np.hypot(blur, SMOOTHING_PX))
-    usual = _visible_widths(fit.band, blur)
+    usual = _visible_widths(fit.section, blur)
     usual = np.append(usual, usual[-1])
     clear = fit.used & (fit.present > ALL_PRESENT)
     good = np.isfinite(width) & (np.abs(offset) < width) & np.append(clear, clear[-1])
@@ -47,54 +47,61 @@ def excess_width_px(fit: CurveFit, setting: FitContext) -> FloatArray:
 
 def something_lies_along(excess_px: FloatArray, fit: CurveFit) -> bool:
     """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
-    thickness = 2 * float(fit.band.half_width[0])
+    thickness = 2 * float(fit.section.half_width[0])
     much = max(MOST_LOCAL_EXCESS_PX, thickness)
     return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
 
 
-def spoilt_cells(excess_px: FloatArray) -> BoolArray:
+def corrupted_cells(excess_px: FloatArray) -> BoolArray:
     """(cells,) where something lies along the sheet, with what it may have pulled beside."""
-    wide = (excess_px[1:] > SPOILT_PX) | (excess_px[:-1] > SPOILT_PX)
+    wide = (excess_px[1:] > CORRUPTED_WIDTH_PX) | (excess_px[:-1] > CORRUPTED_WIDTH_PX)
     return np.convolve(wide, np.ones(2 * SMOOTH_NODES + 1), mode="same") > 0.5
 
 
-def _sharper_look(fit: CurveFit, setting: FitContext) -> tuple[float, float]:
+def _sharper_section(fit: CurveFit, context: FitContext) -> tuple[float, float]:
     """The blur, and how much wider than it is thick the whole sheet is, when that fits better.
 
     A wide band with sharp edges and a thin one with much blur differ in their flanks only.
     """
-    band = fit.band
-    if band.blur < SUSPICIOUS_BLUR_PX:
-        return band.blur, 0.0
-    best, blur, wider = _misfit(fit, setting, band) - LEAST_GAIN, band.blur, 0.0
+    section = fit.section
+    if section.blur < SUSPICIOUS_BLUR_PX:
+        return section.blur, 0.0
+    best, blur, wider = _residual_squares(fit, context, section) - LEAST_GAIN, section.blur, 0.0
     for extra in EXTRA_PX:
-        half = np.where(band.elongation, band.half_width, band.half_width + extra / 2)
-        thin, wide = 2 * band.half_width[0], 2 * band.half_width[0] + extra
-        spread = band.blur**2 + (thin**2 - wide**2) / 12  # of the same second moment
+        half = np.where(section.elongation, section.half_width, section.half_width + extra / 2)
+        thin, wide = 2 * section.half_width[0], 2 * section.half_width[0] + extra
+        spread = section.blur**2 + (thin**2 - wide**2) / 12  # of the same second moment
         sharper = float(np.sqrt(max(spread, 0.5**2)))
-        misfit = _misfit(fit, setting, replace(band, half_width=half, blur=sharper))
-        if misfit < best:
-            best, blur, wider = misfit, sharper, extra
+        residual_squares = _residual_squares(
+            fit, context, replace(section, half_width=half, blur=sharper)
+        )
+        if residual_squares < best:
+            best, blur, wider = residual_squares, sharper, extra
     return blur, wider
 
 
-def _misfit(fit: CurveFit, setting: FitContext, band: Band) -> float:
-    cells, _ = look(fit.shape, setting, band, 20 * fit.noise, fit.used)
-    return float(cells[fit.used & ~band.elongation, 5].sum()) / fit.noise**2
+def _residual_squares(fit: CurveFit, context: FitContext, section: CrossSection) -> float:
+    cells, _ = look(fit.shape, context, section, 20 * fit.noise, fit.used)
+    return float(cells[fit.used & ~section.elongation, 5].sum()) / fit.noise**2
 
 
-def _visible_widths(band: Band, blur: float) -> FloatArray:
+def _visible_widths(section: CrossSection, blur: float) -> FloatArray:
     """(cells,) full width at half height of a blurred band with its face."""
-    look = np.round(np.stack([band.half_width, np.abs(band.face) * (band.face_share > 0)]), 1)
+    look = np.round(
+        np.stack([section.half_width, np.abs(section.side_face) * (section.side_face_share > 0)]), 1
+    )
     kinds, which = np.unique(look, axis=1, return_inverse=True)
-    widths = [_visible_width(half, face, band.face_share, blur) for half, face in kinds.T]
+    widths = [
+        _visible_width(half, side_face, section.side_face_share, blur)
+        for half, side_face in kinds.T
+    ]
     return np.asarray(widths)[which.ravel()]
 
 
-def _visible_width(half: float, face: float, share: float, blur: float) -> float:
+def _visible_width(half: float, side_face: float, share: float, blur: float) -> float:
     from scipy.special import ndtr
 
-    d = np.arange(-half - 4 * blur, half + face + 4 * blur, 0.05)
+    d = np.arange(-half - 4 * blur, half + side_face + 4 * blur, 0.05)
     profile = ndtr((d + half) / blur) - ndtr((d - half) / blur)
-    profile += share * (ndtr((d - half) / blur) - ndtr((d - half - face) / blur))
+    profile += share * (ndtr((d - half) / blur) - ndtr((d - half - side_face) / blur))
     return 0.05 * float(np.count_nonzero(profile > 0.5 * profile.max()))

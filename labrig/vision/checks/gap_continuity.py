@@ -12,15 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.curve.smoothness import averaged, covariance
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit, around, information
-from labrig.vision.fit.shape import CurveShape
-from labrig.vision.fit.smoothness import averaged, covariance
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-DOUBTFUL_CHI2 = 3.0**2  # other ways are tried then, and the band holds both
+DOUBTFUL_CHI2 = 3.0**2  # other ways are tried then, and the credible band holds both
 LEAST_HIDDEN_PX = 8.0  # in less no other line can take over
 LEAST_BEFORE = 20  # cells that say how the sheet goes on
 LOCAL_CELLS = 3  # to each side: a hole is shorter than what contrast is measured in
@@ -34,10 +34,12 @@ LINE_SIGMA = np.array([0.2, 0.015, 5e-4])
 class GapJoin:
     """How what is seen beyond a hidden stretch lies beside what was to be expected there."""
 
-    beside_px: float = 0.0
-    turned_rad: float = 0.0
+    offset_px: float = 0.0
+    turn_rad: float = 0.0
     chi2: float = 0.0  # of both and of curvature, by how well they can be foretold
-    aside_px: FloatArray | None = None  # (nodes,) from the curve to where it would go without it
+    deviation_px: FloatArray | None = (
+        None  # (nodes,) from the curve to where it would go without it
+    )
 
     @property
     def doubtful(self) -> bool:
@@ -45,26 +47,26 @@ class GapJoin:
         return self.chi2 > DOUBTFUL_CHI2
 
 
-def worst_join(fit: CurveFit, setting: FitContext) -> GapJoin:
+def worst_join(fit: CurveFit, context: FitContext) -> GapJoin:
     """The least likely of a curve's joins."""
     shape, step = fit.shape, fit.shape.basis.step_px
-    seen = np.flatnonzero(fit.used & ~holes(fit, setting))
+    seen = np.flatnonzero(fit.used & ~holes(fit, context))
     gaps = np.flatnonzero(np.diff(seen) * step > LEAST_HIDDEN_PX)
     gaps = gaps[gaps + 1 >= LEAST_BEFORE]
     if not len(gaps):
         return GapJoin()
     modes = shape.normal_modes()
-    joins = [_join(fit, setting, modes, int(seen[i]) + 1, int(seen[i + 1])) for i in gaps]
+    joins = [_join(fit, context, modes, int(seen[i]) + 1, int(seen[i + 1])) for i in gaps]
     return max(joins, key=lambda join: join.chi2)
 
 
-def holes(fit: CurveFit, setting: FitContext) -> BoolArray:
+def holes(fit: CurveFit, context: FitContext) -> BoolArray:
     """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
-    misfit, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
+    residual_squares, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
     size = np.maximum(size, 1e-9)
-    there = setting.sign * (fit.contrast + misfit / size)
+    there = context.sign * (fit.contrast + residual_squares / size)
     hole = np.zeros(len(there), dtype=bool)
-    for part in (fit.band.elongation, ~fit.band.elongation):
+    for part in (fit.section.elongation, ~fit.section.elongation):
         if (fit.used & part).any():
             usual = float(np.median(np.abs(fit.contrast[fit.used & part])))
             sure = usual - there > SURELY_LESS * fit.noise / np.sqrt(size)
@@ -73,13 +75,13 @@ def holes(fit: CurveFit, setting: FitContext) -> BoolArray:
     return around(hole, 1) > 0.5
 
 
-def _join(fit: CurveFit, setting: FitContext, modes: FloatArray, until: int, again: int) -> GapJoin:
+def _join(fit: CurveFit, context: FitContext, modes: FloatArray, until: int, again: int) -> GapJoin:
     """The join of what is seen up to the cell `until` with what comes into sight at `again`."""
     shape, basis = fit.shape, fit.shape.basis
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / sigma**2, 0.0)[:until]
     before = 0.5 * (modes[1 : until + 1] + modes[:until])
-    normal, pull = information(shape, before, offset[:until], weight, setting.prior)
+    normal, pull = information(shape, before, offset[:until], weight, context.prior)
     rows = np.zeros((3, basis.size))
     rows[0] = modes[again]
     rows[1, 1], rows[1, 2:] = 1.0, basis.angle[again]

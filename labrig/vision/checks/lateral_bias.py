@@ -22,7 +22,7 @@ MORE_THAN_NOISE = 0.95  # residuals, of which Tukey's weights leave 0.9: else no
 LEAST_GAIN = 16.0  # twice the log-likelihood that a second image explains
 
 
-def pulled_px(fit: CurveFit, setting: FitContext) -> FloatArray:
+def lateral_bias_px(fit: CurveFit, context: FitContext) -> FloatArray:
     """(nodes,) how far what lies beside the sheet may have pulled the curve; 0: nothing is seen."""
     used = fit.used
     starts = np.arange(0, len(used), PIECE_CELLS)
@@ -30,19 +30,19 @@ def pulled_px(fit: CurveFit, setting: FitContext) -> FloatArray:
     counts = np.add.reduceat(np.where(used, fit.cells[:, 6], 0.0), starts)
     level = np.sqrt(squares / np.maximum(counts, 1.0))
     share = np.add.reduceat(used.astype(float), starts) / PIECE_CELLS
-    asked = (level > MORE_THAN_NOISE * setting.picture.noise) & (share > LEAST_USED)
+    asked = (level > MORE_THAN_NOISE * context.image.noise) & (share > LEAST_USED)
     if not asked.any():
         return np.zeros(len(used) + 1)
-    pixels = pixels_beside(fit.shape, setting, fit.band.reach)
+    pixels = pixels_beside(fit.shape, context, fit.section.reach)
     pull = np.zeros(len(starts))
     for i in np.flatnonzero(asked):
         cells = slice(int(starts[i]), min(int(starts[i]) + PIECE_CELLS, len(used)))
-        pull[i] = _pull(fit, cells, pixels)
+        pull[i] = _bias_px(fit, cells, pixels)
     middles = starts + PIECE_CELLS / 2
     return np.asarray(np.interp(np.arange(len(used) + 1), middles, pull))
 
 
-def _pull(
+def _bias_px(
     fit: CurveFit, cells: slice, pixels: tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]
 ) -> float:
     """How far the likeliest second image beside some cells pulls them; 0 where there is none."""
@@ -75,14 +75,14 @@ def _bands(
     fit: CurveFit, cells: slice, distance: FloatArray, first: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The sheet's band at distances from its middle, its slope, and its change with blur."""
-    band = fit.band
+    section = fit.section
     own = first[cells.start : cells.stop + 1] - first[cells.start]
     return templates(
         distance,
         own,
-        band.half_width[cells],
-        band.blur,
+        section.half_width[cells],
+        section.blur,
         np.zeros(len(own) - 1),
-        band.face[cells],
-        band.face_share,
+        section.side_face[cells],
+        section.side_face_share,
     )

@@ -1,4 +1,4 @@
-"""What lies beside a curve: the picture straightened along it."""
+"""What lies beside a curve: the image straightened along it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ STEP = 0.8  # of the contrast, from one side to the other
 FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside it does not reach
 
 
-def straightened(fit: CurveFit, setting: FitContext, across: FloatArray) -> FloatArray:
+def straightened(fit: CurveFit, context: FitContext, across: FloatArray) -> FloatArray:
     """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside.
 
     Of every third node, which is enough for medians.
@@ -26,11 +26,11 @@ def straightened(fit: CurveFit, setting: FitContext, across: FloatArray) -> Floa
     shape, some = fit.shape, slice(None, None, 3)
     x = shape.x[some, None] - np.sin(shape.phi[some])[:, None] * across
     y = shape.y[some, None] + np.cos(shape.phi[some])[:, None] * across
-    plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
-    uv = setting.optics.world_to_pixel(plane).astype(np.float32).reshape(*x.shape, 2)
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / context.optics.px_per_m
+    uv = context.optics.world_to_pixel(plane).astype(np.float32).reshape(*x.shape, 2)
     return np.asarray(
         cv2.remap(
-            setting.picture.grey,
+            context.image.grey,
             uv[..., 0],
             uv[..., 1],
             cv2.INTER_LINEAR,
@@ -41,15 +41,15 @@ def straightened(fit: CurveFit, setting: FitContext, across: FloatArray) -> Floa
     )
 
 
-def runs_beside_opposite(fit: CurveFit, setting: FitContext) -> bool:
+def runs_beside_opposite(fit: CurveFit, context: FitContext) -> bool:
     """Whether a stronger band of the opposite sign accompanies the curve.
 
     A bright sheet's dark flank looks like a thin dark sheet to a filter, and the other way round.
     """
-    half = float(fit.band.half_width.max())
-    reach = round(2 * half + 3 * fit.band.blur + 5)
+    half = float(fit.section.half_width.max())
+    reach = round(2 * half + 3 * fit.section.blur + 5)
     across = np.arange(-reach, reach + 1, dtype=float)
-    strip = straightened(fit, setting, across)
+    strip = straightened(fit, context, across)
     profiles = []
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
@@ -59,23 +59,25 @@ def runs_beside_opposite(fit: CurveFit, setting: FitContext) -> bool:
     if not profiles:
         return False
     # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
-    ground = np.percentile(profiles, 60 if setting.sign < 0 else 40, axis=1)
-    opposite = (-setting.sign * (np.array(profiles) - ground[:, None])).max(axis=1)
+    ground = np.percentile(profiles, 60 if context.sign < 0 else 40, axis=1)
+    opposite = (-context.sign * (np.array(profiles) - ground[:, None])).max(axis=1)
     votes = np.count_nonzero(opposite > STRONGER * fit.usual_contrast)
     return bool(votes >= PIECES // 2)
 
 
-def is_an_edge(fit: CurveFit, setting: FitContext) -> bool:
+def is_an_edge(fit: CurveFit, context: FitContext) -> bool:
     """Whether one side of the curve is as bright as the curve itself: the edge of something wide.
 
-    The far face of a silhouette is that too, but not as wide.
+    The side face of a silhouette is that too, but not as wide.
     """
     if not fit.used.any():
         return False
-    face = float(np.abs(fit.band.face).max()) if fit.band.face_share > 0 else 0.0
-    near = float(fit.band.half_width.max()) + 2.5 * fit.band.blur + face
+    side_face = (
+        float(np.abs(fit.section.side_face).max()) if fit.section.side_face_share > 0 else 0.0
+    )
+    near = float(fit.section.half_width.max()) + 2.5 * fit.section.blur + side_face
     across = near + np.linspace(*FAR_PX, 4)
-    strip = straightened(fit, setting, np.concatenate([-across, across]))
+    strip = straightened(fit, context, np.concatenate([-across, across]))
     votes = 0
     for piece in np.array_split(np.arange(len(strip)), PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]

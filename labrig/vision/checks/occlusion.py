@@ -23,17 +23,17 @@ SHINES_THROUGH = 0.3  # of that difference
 LIKE_SHADE = 0.25
 
 
-def strangers(fit: CurveFit) -> BoolArray:
+def see_through_cells(fit: CurveFit) -> BoolArray:
     """(cells,) of stretches between two gaps whose grey changes with the ground."""
-    strange = np.zeros(len(fit.used), dtype=bool)
+    see_through = np.zeros(len(fit.used), dtype=bool)
     stretches = _stretches(fit.used)
     if len(stretches) < 3:
-        return strange
+        return see_through
     steps = [_step(fit, before, after) for before, after in pairwise(stretches)]
     for stretch, (into, out) in zip(stretches[1:-1], pairwise(steps), strict=True):
         if _shines(*into) and _shines(*out) and into[0] * out[0] < 0:
-            strange[stretch] = True
-    return strange
+            see_through[stretch] = True
+    return see_through
 
 
 def _stretches(used: BoolArray) -> list[slice]:

@@ -2,7 +2,7 @@
 
 A frayed strip, or one that looks much thicker in one place, is not drawn as the fit's band has it:
 there cells are left out, and a smooth curve bridges them, or misses them by more than their noise.
-Whatever the reason, the picture says something else there, and the curve's band must hold that.
+Whatever the reason, the image says something else there, and the curve's band must hold that.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ ALL_PRESENT = 0.9  # share of the pixels beside the curve: nothing is hidden the
 LIKE_THE_SHEET = (0.5, 2.2)  # its height and width over the usual ones
 
 
-def beside_px(fit: CurveFit, setting: FitContext) -> FloatArray:
-    """(nodes,) how far beside the curve the picture shows the sheet; 0: where the curve is."""
+def offset_px(fit: CurveFit, context: FitContext) -> FloatArray:
+    """(nodes,) how far beside the curve the image shows the sheet; 0: where the curve is."""
     beside = np.where(fit.used, _of_used(fit), 0.0)
     # by cells the share of pixels is uneven
     unclear = ~fit.used & (around(fit.present, 2) > 5 * ALL_PRESENT)
-    if fit.band.spoilt is not None:
-        unclear &= ~fit.band.spoilt  # that is known to be something else
-    edge = round(2.5 * fit.band.blur) + 1
+    if fit.section.corrupted is not None:
+        unclear &= ~fit.section.corrupted  # that is known to be something else
+    edge = round(2.5 * fit.section.blur) + 1
     unclear[:edge] = unclear[-edge:] = False  # of the clamp, and of the sheet itself
     if unclear.sum() > LEAST_LIKE:
-        beside = np.maximum(beside, _of_unclear(fit, setting, unclear))
+        beside = np.maximum(beside, _of_unclear(fit, context, unclear))
     return np.append(beside, beside[-1])
 
 
@@ -53,11 +53,11 @@ def _of_used(fit: CurveFit) -> FloatArray:
     return np.where(chi2 > MOST_CHI2, np.sqrt(np.maximum(more, square)), 0.0)
 
 
-def _of_unclear(fit: CurveFit, setting: FitContext, unclear: BoolArray) -> FloatArray:
+def _of_unclear(fit: CurveFit, context: FitContext, unclear: BoolArray) -> FloatArray:
     """(cells,) the middle of what looks like the sheet, but not as the fit's band has it."""
-    half = float(fit.band.half_width.max())
+    half = float(fit.section.half_width.max())
     reach = np.full(len(fit.used) + 1, round(2 * half + 10))
-    offset, height, width = (each[1:] for each in ridge_points(fit.shape, setting, reach))
+    offset, height, width = (each[1:] for each in ridge_points(fit.shape, context, reach))
     found = np.isfinite(offset)
     usual = fit.used & found
     if not usual.any():

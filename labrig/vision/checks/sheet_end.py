@@ -1,4 +1,4 @@
-"""Where the sheet ends in the picture: the profile along the curve's last pixels and beyond."""
+"""Where the sheet ends in the image: the profile along the curve's last pixels and beyond."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ class SheetEnd:
     beyond_px: float | None  # positive: the sheet is longer than stated
     sigma_px: float = math.inf
     at_least: bool = False  # no end is seen: the sheet goes on for at least `beyond_px`
-    out_of_sight: bool = False  # the sheet is seen up to where the picture or a roll ends
+    out_of_sight: bool = False  # the sheet is seen up to where the image or a roll ends
 
 
-def find_tip(fit: CurveFit, setting: FitContext) -> SheetEnd:
+def find_sheet_end(fit: CurveFit, context: FitContext) -> SheetEnd:
     """Fit a step to the sheet's contrast along the curve, around its stated end."""
     total = fit.shape.basis.total_px
     before = min(60.0, 0.3 * total)
     after = max(16.0, 0.06 * total)
     at = np.arange(-round(before), round(after) + 1, dtype=float)
-    ratio = _contrast_along(fit, setting, at)
+    ratio = _contrast_along(fit, context, at)
     seen = np.isfinite(ratio)
     beyond = seen & (at > 2)
     if seen[at < -3].sum() < 8 or beyond.sum() < 4:
@@ -42,7 +42,7 @@ def find_tip(fit: CurveFit, setting: FitContext) -> SheetEnd:
         return SheetEnd(float(at[seen][-1]), at_least=True)
     noise = _roughness(ratio[seen])
     places = np.arange(at[seen][0] + 6, at[seen][-1] - 3, 0.1)
-    blur = math.hypot(fit.band.blur, 0.3)
+    blur = math.hypot(fit.section.blur, 0.3)
     step = np.clip(0.5 + (places[:, None] - at[seen][None, :]) / (2.5 * blur), 0, 1)
     cost = np.minimum(((ratio[seen] - step) / noise) ** 2, 9.0).sum(axis=1)
     best = int(np.argmin(cost))
@@ -60,7 +60,7 @@ def missing_end_px(fit: CurveFit) -> float:
 
     0 where something is there that may hide it: what hides a sheet differs from its background.
     """
-    edge = round(2.5 * fit.band.blur) + 1
+    edge = round(2.5 * fit.section.blur) + 1
     last = np.flatnonzero(fit.used)
     if len(last) < 20:
         return 0.0
@@ -76,23 +76,23 @@ def missing_end_px(fit: CurveFit) -> float:
     return float(len(missing)) * fit.shape.basis.step_px if plain.mean() > 0.7 else 0.0
 
 
-def missing_start_px(fit: CurveFit, setting: FitContext) -> float:
+def missing_start_px(fit: CurveFit, context: FitContext) -> float:
     """Length at the clamp on which there is plain background where the sheet should be.
 
     0 where something is there that may hide it, or hardly any of it is missing.
     """
-    edge = round(2.5 * fit.band.blur) + 1
+    edge = round(2.5 * fit.section.blur) + 1
     there = np.flatnonzero(fit.used)
     if len(there) < 20:
         return 0.0
     # the clamp's blurred edge, and what a neighbour that is seen may reach, say nothing
     missing = np.arange(edge, there[0] - 2)
     missing = missing[fit.in_view[missing]]
-    if len(missing) * fit.shape.basis.step_px < LEAST_MISSING * setting.optics.clamp_sigma_px:
+    if len(missing) * fit.shape.basis.step_px < LEAST_MISSING * context.optics.clamp_sigma_px:
         return 0.0
-    value, distance, first = pixels_beside(fit.shape, setting, fit.band.reach)
+    value, distance, first = pixels_beside(fit.shape, context, fit.section.reach)
     part = np.concatenate([np.arange(first[i], first[i + 1]) for i in missing])
-    core = np.abs(distance[part]) < fit.band.half_width[0] + fit.band.blur
+    core = np.abs(distance[part]) < fit.section.half_width[0] + fit.section.blur
     if not core.any() or core.all():
         return 0.0
     level, sides = float(value[part][core].mean()), float(np.median(value[part][~core]))
@@ -107,25 +107,25 @@ def _roughness(ratio: FloatArray) -> float:
     return max(0.08, 1.5 * spread)
 
 
-def _contrast_along(fit: CurveFit, setting: FitContext, at: FloatArray) -> FloatArray:
+def _contrast_along(fit: CurveFit, context: FitContext, at: FloatArray) -> FloatArray:
     """Core minus flanks at distances `at` from the end, in units of the sheet's contrast."""
     import cv2
 
-    shape, band = fit.shape, fit.band
+    shape, section = fit.shape, fit.section
     k, phi = float(shape.k[-8]), float(shape.phi[-1])
     angle = phi + k * at / 2
     x = shape.x[-1] + at * np.cos(angle)
     y = shape.y[-1] + at * np.sin(angle)
-    half = float(band.half_width[-1])
+    half = float(section.half_width[-1])
     core = max(1.0, half)
-    side = half + 2.5 * band.blur + 1.0
+    side = half + 2.5 * section.blur + 1.0
     across = np.concatenate([np.linspace(-core, core, 5) * 0.6, [-side - 1, -side, side, side + 1]])
     turn = phi + k * at
     px = x[:, None] - np.sin(turn)[:, None] * across
     py = y[:, None] + np.cos(turn)[:, None] * across
     plane = np.stack([px.ravel(), py.ravel()], axis=1)
-    uv = setting.optics.world_to_pixel(plane / setting.optics.px_per_m).astype(np.float32)
-    grey = setting.picture.grey
+    uv = context.optics.world_to_pixel(plane / context.optics.px_per_m).astype(np.float32)
+    grey = context.image.grey
     shown = cv2.remap(
         grey,
         uv[:, 0].reshape(px.shape),
@@ -135,7 +135,7 @@ def _contrast_along(fit: CurveFit, setting: FitContext, at: FloatArray) -> Float
         borderValue=float("nan"),
     ).astype(float)
     covered = cv2.remap(
-        setting.mask,
+        context.mask,
         uv[:, 0].reshape(px.shape),
         uv[:, 1].reshape(px.shape),
         cv2.INTER_NEAREST,
@@ -146,6 +146,6 @@ def _contrast_along(fit: CurveFit, setting: FitContext, at: FloatArray) -> Float
     raw[covered.any(axis=1)] = np.nan
     inside = at < -4
     reference = float(np.nanmedian(raw[inside])) if np.isfinite(raw[inside]).any() else math.nan
-    if not setting.sign * reference > 0:
+    if not context.sign * reference > 0:
         return np.full(len(at), np.nan)
     return np.asarray(raw / reference)

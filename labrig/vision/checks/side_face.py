@@ -1,4 +1,4 @@
-"""The far face: a sheet is wide across the picture's plane, and its far edge looks smaller.
+"""The side face: a sheet is wide across the image's plane, and its far edge looks smaller.
 
 So beside its near edge a stripe of its face shows, towards the point where lines square to the
 sheet's plane meet: its width is known along the whole sheet from two numbers. Taken for a part of
@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import Band, FitContext, Pixels, measured, pixels_beside
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.fit.context import CrossSection, FitContext, Pixels, measured, pixels_beside
 from labrig.vision.fit.curve_fit import CurveFit
-from labrig.vision.fit.shape import CurveShape
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -25,13 +25,13 @@ BoolArray = npt.NDArray[np.bool_]
 # to begin with: the sheet's width over the far edge's distance, and the face's grey over the
 # edge's; a faint guess gains something with any face, a strong one only near the truth
 GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
-LIKELY_SHOWN = 0.2  # the odds of each guess before the picture is looked at
+LIKELY_SHOWN = 0.2  # the odds of each guess before the image is looked at
 LEAST_DOUBT_PX = 0.02
 LEAST_DEPTH, MOST_DEPTH = 1e-4, 0.12
 LEAST_SHARE, MOST_SHARE = 0.02, 1.0
 MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
 MOST_FACE_PX = 24.0
-CENTRE_SIGMA = 0.06  # of the picture's width: how square the camera looks at the plane
+CENTRE_SIGMA = 0.06  # of the image's width: how square the camera looks at the plane
 MOST_ODD = 4.0**2  # no camera looks that much askew
 LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
 LEAST_GAIN = 15.0  # and the likeliest face
@@ -51,7 +51,7 @@ IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what
 
 @dataclass(frozen=True)
 class SideFace:
-    """How the far face shows; lengths in pixels of the sheet's plane."""
+    """How the side face shows; lengths in pixels of the sheet's plane."""
 
     depth: float
     share: float
@@ -66,72 +66,72 @@ class SideFace:
         towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
         return np.asarray(np.clip(self.depth * towards, -MOST_FACE_PX, MOST_FACE_PX))
 
-    def on(self, band: Band, shape: CurveShape) -> Band:
+    def on(self, section: CrossSection, shape: CurveShape) -> CrossSection:
         """A band with this face."""
-        looking = band.retuned(self.blur, self.elongation_half)
-        return replace(looking, face=self.widths(shape), face_share=self.share)
+        looking = section.with_look(self.blur, self.elongation_half)
+        return replace(looking, side_face=self.widths(shape), side_face_share=self.share)
 
 
 class SideFaceSearch:
-    """The search for the far face, from a curve that was fitted without one.
+    """The search for the side face, from a curve that was fitted without one.
 
     That curve runs in the middle of edge and face together; one fitted with a face, on the edge.
     """
 
-    def __init__(self, fit: CurveFit, setting: FitContext) -> None:
-        self.setting, self.noise, self.used = setting, fit.noise, _looked_at(fit)
-        rows, columns = setting.picture.grey.shape
-        optics = setting.optics
+    def __init__(self, fit: CurveFit, context: FitContext) -> None:
+        self.context, self.noise, self.used = context, fit.noise, _looked_at(fit)
+        rows, columns = context.image.grey.shape
+        optics = context.optics
         away = optics.vanishing_px((columns, rows))
         self.centre = optics.undistorted_to_world([away])[0] * optics.px_per_m
         self.spread = CENTRE_SIGMA * columns
         self.silhouette = optics.look == "silhouette"
         self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
-        self.plain = replace(fit.band, face=np.zeros(len(fit.used)), face_share=0.0)
-        self.seen = _Seen(fit, setting, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
-        self.nothing = self._misfits(self.seen, self.plain, tuned=True)
+        self.plain = replace(fit.section, side_face=np.zeros(len(fit.used)), side_face_share=0.0)
+        self.seen = _PixelsBeside(fit, context, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
+        self.nothing = self._residual_squares(self.seen, self.plain, tuned=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
-        self.doubt_px = 0.0  # how far a face that is not seen may pull the curve
+        self.possible_bias_px = 0.0  # how far a face that is not seen may pull the curve
         self.guessed: tuple[list[SideFace], list[float]] = ([], [])  # and what each gains
 
     def first(self) -> SideFace | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
         shown = [*GUESSES, *self._beside_thin_elongation()]
         guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
-        gains = [float(self._gains(self.seen, face).sum()) for face in guesses]
+        gains = [float(self._gains(self.seen, side_face).sum()) for side_face in guesses]
         self.guessed = (guesses, gains)
         best = int(np.argmax(gains))
         if gains[best] < LIKELY_GAIN:
-            self.doubt_px = self._doubt(guesses, gains)
+            self.possible_bias_px = self._possible_bias_px(guesses, gains)
             return None
-        self._settle()
-        return self._believed(self.seen, self._refined(self.seen, guesses[best]))
+        self._fit_without_face()
+        return self._accepted(self.seen, self._refined(self.seen, guesses[best]))
 
-    def again(self, fit: CurveFit, face: SideFace) -> SideFace | None:
+    def again(self, fit: CurveFit, side_face: SideFace) -> SideFace | None:
         """The likeliest face beside the curve that was fitted with the last one."""
-        seen = _Seen(fit, self.setting, self.seen.reach, on_edge=True)
-        return self._believed(seen, self._refined(seen, face))
+        seen = _PixelsBeside(fit, self.context, self.seen.reach, on_edge=True)
+        return self._accepted(seen, self._refined(seen, side_face))
 
-    def _believed(self, seen: _Seen, face: SideFace) -> SideFace | None:
-        """A face that explains enough, and not one place only, as something beside it would.
+    def _accepted(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace | None:
+        """Return a face that explains enough, and more than one place; else None.
 
-        `doubt_px` then says how well it is known, else how far the curve may be off without it.
+        `possible_bias_px` is then how well it is known, else how far the curve may be off without.
         """
-        gains = self._gains(seen, face)
-        total = float(gains.sum()) - self._oddness(face)
+        gains = self._gains(seen, side_face)
+        total = float(gains.sum()) - self._prior_cost(side_face)
         common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
         widespread = seen.on_edge or common > COMMON_SHARE * total
         least = 0.0 if seen.on_edge else LEAST_GAIN  # on the edge it has been believed before
-        if self._oddness(face) < MOST_ODD and total > least and widespread:
-            pull = seen.pull_px(face.on(self.plain, seen.shape))[self.used]
+        if self._prior_cost(side_face) < MOST_ODD and total > least and widespread:
+            pull = seen.lateral_bias_px(side_face.on(self.plain, seen.shape))[self.used]
             unsure = UNSURE / float(np.sqrt(max(total, LEAST_GAIN)))
-            self.doubt_px = float(np.sqrt(np.mean(pull**2))) * unsure
-            return face
+            self.possible_bias_px = float(np.sqrt(np.mean(pull**2))) * unsure
+            return side_face
         if not seen.on_edge and not self._may_be_local(gains):
             common = COMMON * total
         gain = LEAST_GAIN if seen.on_edge else min(total, common / COMMON)
         faces, gained = self.guessed
-        self.doubt_px = self._doubt([face, *faces], [gain, *gained])
+        self.possible_bias_px = self._possible_bias_px([side_face, *faces], [gain, *gained])
         return None
 
     def _may_be_local(self, gains: FloatArray) -> bool:
@@ -144,10 +144,13 @@ class SideFaceSearch:
         indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -LEAST_GAIN
         return float(gains.sum()) > STRONG_GAIN and not indifferent
 
-    def _doubt(self, faces: Sequence[SideFace], gains: Sequence[float]) -> float:
+    def _possible_bias_px(self, faces: Sequence[SideFace], gains: Sequence[float]) -> float:
         """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
         odds = LIKELY_SHOWN * np.exp(0.5 * np.minimum(gains, 2 * LEAST_GAIN))
-        pulls = [self.seen.pull_px(face.on(self.plain, self.seen.shape)) for face in faces]
+        pulls = [
+            self.seen.lateral_bias_px(side_face.on(self.plain, self.seen.shape))
+            for side_face in faces
+        ]
         square = [float(np.mean(np.square(pull[self.used]))) for pull in pulls]
         doubt = float(np.sqrt(odds @ square / (1 + odds.sum())))
         return doubt if doubt > LEAST_DOUBT_PX else 0.0
@@ -157,11 +160,11 @@ class SideFaceSearch:
 
         As dark as the edge they change nothing of how it looks: only the free sheet can tell.
         """
-        band = self.plain
-        excess = 2 * float(band.half_width[-1] - band.half_width[0])
-        if not band.elongation.any() or excess <= 0:
+        section = self.plain
+        excess = 2 * float(section.half_width[-1] - section.half_width[0])
+        if not section.elongation.any() or excess <= 0:
             return []
-        unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[band.elongation]
+        unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[section.elongation]
         depth = LEAST_DEPTH * excess / max(float(np.median(np.abs(unit))), 1e-6)
         if depth > MOST_DEPTH:
             return []
@@ -172,57 +175,64 @@ class SideFaceSearch:
 
     def _guess(self, depth: float, share: float) -> SideFace:
         """A face, with the blur and the elongation's width that are left beside it."""
-        band, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
-        face = SideFace(depth, share, centre, 1.0, 1.0)
-        wide = np.abs(face.widths(self.seen.shape))
-        thick = 2 * float(band.half_width[-1])
-        if not band.elongation.any():
+        section, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
+        side_face = SideFace(depth, share, centre, 1.0, 1.0)
+        wide = np.abs(side_face.widths(self.seen.shape))
+        thick = 2 * float(section.half_width[-1])
+        if not section.elongation.any():
             # the fitted blur of a band of known width is led by its flanks: all of it is the face's
             more = float(np.mean(_spread(thick, wide, share)))
             half = thick / 2
         else:
             # nobody knows an elongation's width: what the face takes may be missing there
-            wide = wide[band.elongation]
+            wide = wide[section.elongation]
             half = max((thick - share * float(np.median(wide))) / 2, 0.5)
             own = (2 * half) ** 3 / 12 / (2 * half + share * wide)
             more = float(np.mean(own + _spread(2 * half, wide, share))) - thick**2 / 12
-        blur = float(np.sqrt(max(band.blur**2 - more, LEAST_BLUR_PX**2)))
-        return replace(face, blur=blur, elongation_half=half)
+        blur = float(np.sqrt(max(section.blur**2 - more, LEAST_BLUR_PX**2)))
+        return replace(side_face, blur=blur, elongation_half=half)
 
-    def _refined(self, seen: _Seen, face: SideFace) -> SideFace:
+    def _refined(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace:
         """The likeliest face, from a guess."""
         start = np.array(
-            [np.log(face.depth), face.share, 0, 0, np.log(face.blur), face.elongation_half]
+            [
+                np.log(side_face.depth),
+                side_face.share,
+                0,
+                0,
+                np.log(side_face.blur),
+                side_face.elongation_half,
+            ]
         )
-        start[2:4] = (np.array(face.centre) - self.centre) / self.spread
+        start[2:4] = (np.array(side_face.centre) - self.centre) / self.spread
         steps = np.array([0.3, -0.15, 0.4, 0.4, 0.15, 0.2])
         used = slice(0, 6 if self.plain.elongation.any() else 5)
 
         def unlikely(p: FloatArray) -> float:
             outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
-            face = self._face(p)
-            left = float(self._misfits(seen, face.on(self.plain, seen.shape)).sum())
-            return left + self._oddness(face) + 100.0 * float(outside)
+            side_face = self._face(p)
+            left = float(self._residual_squares(seen, side_face.on(self.plain, seen.shape)).sum())
+            return left + self._prior_cost(side_face) + 100.0 * float(outside)
 
         return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
 
-    def _oddness(self, face: SideFace) -> float:
-        off = (np.array(face.centre) - self.centre) / self.spread
+    def _prior_cost(self, side_face: SideFace) -> float:
+        off = (np.array(side_face.centre) - self.centre) / self.spread
         return float(off @ off)
 
-    def _settle(self) -> None:
+    def _fit_without_face(self) -> None:
         """Give the band alone its best chance: a lens may blur, and an elongation may be thick.
 
         A sheet may be thicker than stated, and looks so far out of focus, where a lens draws discs.
         """
         plain = self.plain
 
-        def band(p: FloatArray) -> Band:
+        def section(p: FloatArray) -> CrossSection:
             low, high = [LEAST_BLUR_PX, 0.5, 0.5], [6.0, 40.0, 40.0]
             blur, half, beyond = np.clip([np.exp(p[0]), p[1], p[2]], low, high)
             half = min(half, thickest)
             wide = replace(plain, half_width=np.full(len(self.used), half))
-            return wide.retuned(float(blur), float(beyond))
+            return wide.with_look(float(blur), float(beyond))
 
         thin, beyond = float(plain.half_width[0]), float(plain.half_width[-1])
         thickest = (1 + THICKER) * thin + max(0.0, plain.blur - IN_FOCUS_PX)
@@ -231,13 +241,13 @@ class SideFaceSearch:
         steps = np.array([-0.3, 0.5, 0.3])
 
         def unlikely(p: FloatArray) -> float:
-            return float(self._misfits(self.seen, band(p)).sum())
+            return float(self._residual_squares(self.seen, section(p)).sum())
 
-        best = band(_lowest(unlikely, start, steps, used, 60))
-        before, self.nothing = self.nothing, self._misfits(self.seen, best, tuned=True)
+        best = section(_lowest(unlikely, start, steps, used, 60))
+        before, self.nothing = self.nothing, self._residual_squares(self.seen, best, tuned=True)
         if float((before - self.nothing).sum()) > LEAST_GAIN:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
-        self.plain = plain.retuned(best.blur, float(best.half_width[-1]))
+        self.plain = plain.with_look(best.blur, float(best.half_width[-1]))
 
     def _face(self, p: FloatArray) -> SideFace:
         x, y = self.centre + self.spread * p[2:4]
@@ -246,17 +256,21 @@ class SideFaceSearch:
         depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
         return SideFace(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
 
-    def _gains(self, seen: _Seen, face: SideFace) -> FloatArray:
+    def _gains(self, seen: _PixelsBeside, side_face: SideFace) -> FloatArray:
         """(pieces,) what a face explains, twice the log-likelihood."""
-        return self.nothing - self._misfits(seen, face.on(self.plain, seen.shape), tuned=True)
+        return self.nothing - self._residual_squares(
+            seen, side_face.on(self.plain, seen.shape), tuned=True
+        )
 
-    def _misfits(self, seen: _Seen, band: Band, *, tuned: bool = False) -> FloatArray:
+    def _residual_squares(
+        self, seen: _PixelsBeside, section: CrossSection, *, tuned: bool = False
+    ) -> FloatArray:
         """(pieces,) squared residuals over the noise's, each piece displaced a little.
 
         `tuned`: also with the blur, and an elongation's width, that suit the band best.
         """
         # weights that forgive little would count a missing face as an outlier
-        cells = measured(seen.pixels_for(band), band, 3 * self.noise, self.used)
+        cells = measured(seen.pixels_for(section), section, 3 * self.noise, self.used)
         cells = np.where(self.used[:, None], cells, 0.0)
         pieces = np.arange(0, len(cells), PIECE_CELLS)
         information, pull, left = (
@@ -265,7 +279,7 @@ class SideFaceSearch:
         left = left - _gained(pull, information, _step(pull, information))
         if tuned:
             gained = np.zeros(len(cells))
-            for part in (band.elongation, ~band.elongation):
+            for part in (section.elongation, ~section.elongation):
                 steeper, sharpness = cells[part, 7], cells[part, 8]
                 step = _step(steeper.sum(), sharpness.sum())
                 gained[part] = _gained(steeper, sharpness, step)
@@ -273,36 +287,42 @@ class SideFaceSearch:
         return np.asarray(np.maximum(left, 0.0) / self.noise**2)
 
 
-class _Seen:
+class _PixelsBeside:
     """The pixels beside a curve."""
 
-    def __init__(self, fit: CurveFit, setting: FitContext, reach: float, *, on_edge: bool) -> None:
+    def __init__(self, fit: CurveFit, context: FitContext, reach: float, *, on_edge: bool) -> None:
         self.shape, self.reach, self.on_edge = fit.shape, reach, on_edge
-        self.pixels = pixels_beside(fit.shape, setting, reach)
+        self.pixels = pixels_beside(fit.shape, context, reach)
 
-    def pixels_for(self, band: Band) -> Pixels:
+    def pixels_for(self, section: CrossSection) -> Pixels:
         """With distances from the edge's middle, where a curve runs in that of edge and face."""
-        if self.on_edge or band.face_share == 0:
+        if self.on_edge or section.side_face_share == 0:
             return self.pixels
         value, distance, first = self.pixels
-        return value, distance + np.repeat(self.pull_px(band), np.diff(first)), first
+        return value, distance + np.repeat(self.lateral_bias_px(section), np.diff(first)), first
 
-    def pull_px(self, band: Band) -> FloatArray:
+    def lateral_bias_px(self, section: CrossSection) -> FloatArray:
         """(cells,) from the edge's middle to that of edge and face."""
-        thick, grey = 2 * band.half_width, band.face_share * np.abs(band.face)
-        middle = np.sign(band.face) * grey * (thick + np.abs(band.face)) / 2 / (thick + grey)
+        thick, grey = 2 * section.half_width, section.side_face_share * np.abs(section.side_face)
+        middle = (
+            np.sign(section.side_face)
+            * grey
+            * (thick + np.abs(section.side_face))
+            / 2
+            / (thick + grey)
+        )
         return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
 
 
 def _looked_at(fit: CurveFit) -> BoolArray:
     """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
-    band = fit.band
-    free = ~band.elongation & fit.in_view
-    if band.spoilt is not None:
-        free &= ~band.spoilt
-    free[: round(2.5 * band.blur) + 1] = False  # the clamp's blurred edge
+    section = fit.section
+    free = ~section.elongation & fit.in_view
+    if section.corrupted is not None:
+        free &= ~section.corrupted
+    free[: round(2.5 * section.blur) + 1] = False  # the clamp's blurred edge
     hardly_used = free.any() and fit.used[free].mean() < LEAST_FREE_USED
-    return fit.used | free if band.elongation.any() and hardly_used else fit.used
+    return fit.used | free if section.elongation.any() and hardly_used else fit.used
 
 
 def _step(pull: Any, information: Any) -> FloatArray:

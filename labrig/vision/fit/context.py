@@ -1,4 +1,4 @@
-"""What stays the same while one picture is fitted, and how its pixels are fetched."""
+"""What stays the same while one image is fitted, and how its pixels are fetched."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.fit.shape import CurveShape
+from labrig.vision.curve.shape import CurveShape
 from labrig.vision.image.image import GreyImage, plane_map
 
 FloatArray = npt.NDArray[np.float64]
@@ -24,7 +24,7 @@ ROLL_MARGIN_PX = 2.5  # a roll's blurred rim
 class FitContext:
     """What stays the same during a fit."""
 
-    picture: GreyImage
+    image: GreyImage
     optics: Optics
     sign: float  # +1: the sheet is brighter
     prior: FloatArray  # (2,) standard deviations of clamp offset (px) and angle
@@ -32,34 +32,36 @@ class FitContext:
     mask: MaskArray  # (rows, columns): not 0 where rolls hide the view
 
     def nodes_px(self, shape: CurveShape) -> FloatArray:
-        """The curve's nodes in the picture (nodes, 2)."""
+        """The curve's nodes in the image (nodes, 2)."""
         plane = np.stack([shape.x, shape.y], axis=1)
         return self.optics.world_to_pixel(plane / self.optics.px_per_m)
 
 
 @dataclass(frozen=True, eq=False)
-class Band:
+class CrossSection:
     """How the sheet looks across: its width in each cell and the blur of its edges, pixels."""
 
     half_width: FloatArray  # (cells,)
     blur: float
     elongation: BoolArray  # (cells,): beyond the free length, where the width is not known
-    face: FloatArray  # (cells,): visible width of the far face, to the side of its sign; 0: none
-    face_share: float = 0.0  # its grey over the band's
-    spoilt: BoolArray | None = None  # (cells,): where something lies along the sheet
+    side_face: (
+        FloatArray  # (cells,): visible width of the side face, to the side of its sign; 0: none
+    )
+    side_face_share: float = 0.0  # its grey over the band's
+    corrupted: BoolArray | None = None  # (cells,): where something lies along the sheet
 
     @property
     def reach(self) -> float:
         """How far beside the curve pixels are of use."""
-        face = float(np.abs(self.face).max()) if self.face_share > 0 else 0.0
-        return float(self.half_width.max()) + face + 3 * self.blur + 2.5
+        side_face = float(np.abs(self.side_face).max()) if self.side_face_share > 0 else 0.0
+        return float(self.half_width.max()) + side_face + 3 * self.blur + 2.5
 
-    def looks_like(self, other: Band, within: float) -> bool:
+    def is_close_to(self, other: CrossSection, within: float) -> bool:
         """Whether blur and widths differ by no more than `within`."""
         wider = float(np.abs(self.half_width - other.half_width).max())
         return max(wider, abs(self.blur - other.blur)) <= within
 
-    def retuned(self, blur: float, elongation_half_width: float) -> Band:
+    def with_look(self, blur: float, elongation_half_width: float) -> CrossSection:
         """With another look."""
         half = np.where(self.elongation, elongation_half_width, self.half_width)
         return replace(self, half_width=half, blur=blur)
@@ -77,22 +79,22 @@ def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
 
 
 def look(
-    shape: CurveShape, setting: FitContext, band: Band, noise: float, used: BoolArray
+    shape: CurveShape, context: FitContext, section: CrossSection, noise: float, used: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Measure the band along a curve: band.measure's table, and the share of pixels there."""
-    pixels = pixels_beside(shape, setting, band.reach)
-    share = np.diff(pixels[2]) / (2 * band.reach * shape.basis.step_px)
-    return measured(pixels, band, noise, used), share
+    """Measure the sheet along a curve: see `cross_section.measure`, and the share of pixels."""
+    pixels = pixels_beside(shape, context, section.reach)
+    share = np.diff(pixels[2]) / (2 * section.reach * shape.basis.step_px)
+    return measured(pixels, section, noise, used), share
 
 
-def pixels_beside(shape: CurveShape, setting: FitContext, reach: float) -> Pixels:
-    """The pixels within `reach` beside a curve: see band.collect."""
+def pixels_beside(shape: CurveShape, context: FitContext, reach: float) -> Pixels:
+    """The pixels within `reach` beside a curve: see cross_section.collect."""
     from labrig.vision.fit.cross_section import collect
 
-    nodes = setting.nodes_px(shape)
+    nodes = context.nodes_px(shape)
     return collect(
-        setting.picture.grey,
-        plane_map(setting.optics, setting.picture.grey.shape),
+        context.image.grey,
+        plane_map(context.optics, context.image.grey.shape),
         nodes[:, 0],
         nodes[:, 1],
         shape.x,
@@ -101,23 +103,23 @@ def pixels_beside(shape: CurveShape, setting: FitContext, reach: float) -> Pixel
         shape.k,
         reach,
         0.9,
-        setting.mask,
+        context.mask,
     )
 
 
-def measured(pixels: Pixels, band: Band, noise: float, used: BoolArray) -> FloatArray:
-    """band.measure's table of these pixels."""
+def measured(pixels: Pixels, section: CrossSection, noise: float, used: BoolArray) -> FloatArray:
+    """cross_section.measure's table of these pixels."""
     from labrig.vision.fit.cross_section import measure
 
     return measure(
         *pixels,
-        band.half_width,
-        band.blur,
+        section.half_width,
+        section.blur,
         WINDOW_CELLS,
         noise,
         2,
         used.astype(float),
-        band.elongation.astype(float),
-        band.face,
-        band.face_share,
+        section.elongation.astype(float),
+        section.side_face,
+        section.side_face_share,
     )

@@ -1,7 +1,7 @@
 """The pixels beside a curve, and what they say of it: the kernels of the intensity fit.
 
 Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P the band
-of the sheet's thickness blurred by the lens, and beside it the sheet's far face where one is seen,
+of the sheet's thickness blurred by the lens, and beside it the sheet's side face where one is seen,
 grey by a share of the band; b, a, c are slow along the sheet (solved in windows). A shift of the
 curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what they could imitate of a
 shift are projected out, so what is left is the full likelihood's answer.
@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
+from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
@@ -66,7 +66,7 @@ def collect(
 
     A cell lies between the normals of two neighbouring nodes, so each pixel belongs to one.
     `plane` (rows, columns, 2): every pixel's place in the sheet's plane; `node_u`, `node_v`: the
-    nodes in the picture; `reach` how far beside the curve, `pixel_size` a pixel's largest extent
+    nodes in the image; `reach` how far beside the curve, `pixel_size` a pixel's largest extent
     in plane units; pixels where `mask` (rows, columns) is not 0 are left out.
     """
     rows, columns = image.shape
@@ -160,36 +160,40 @@ def templates(
     half_width: FloatArray,
     blur: float,
     widen: FloatArray,
-    face: FloatArray,
-    face_share: float,
+    side_face: FloatArray,
+    side_face_share: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """P, P' and the derivative for the look (blur or half width) of each pixel, face included.
 
-    `face` (cells,): the far face's width in pixels beside the band, negative: below it.
+    `side_face` (cells,): the side face's width in pixels beside the band, negative: below it.
     """
-    p, slope, look_slope = np.empty_like(distance), np.empty_like(distance), np.empty_like(distance)
+    p, slope, width_slope = (
+        np.empty_like(distance),
+        np.empty_like(distance),
+        np.empty_like(distance),
+    )
     for i in range(len(first) - 1):
-        half, width = half_width[i], abs(face[i])
-        side = 1.0 if face[i] > 0 else -1.0
+        half, width = half_width[i], abs(side_face[i])
+        side = 1.0 if side_face[i] > 0 else -1.0
         for q in range(first[i], first[i + 1]):
             up, low = (distance[q] + half) / blur, (distance[q] - half) / blur
             step_up, high = normal(up)
             step_low, deep = normal(low)
             p[q] = step_up - step_low
             slope[q] = (high - deep) / blur
-            look_slope[q] = (high + deep if widen[i] > 0 else low * deep - up * high) / blur
-            if face_share > 0 and width > 0:
+            width_slope[q] = (high + deep if widen[i] > 0 else low * deep - up * high) / blur
+            if side_face_share > 0 and width > 0:
                 near = (side * distance[q] - half) / blur
                 far = near - width / blur
                 step_near, near_high = normal(near)
                 step_far, far_high = normal(far)
-                p[q] += face_share * (step_near - step_far)
-                slope[q] += face_share * side * (near_high - far_high) / blur
+                p[q] += side_face_share * (step_near - step_far)
+                slope[q] += side_face_share * side * (near_high - far_high) / blur
                 if widen[i] > 0:
-                    look_slope[q] += face_share * (far_high - near_high) / blur
+                    width_slope[q] += side_face_share * (far_high - near_high) / blur
                 else:
-                    look_slope[q] += face_share * (far * far_high - near * near_high) / blur
-    return p, slope, look_slope
+                    width_slope[q] += side_face_share * (far * far_high - near * near_high) / blur
+    return p, slope, width_slope
 
 
 @jit
@@ -240,8 +244,8 @@ def measure(
     rounds: int,
     used: FloatArray,
     widen: FloatArray,
-    face: FloatArray,
-    face_share: float,
+    side_face: FloatArray,
+    side_face_share: float,
 ) -> FloatArray:
     """Per cell (cells, 12) what the pixels say.
 
@@ -250,7 +254,7 @@ def measure(
     respect to a shift, what b, a and c could imitate projected out; h the same for the blur, or,
     where `widen` is not 0, for the half width; p is P without its mean in the cell. The sums are
     weighted but for those with p, which say what is there whether it fits or not. `noise` is one
-    pixel's, the scale of the robust weights; `half_width`, `used`, `widen` and `face` are (cells,).
+    pixel's, the scale of the robust weights; `half_width`, `used`, `widen`, `side_face`: (cells,).
     """
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))
@@ -258,7 +262,7 @@ def measure(
     right[:, 0] = value
     basis[:, 0] = distance
     basis[:, 1], right[:, 1], right[:, 2] = templates(
-        distance, first, half_width, blur, widen, face, face_share
+        distance, first, half_width, blur, widen, side_face, side_face_share
     )
     low, solved = np.zeros((3, 3)), np.zeros((3, 3))
     weight = np.ones(pixels)

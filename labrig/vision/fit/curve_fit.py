@@ -2,7 +2,7 @@
 
 Both are Gauss-Newton on the curve's parameters, with a prior that curvature is smooth and with the
 clamp's calibration as one on the first two parameters. For points a weak penalty
-int (dk/ds)^2 ds / q is enough; with the intensities the picture says how smooth it is.
+int (dk/ds)^2 ds / q is enough; with the intensities the image says how smooth it is.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.context import WINDOW_CELLS, Band, FitContext, look
-from labrig.vision.fit.shape import CurveShape
-from labrig.vision.fit.smoothness import WANDERING, averaged, covariance
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.curve.smoothness import WANDERING, averaged, covariance
+from labrig.vision.fit.context import WINDOW_CELLS, CrossSection, FitContext, look
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -43,9 +43,9 @@ class CurveFit:
     """A fitted curve, with what each cell said about it."""
 
     shape: CurveShape
-    band: Band
-    cells: FloatArray  # (cells, 12), see band.measure
-    present: FloatArray  # (cells,): share of the pixels beside the curve that are in the picture
+    section: CrossSection
+    cells: FloatArray  # (cells, 12), see cross_section.measure
+    present: FloatArray  # (cells,): share of the pixels beside the curve that are in the image
     used: BoolArray  # (cells,)
     noise: float  # grey levels, of a pixel, from the residuals
     normal: FloatArray  # (parameters, parameters): information of data and clamp prior
@@ -88,16 +88,16 @@ class CurveFit:
         return self.cells[:, 4] / information, self.noise / np.sqrt(information)
 
 
-def seen_start(fit: CurveFit, setting: FitContext) -> tuple[FloatArray, FloatArray]:
+def seen_start(fit: CurveFit, context: FitContext) -> tuple[FloatArray, FloatArray]:
     """(2,) offset and angle of the start as the sheet alone has them, and their covariance (2, 2).
 
     That is without the clamp's calibration.
     """
     normal = fit.normal.copy()
     # what is nowhere seen must not make this singular
-    normal[[0, 1], [0, 1]] += np.array([1e-6, 1e-2]) - 1 / setting.prior**2
+    normal[[0, 1], [0, 1]] += np.array([1e-6, 1e-2]) - 1 / context.prior**2
     # at its root a sheet may curve more than where it is seen
-    spectral = max(setting.spectral, fit.shape.basis.free_px**-3)
+    spectral = max(context.spectral, fit.shape.basis.free_px**-3)
     covariance = np.asarray(np.linalg.inv(penalised(normal, fit.shape, spectral)), dtype=np.float64)
     return (covariance @ fit.pull)[:2], covariance[:2, :2]
 
@@ -137,7 +137,7 @@ def information(
 
 def fit_points(
     shape: CurveShape,
-    setting: FitContext,
+    context: FitContext,
     *,
     half_width: float,
     reaches: tuple[int, ...] = (6, 5, 4),
@@ -146,8 +146,8 @@ def fit_points(
     beyond = shape.basis.s > shape.basis.free_px
     for reach in reaches:
         extra = np.where(beyond, round(half_width), 0)
-        offset, height, _ = ridge_points(shape, setting, reach + extra)
-        good = np.isfinite(offset) & (height > setting.picture.noise)
+        offset, height, _ = ridge_points(shape, context, reach + extra)
+        good = np.isfinite(offset) & (height > context.image.noise)
         if good.sum() < 12:
             break
         offset = np.where(good, offset, 0.0)
@@ -158,36 +158,36 @@ def fit_points(
             shape.normal_modes(),
             offset,
             weight / POINT_NOISE_PX**2 / 3,  # neighbours share their noise
-            setting.prior,
+            context.prior,
         )
-        shape = shape.moved(solved(penalised(normal, shape, setting.spectral), pull))
+        shape = shape.moved(solved(penalised(normal, shape, context.spectral), pull))
     return shape
 
 
 def ridge_points(
-    shape: CurveShape, setting: FitContext, reach: npt.NDArray[np.int64]
+    shape: CurveShape, context: FitContext, reach: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Offset, height and width of the ridge beside each node; see ridge.ridge_offsets."""
+    """Offset, height and width of the ridge beside each node; see ridge_points.ridge_offsets."""
     from labrig.vision.search.ridge_points import ridge_offsets
 
-    centre = setting.nodes_px(shape)
+    centre = context.nodes_px(shape)
     sideways = replace(shape, x=shape.x - np.sin(shape.phi), y=shape.y + np.cos(shape.phi))
-    beside = setting.nodes_px(sideways) - centre
+    beside = context.nodes_px(sideways) - centre
     offset, height, width = ridge_offsets(
-        setting.picture.smooth,
+        context.image.smooth,
         centre[:, 0].copy(),
         centre[:, 1].copy(),
         beside[:, 0].copy(),
         beside[:, 1].copy(),
         reach.astype(np.int64),
-        setting.sign,
+        context.sign,
     )
-    if not setting.mask.any():
+    if not context.mask.any():
         return offset, height, width
-    rows, columns = setting.mask.shape
+    rows, columns = context.mask.shape
     place = centre + np.nan_to_num(offset)[:, None] * beside
     at = np.clip(np.round(place).astype(int), 0, [columns - 1, rows - 1])
-    hidden = setting.mask[at[:, 1], at[:, 0]] != 0
+    hidden = context.mask[at[:, 1], at[:, 0]] != 0
     return np.where(hidden, np.nan, offset), height, np.where(hidden, np.nan, width)
 
 
@@ -199,42 +199,42 @@ def _tukey(offset: FloatArray, good: BoolArray) -> FloatArray:
 
 def fit_intensities(
     shape: CurveShape,
-    setting: FitContext,
-    band: Band,
+    context: FitContext,
+    section: CrossSection,
     *,
     rounds: int = 8,
     contrast: float | None = None,
     settled_px: float = SETTLED_PX,
 ) -> CurveFit:
-    """Fit the picture's own intensities beside the curve, and the band's look with it.
+    """Fit the image's own intensities beside the curve, and the band's look with it.
 
     `contrast`: of the sheet, where it is known from before. `settled_px`: the last step's size.
     """
-    used = np.ones(len(band.half_width), dtype=bool)
+    used = np.ones(len(section.half_width), dtype=bool)
     # before the first step the curve misses by more than the noise: allow a tenth of the sheet
-    contrast = contrast or _contrast(shape, setting, band)
-    noise = max(setting.picture.noise, 0.1 * contrast)
-    fit = _iteration(shape, setting, band, noise, used)
+    contrast = contrast or _contrast(shape, context, section)
+    noise = max(context.image.noise, 0.1 * contrast)
+    fit = _iteration(shape, context, section, noise, used)
     for _ in range(rounds - 1):
-        before = fit.band
-        fit = _iteration(fit.shape, setting, _retuned(fit), fit.noise, fit.used)
-        if fit.step_px < settled_px and fit.band.looks_like(before, SETTLED_LOOK_PX):
+        before = fit.section
+        fit = _iteration(fit.shape, context, _retuned(fit), fit.noise, fit.used)
+        if fit.step_px < settled_px and fit.section.is_close_to(before, SETTLED_LOOK_PX):
             break
     return fit
 
 
-def _contrast(shape: CurveShape, setting: FitContext, band: Band) -> float:
-    cells, _ = look(shape, setting, band, 1e6, np.ones(len(band.half_width), dtype=bool))
+def _contrast(shape: CurveShape, context: FitContext, section: CrossSection) -> float:
+    cells, _ = look(shape, context, section, 1e6, np.ones(len(section.half_width), dtype=bool))
     return float(np.median(np.abs(cells[:, 0])))
 
 
-def _retuned(fit: CurveFit) -> Band:
-    band = fit.band
-    sheet = _newton(fit, ~band.elongation)
-    ends = _newton(fit, band.elongation) if band.elongation.any() else 0.0
-    blur = float(np.clip(band.blur + np.clip(sheet, -0.3, 0.3), 0.4, 6.0))
-    half = float(np.clip(band.half_width[-1] + np.clip(ends, -0.4, 0.4), 0.5, 40.0))
-    return band.retuned(blur, half)
+def _retuned(fit: CurveFit) -> CrossSection:
+    section = fit.section
+    sheet = _newton(fit, ~section.elongation)
+    ends = _newton(fit, section.elongation) if section.elongation.any() else 0.0
+    blur = float(np.clip(section.blur + np.clip(sheet, -0.3, 0.3), 0.4, 6.0))
+    half = float(np.clip(section.half_width[-1] + np.clip(ends, -0.4, 0.4), 0.5, 40.0))
+    return section.with_look(blur, half)
 
 
 def _newton(fit: CurveFit, where: BoolArray) -> float:
@@ -243,21 +243,21 @@ def _newton(fit: CurveFit, where: BoolArray) -> float:
 
 
 def _iteration(
-    shape: CurveShape, setting: FitContext, band: Band, noise: float, used: BoolArray
+    shape: CurveShape, context: FitContext, section: CrossSection, noise: float, used: BoolArray
 ) -> CurveFit:
     # far from all that is used, contrast and background come from the doubtful cells themselves
     asked = used | ~_grown(used, WINDOW_CELLS)
-    cells, present = look(shape, setting, band, noise, asked)
-    used = usable_cells(cells, present, setting, band, noise)
+    cells, present = look(shape, context, section, noise, asked)
+    used = usable_cells(cells, present, context, section, noise)
     level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
     # Tukey's weights shrink the residuals of pure noise by 6 %
     # and no lens draws a band just as the template has it
     contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
-    noise = max(level * 1.06, 0.3 * setting.picture.noise, _likeness(setting, band) * contrast)
-    return _moved(shape, setting, band, cells, present, used, noise)
+    noise = max(level * 1.06, 0.3 * context.image.noise, _likeness(context, section) * contrast)
+    return _moved(shape, context, section, cells, present, used, noise)
 
 
-def led_by(fit: CurveFit, setting: FitContext, beside: FloatArray, sigma: float) -> CurveFit:
+def led_by(fit: CurveFit, context: FitContext, beside: FloatArray, sigma: float) -> CurveFit:
     """The curve moved to where something else than intensities says that it is.
 
     `beside` (cells,): how far beside the curve; `sigma`: of each cell; both in pixels.
@@ -265,13 +265,13 @@ def led_by(fit: CurveFit, setting: FitContext, beside: FloatArray, sigma: float)
     cells = fit.cells.copy()
     cells[:, 3] = (fit.noise / sigma) ** 2
     cells[:, 4] = beside * cells[:, 3]
-    return _moved(fit.shape, setting, fit.band, cells, fit.present, fit.used, fit.noise)
+    return _moved(fit.shape, context, fit.section, cells, fit.present, fit.used, fit.noise)
 
 
 def _moved(
     shape: CurveShape,
-    setting: FitContext,
-    band: Band,
+    context: FitContext,
+    section: CrossSection,
     cells: FloatArray,
     present: FloatArray,
     used: BoolArray,
@@ -282,13 +282,13 @@ def _moved(
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()
     middle = 0.5 * (modes[1:] + modes[:-1])
-    normal, pull = information(shape, middle, offset, weight, setting.prior)
+    normal, pull = information(shape, middle, offset, weight, context.prior)
     basis = shape.basis
     wanted = averaged(normal, pull, basis.priors, basis.log_weight)
     moved = middle @ (wanted - shape.parameters)
     return CurveFit(
         shape=shape.moved(wanted),
-        band=band,
+        section=section,
         cells=cells,
         present=present,
         used=used,
@@ -299,27 +299,27 @@ def _moved(
     )
 
 
-def _likeness(setting: FitContext, band: Band) -> float:
+def _likeness(context: FitContext, section: CrossSection) -> float:
     """How well any band is like the template, as a share of its contrast.
 
     The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
     """
-    shown = setting.picture.reduced * float(band.half_width[0])
+    shown = context.image.downscaling * float(section.half_width[0])
     return float(np.clip(0.01 * shown, 0.01, 0.1))
 
 
 def usable_cells(
-    cells: FloatArray, present: FloatArray, setting: FitContext, band: Band, noise: float
+    cells: FloatArray, present: FloatArray, context: FitContext, section: CrossSection, noise: float
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
     there = present > LEAST_PRESENT
-    if band.spoilt is not None:
-        there &= ~band.spoilt
-    edge = round(2.5 * band.blur) + 1
+    if section.corrupted is not None:
+        there &= ~section.corrupted
+    edge = round(2.5 * section.blur) + 1
     there[:edge] = False  # the clamp's blurred edge
     there[-edge:] = False  # and the sheet's own end
-    contrast = setting.sign * cells[:, 0]
-    for part in (band.elongation, ~band.elongation):
+    contrast = context.sign * cells[:, 0]
+    for part in (section.elongation, ~section.elongation):
         if (there & part).any():
             usual = float(np.median(contrast[there & part]))
             there &= ~part | (contrast > 0.35 * usual) & (contrast < 2.5 * usual)
@@ -327,11 +327,13 @@ def usable_cells(
     if there.sum() < 10:
         return there
     # what does not look like a band here, such as a roll's rim, would only pull the curve
-    misfit = around(cells[:, 5], 2) / np.maximum(around(cells[:, 6], 2), 1.0)
-    usual = max(float(np.median(misfit[there])), 1e-12)
-    strange = misfit > np.maximum(2.0 * usual, ((0.05 + _likeness(setting, band)) * contrast) ** 2)
-    lost = around(cells[:, 6], 2) < 0.6 * around(present * 2 * band.reach, 2)
-    return _in_company(there & ~_grown(strange | lost, 2), present)
+    residual_squares = around(cells[:, 5], 2) / np.maximum(around(cells[:, 6], 2), 1.0)
+    usual = max(float(np.median(residual_squares[there])), 1e-12)
+    see_through = residual_squares > np.maximum(
+        2.0 * usual, ((0.05 + _likeness(context, section)) * contrast) ** 2
+    )
+    lost = around(cells[:, 6], 2) < 0.6 * around(present * 2 * section.reach, 2)
+    return _in_company(there & ~_grown(see_through | lost, 2), present)
 
 
 def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:

@@ -1,7 +1,7 @@
 """The middle between a thick strip's edges, which light and shade across it do not move.
 
 The fit's band takes a strip's two halves for equally bright; where light falls on one of them more
-the middle of the light lies beside that of the strip. Its edges are where the picture changes most,
+the middle of the light lies beside that of the strip. Its edges are where the image changes most,
 however bright each half is: they are looked for in the camera's own pixels, which show them apart.
 """
 
@@ -31,21 +31,21 @@ AROUND = 4  # blocks to each side that say together where the middle is
 
 @dataclass(frozen=True, eq=False)
 class Middle:
-    """Where the middle between the edges lies beside the curve, in the setting's pixels."""
+    """Where the middle between the edges lies beside the curve, in the fit context's pixels."""
 
-    beside_px: FloatArray  # (cells,)
+    offset_px: FloatArray  # (cells,)
     sigma_px: float  # of each cell, were it alone: edges are frayed
 
 
-def middle_of_edges(fit: CurveFit, setting: FitContext) -> Middle | None:
+def middle_of_edges(fit: CurveFit, context: FitContext) -> Middle | None:
     """The edges' middle beside a fitted curve; None where hardly both edges are seen."""
-    thick_px = 2 * np.append(fit.band.half_width, fit.band.half_width[-1])
+    thick_px = 2 * np.append(fit.section.half_width, fit.section.half_width[-1])
     many = max(1, round(float(thick_px[0]) / fit.shape.basis.step_px))
     blocks = len(fit.used) // many
     if blocks < 2 * AROUND:
         return None
     used = fit.used[: blocks * many].reshape(blocks, many).mean(axis=1) > LEAST_USED
-    strip = _straightened(fit, setting, thick_px)[: blocks * many]
+    strip = _straightened(fit, context, thick_px)[: blocks * many]
     low, high = _edges(strip.reshape(blocks, many, -1).mean(axis=1))
     apart = high - low
     good = used & (apart > LEAST_APART) & (apart < MOST_APART)
@@ -61,26 +61,26 @@ def middle_of_edges(fit: CurveFit, setting: FitContext) -> Middle | None:
     return Middle(np.interp(cells, at[good], few), sigma)
 
 
-def _straightened(fit: CurveFit, setting: FitContext, thick_px: FloatArray) -> FloatArray:
+def _straightened(fit: CurveFit, context: FitContext, thick_px: FloatArray) -> FloatArray:
     """(nodes, places across) the camera's grey along the curve, NaN outside."""
     import cv2
 
-    shape, picture = fit.shape, setting.picture
+    shape, image = fit.shape, context.image
     across = _places() * thick_px[:, None]
     x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
     y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
-    plane = np.stack([x.ravel(), y.ravel()], axis=1) / setting.optics.px_per_m
-    uv = scaled_places(setting.optics.world_to_pixel(plane), picture.reduced)
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / context.optics.px_per_m
+    uv = scaled_places(context.optics.world_to_pixel(plane), image.downscaling)
     uv = uv.reshape(*x.shape, 2).astype(np.float32)
     grey = cv2.remap(
-        picture.whole,
+        image.full_resolution,
         uv[..., 0],
         uv[..., 1],
         cv2.INTER_LINEAR,
         borderMode=cv2.BORDER_CONSTANT,
         borderValue=float("nan"),
     )
-    return np.asarray(setting.sign * grey, dtype=np.float64)
+    return np.asarray(context.sign * grey, dtype=np.float64)
 
 
 def _places() -> FloatArray:

@@ -1,4 +1,4 @@
-"""Pictures of thick strips, reduced: to a fit a strip 20 pixels thick is as one of four from afar.
+"""Images of thick strips, reduced: to a fit a strip 20 pixels thick is as one of four from afar.
 
 What the fit knows of a sheet's looks is in pixels of one a few pixels thick: how far along it light
 and width stay the same, how far beside it something else may lie. A strip that fills more pixels
@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
+from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.image.image import GreyImage, pixel_noise
-from labrig.vision.search.straight_lines import BackgroundLine
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -23,23 +23,23 @@ THICK_PX = 8.0  # thinner strips are looked at as they are
 WANTED_PX = 3.5
 
 
-def reduction(thickness_px: float) -> int:
-    """How many times a picture is reduced for a strip of this thickness."""
+def downscaling_factor(thickness_px: float) -> int:
+    """How many times a image is reduced for a strip of this thickness."""
     return round(thickness_px / WANTED_PX) if thickness_px > THICK_PX else 1
 
 
-def reduced_picture(picture: GreyImage, by: int) -> GreyImage:
+def downscaled_image(image: GreyImage, by: int) -> GreyImage:
     """The means of squares of pixels."""
     import cv2
 
-    rows, columns = (each // by for each in picture.grey.shape)
-    whole = picture.grey[: rows * by, : columns * by]
+    rows, columns = (each // by for each in image.grey.shape)
+    whole = image.grey[: rows * by, : columns * by]
     grey = np.asarray(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
-    noise = pixel_noise(grey, picture.full_scale)
-    return replace(picture, grey=grey, noise=noise, reduced=by, whole=picture.grey)
+    noise = pixel_noise(grey, image.full_scale)
+    return replace(image, grey=grey, noise=noise, downscaling=by, full_resolution=image.grey)
 
 
-def reduced_optics(optics: Optics, by: int) -> Optics:
+def downscaled_optics(optics: Optics, by: int) -> Optics:
     """What a camera with pixels `by` times as large has for a calibration."""
     small = np.array([[1 / by, 0, 0.5 / by - 0.5], [0, 1 / by, 0.5 / by - 0.5], [0, 0, 1.0]])
 
@@ -67,12 +67,12 @@ def reduced_optics(optics: Optics, by: int) -> Optics:
 
 
 def scaled_places(places: FloatArray, by: float) -> FloatArray:
-    """Pixels (..., 2) in a picture `by` times as large: a pixel's centre is an integer in both."""
+    """Pixels (..., 2) in a image `by` times as large: a pixel's centre is an integer in both."""
     return np.asarray((places + 0.5) * by - 0.5)
 
 
 def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
-    """A curve whose lengths in pixels are those of a picture `by` times as large."""
+    """A curve whose lengths in pixels are those of a image `by` times as large."""
     return replace(
         curve,
         points_px=scaled_places(curve.points_px, by),
@@ -80,8 +80,8 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
         blur_px=curve.blur_px * by,
         elongation_width_px=curve.elongation_width_px * by,
         excess_px=curve.excess_px * by,
-        pull_px=curve.pull_px * by,
-        face_px=curve.face_px * by,
+        lateral_bias_px=curve.lateral_bias_px * by,
+        side_face_px=curve.side_face_px * by,
         wires=tuple(
             BackgroundLine(scaled_places(wire.path, by), wire.seen, wire.half_px * by)
             for wire in curve.wires
@@ -89,9 +89,9 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
     )
 
 
-def told(curve: NeutralCurve, by: int) -> NeutralCurve:
-    """A curve found in a reduced picture, for who knows the whole one only."""
-    note = f"pixels here are those of the picture reduced {by} times"
+def in_camera_pixels(curve: NeutralCurve, by: int) -> NeutralCurve:
+    """A curve found in a downscaled image, for who knows the whole one only."""
+    note = f"pixels here are those of the image downscaled {by} times"
 
     def noted(text: str) -> str:
         if "pixel" not in text:

@@ -1,4 +1,4 @@
-"""Pictures and the little files beside them, read; one curve's results, written."""
+"""Images and the little files beside them, read; one curve's results, written."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class _Strip(ClosedModel):
 def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
     """The strip of a sheet.toml, which may be as little as `free_length_mm = 50`.
 
-    Where it states no thickness, that is taken from the picture.
+    Where it states no thickness, that is taken from the image.
     """
     data = parse_toml(read_text(path), str(path))
     data.pop("arc", None)
@@ -64,7 +64,7 @@ def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict
 
 
 def read_image(path: Path) -> npt.NDArray[Any]:
-    """A picture as it is stored: 8 or 16 bit, grey or colour."""
+    """A image as it is stored: 8 or 16 bit, grey or colour."""
     import cv2
 
     try:
@@ -135,24 +135,24 @@ def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
 
 
 def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
-    """The picture, enlarged, with the curve on it: red where seen, yellow where not."""
+    """The image, enlarged, with the curve on it: red where seen, yellow where not."""
     import cv2
 
     zoom = max(2, round(LEAST_WIDE_PX / image.shape[1]))
-    picture = cv2.resize(_colour(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_NEAREST)
-    said = curve.why
+    canvas = cv2.resize(_colour(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_NEAREST)
+    message = curve.why
     if curve.ok:
         nodes = np.round(((curve.points_px + 0.5) * zoom - 0.5) * 16).astype(np.int32)
         for first, second, seen in zip(nodes[:-1], nodes[1:], curve.seen, strict=False):
             colour = (40, 40, 255) if seen else (0, 220, 255)
-            cv2.line(picture, tuple(map(int, first)), tuple(map(int, second)), colour, 1, 16, 4)
-        said = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
-    lines = textwrap.wrap(said, picture.shape[1] // LETTER_PX)
-    picture[: LINE_PX * len(lines) + LINE_PX // 2] //= 3  # so that it can be read on any ground
+            cv2.line(canvas, tuple(map(int, first)), tuple(map(int, second)), colour, 1, 16, 4)
+        message = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
+    lines = textwrap.wrap(message, canvas.shape[1] // LETTER_PX)
+    canvas[: LINE_PX * len(lines) + LINE_PX // 2] //= 3  # so that it can be read on any ground
     for k, line in enumerate(lines, 1):
         at = (LETTER_PX, LINE_PX * k)
-        cv2.putText(picture, line, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
-    good, data = cv2.imencode(".png", picture)
+        cv2.putText(canvas, line, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
+    good, data = cv2.imencode(".png", canvas)
     if good:
         path.write_bytes(data.tobytes())
 

@@ -1,4 +1,4 @@
-"""A picture as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
+"""A image as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ MOST_OF_NOISE = 12.0  # standard deviations, from the darkest to the brightest o
 
 
 class ImageError(ValueError):
-    """The picture cannot hold a curve; the text is the sentence for the user."""
+    """The image cannot hold a curve; the text is the sentence for the user."""
 
 
 @dataclass(frozen=True, eq=False)
 class GreyImage:
-    """A grey picture. `noise` is one pixel's standard deviation in grey levels."""
+    """A grey image. `noise` is one pixel's standard deviation in grey levels."""
 
     grey: MapArray
     noise: float
     full_scale: float
     clipped: float  # share of the pixels at full scale
     warnings: tuple[str, ...]
-    reduced: int = 1  # times, against the camera's
-    whole: MapArray | None = None  # the camera's own, of one that is reduced
+    downscaling: int = 1  # times, against the camera's
+    full_resolution: MapArray | None = None  # the camera's own, of a downscaled image
 
     @cached_property
     def smooth(self) -> MapArray:
@@ -47,17 +47,17 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     grey, warnings = _grey(image)
     rows, columns = grey.shape
     if rows < 16 or columns < 16:
-        raise ImageError(f"the picture is only {columns} x {rows} pixels; a sheet needs more.")
+        raise ImageError(f"the image is only {columns} x {rows} pixels; a sheet needs more.")
     if optics.image_size is not None and optics.image_size != (columns, rows):
         raise ImageError(
-            f"the picture is {columns} x {rows} pixels but the optics were calibrated for "
+            f"the image is {columns} x {rows} pixels but the optics were calibrated for "
             f"{optics.image_size[0]} x {optics.image_size[1]}; calibrate this camera setting."
         )
     full_scale = _full_scale(image, optics)
     clipped = float(np.mean(grey >= full_scale))
     if clipped > 0.9:
         raise ImageError(
-            f"the picture is saturated ({clipped:.0%} of the pixels are at full scale); "
+            f"the image is saturated ({clipped:.0%} of the pixels are at full scale); "
             "shorten the exposure."
         )
     noise = pixel_noise(grey, full_scale)
@@ -65,7 +65,7 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     # a camera of ten bits leaves most of sixteen empty: what little there is may show all
     if high - low < min(0.01 * full_scale, MOST_OF_NOISE * noise):
         raise ImageError(
-            f"the picture is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
+            f"the image is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
             "check lens cap, light and exposure."
         )
     return GreyImage(grey, noise, full_scale, clipped, tuple(warnings))
@@ -83,7 +83,7 @@ def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
             return np.ascontiguousarray(image[:, :, 0], dtype=np.float32), []
         # OpenCV's order: blue, green, red
         grey = image[:, :, :3].astype(np.float32) @ np.array([0.114, 0.587, 0.299], np.float32)
-        return np.ascontiguousarray(grey), ["the picture is in colour; its grey values were used"]
+        return np.ascontiguousarray(grey), ["the image is in colour; its grey values were used"]
     if image.ndim != 2:
         raise ImageError(f"the image has shape {image.shape}; rows and columns are needed.")
     grey = np.ascontiguousarray(image, dtype=np.float32)
@@ -103,7 +103,7 @@ def _full_scale(image: npt.NDArray[Any], optics: Optics) -> float:
 def pixel_noise(grey: MapArray, full_scale: float) -> float:
     """One pixel's noise, from second differences in rows and columns (blind to ramps and edges).
 
-    At least a third of an 8-bit level, so that a flawless synthetic picture has a scale too.
+    At least a third of an 8-bit level, so that a flawless synthetic image has a scale too.
     """
     part = grey[::4] if grey.size > 100_000 else grey
     d = part[:, 2::3] - 2 * part[:, 1:-1:3] + part[:, :-2:3]

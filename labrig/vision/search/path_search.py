@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
+from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]

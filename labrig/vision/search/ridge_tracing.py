@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
-from labrig.vision.fit.shape import CurveShape, ShapeBasis, fit_angles, make_shape
+from labrig.vision.curve.shape import CurveShape, ShapeBasis, fit_angles, make_shape
 from labrig.vision.image.image import GreyImage
 
 FloatArray = npt.NDArray[np.float64]
@@ -35,9 +35,9 @@ class Trace:
 
 @dataclass(frozen=True, eq=False)
 class RidgeMaps:
-    """The ridge maps of a picture, bright ridges positive; `scale` reduces large pictures."""
+    """The ridge maps of a image, bright ridges positive; `scale` reduces large images."""
 
-    maps: MapArray  # (layers, 5, rows, columns), see beam.ridge_score
+    maps: MapArray  # (layers, 5, rows, columns), see path_search.ridge_score
     scale: int
 
     @contextmanager
@@ -71,20 +71,20 @@ class RidgeMaps:
         return (places + 0.5) * self.scale - 0.5
 
     def hide(self, mask: MaskArray) -> None:
-        """Wipe out what a mask of the picture hides."""
+        """Wipe out what a mask of the image hides."""
         rows, columns = self.maps.shape[2:]
         hidden = np.nonzero(mask[:: self.scale, :: self.scale][:rows, :columns])
         self.maps[:, :, hidden[0], hidden[1]] = 0
 
 
-def ridge_maps(picture: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMaps:
+def ridge_maps(image: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMaps:
     """Second derivatives and slopes in units of their noise, at the sheet's width and wider."""
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
-    # a picture with hardly any noise has texture instead
-    unit = max(picture.noise, 0.01 * float(np.ptp(picture.grey)))
-    grey = picture.grey * np.float32(1 / unit)
+    # a image with hardly any noise has texture instead
+    unit = max(image.noise, 0.01 * float(np.ptp(image.grey)))
+    grey = image.grey * np.float32(1 / unit)
     if scale > 1:
         size = (grey.shape[1] // scale, grey.shape[0] // scale)
         grey = grey[: size[1] * scale, : size[0] * scale]
@@ -175,7 +175,7 @@ def trace_from_clamp(
 
 
 def _clamp_direction(optics: Optics) -> tuple[float, float]:
-    """Angle of the clamped sheet in the raw picture (u right, v down), and the scale there."""
+    """Angle of the clamped sheet in the raw image (u right, v down), and the scale there."""
     start = optics.clamp_m()
     a = optics.clamp_angle_rad
     step_m = 10 / optics.px_per_m

@@ -2,18 +2,17 @@
 
 Where one runs along the sheet no pixel tells the two apart, but everywhere else it does: a wire is
 found at the border, where no sheet is, or beside a curve, which no sheet leaves; it is followed
-straight through the picture, and its pixels are left out, as those of the rolls are.
+straight through the image, and its pixels are left out, as those of the rolls are.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision.curve.background_lines import BACK, BackgroundLine
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import RidgeMaps
 from labrig.vision.search.straight_ridges import entries, followed
@@ -21,98 +20,30 @@ from labrig.vision.search.straight_ridges import entries, followed
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 BoolArray = npt.NDArray[np.bool_]
-MaskArray = npt.NDArray[np.uint8]
 
 INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
 BESIDE_PX = 4.0  # from what is used beside a curve to where another thing is seen; in the maps
 WIDTH_REACH_PX = 8
 MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 LEAST_WITH_TWO_SIDES = 0.4
-SAME_PX = 4.0
-END_PX = 16.0  # how well a line's end is found
 GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
 BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
-STRAIGHT_RAD = 0.35  # about a curve's direction at its end, which is found less well
-BACK = 12  # nodes that show a curve's direction
-MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
 
 
-@dataclass(frozen=True, eq=False)
-class BackgroundLine:
-    """A line in raw pixels from where it comes in to where it is last seen."""
-
-    path: FloatArray  # (n, 2)
-    seen: BoolArray  # (n,)
-    half_px: float  # further beside it nothing of it is seen
-
-    def runs_with(self, curve: FloatArray, reach: float) -> bool:
-        """Whether it lies on a curve (n, 2) for longer than a crossing takes.
-
-        A crossing is a gap in the curve; what runs with it pulls it aside.
-        """
-        return self._length_px(self._gaps(curve) < self.half_px + reach) > MOST_CROSSING * reach
-
-    def length_beside_px(self, curve: FloatArray, reach: float) -> float:
-        """Of what is seen of it further than `reach` from a curve (n, 2)."""
-        return self._length_px((self._gaps(curve) > reach) & self.seen)
-
-    def _length_px(self, part: BoolArray) -> float:
-        steps = np.hypot(*np.diff(self.path, axis=0).T)
-        return float(steps[part[1:]].sum())
-
-    def begins_at(self, clamp: FloatArray, least_px: float) -> bool:
-        """Whether it passes the clamp (2,) and hardly goes on behind it, as the sheet does."""
-        gap = np.hypot(*(self.path - clamp).T)
-        at = int(gap.argmin())
-        behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
-        return bool(gap[at] < SAME_PX + self.half_px and min(behind) < least_px)
-
-    def is_all_of(self, curve: FloatArray, reach: float) -> bool:
-        """Whether a whole curve (n, 2) lies on it, and both end together: as a straight sheet does.
-
-        Behind the clamp it may go on, as the joint between two jaws does.
-        """
-        ends = self.path[[0, -1]] - curve[-1]
-        gap = curve[::4, None] - self.path[None]
-        beside = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
-        return bool(np.hypot(ends[:, 0], ends[:, 1]).min() < END_PX and beside.max() < reach)
-
-    def ends_with(self, curve: FloatArray) -> bool:
-        """Whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
-
-        That is what the last part of the sheet looks like where it is straight.
-        """
-        ahead = curve[-1] - curve[-1 - BACK]
-        ahead /= np.hypot(*ahead)
-        away = self.path[self.seen] - curve[-1]
-        along, beside = away @ ahead, np.abs(away @ [-ahead[1], ahead[0]])
-        straight_on = beside < SAME_PX + self.half_px + STRAIGHT_RAD * np.maximum(along, 0.0)
-        reaches = np.hypot(away[:, 0], away[:, 1]).min() < END_PX
-        return bool(reaches and along[straight_on].max(initial=0.0) < END_PX)
-
-    def shows_at(self, place: FloatArray) -> bool:
-        """Whether it is seen at a place (2,)."""
-        return bool(np.hypot(*(self.path - place).T).min() < SAME_PX + self.half_px)
-
-    def _gaps(self, curve: FloatArray) -> FloatArray:
-        gap = self.path[:, None] - curve[None]
-        return np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=1))
-
-
-def find_wires(picture: GreyImage, ridges: RidgeMaps, sign: float) -> list[BackgroundLine]:
-    """The straight ridges of a sign that reach the picture's border."""
+def find_wires(image: GreyImage, ridges: RidgeMaps, sign: float) -> list[BackgroundLine]:
+    """The straight ridges of a sign that reach the image's border."""
     maps = ridges.maps[:1]
     found: list[BackgroundLine] = []
     for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
         if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
             u, v, angle, inset = (float(value) for value in entry)
             line = followed(maps, sign, u, v, angle, inset, GAP_PX)
-            found += _wire(picture, ridges, line, sign)
+            found += _wire(image, ridges, line, sign)
     return found
 
 
 def find_branches(
-    picture: GreyImage,
+    image: GreyImage,
     ridges: RidgeMaps,
     sign: float,
     curve: FloatArray,
@@ -135,33 +66,19 @@ def find_branches(
             # from its far end back, so that what lies along the curve belongs to it, too
             (du, dv), (far_u, far_v) = away[0][0] - away[0][-1], away[0][-1]
             line = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0, BRANCH_GAP_PX)
-            found += _wire(picture, ridges, line, sign)
+            found += _wire(image, ridges, line, sign)
     return found
 
 
 def _wire(
-    picture: GreyImage, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
+    image: GreyImage, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
 ) -> list[BackgroundLine]:
     """The wire of a line in the ridge maps; none where it is an edge."""
     if line is None:
         return []
     path = ridges.raw(line[0])
-    half = _half_width(picture, path, sign, ridges.scale)
+    half = _half_width(image, path, sign, ridges.scale)
     return [BackgroundLine(path, line[1], half)] if half is not None else []
-
-
-def hidden_by(wires: Sequence[BackgroundLine], shape: tuple[int, int]) -> MaskArray:
-    """(rows, columns): not 0 where a wire is seen."""
-    import cv2
-
-    mask = np.zeros(shape, np.uint8)
-    for wire in wires:
-        points = np.round(wire.path * 16).astype(np.int32).reshape(-1, 1, 2)
-        width = max(1, round(2 * wire.half_px))
-        cv2.polylines(
-            mask, [points], isClosed=False, color=1, thickness=width, lineType=cv2.LINE_8, shift=4
-        )
-    return mask
 
 
 def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
@@ -222,7 +139,7 @@ def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
     return found + np.outer(back, [0.0, 0.0, math.pi])
 
 
-def _half_width(picture: GreyImage, path: FloatArray, sign: float, scale: int) -> float | None:
+def _half_width(image: GreyImage, path: FloatArray, sign: float, scale: int) -> float | None:
     """Half of what is seen of it across; None for an edge, which has no other side."""
     from labrig.vision.search.ridge_points import ridge_offsets
 
@@ -231,8 +148,8 @@ def _half_width(picture: GreyImage, path: FloatArray, sign: float, scale: int) -
     u, v = np.ascontiguousarray(path.T)
     reach = np.full(len(u), WIDTH_REACH_PX * scale)
     across = (-ahead[:, 1].copy(), ahead[:, 0].copy())
-    _, height, width = ridge_offsets(picture.smooth, u, v, *across, reach, sign)
-    good = np.isfinite(width) & (height > picture.noise)
+    _, height, width = ridge_offsets(image.smooth, u, v, *across, reach, sign)
+    good = np.isfinite(width) & (height > image.noise)
     if good.mean() < LEAST_WITH_TWO_SIDES:
         return None
     return 0.5 * float(np.median(width[good])) + MARGIN_PX

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision._jit import jit
+from labrig.vision.jit import jit
 from labrig.vision.search.path_search import ridge_score
 
 FloatArray = npt.NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Where the rolls touch the sheet, from the picture alone: a check on the stage's position.
+"""Where the rolls touch the sheet, from the image alone: a check on the stage's position.
 
 Two ways, and the better one is told: the rolls themselves where they are seen; else the place
 where the curve crosses the arc, for the sheet always runs between the rolls and they are on it.
@@ -20,13 +20,13 @@ from model.measurements import Contact
 
 FloatArray = npt.NDArray[np.float64]
 
-# how well the picture knows where the clamp ends, along the sheet: its edge and the length
+# how well the image knows where the clamp ends, along the sheet: its edge and the length
 CLAMP_SIGMA_PX = 0.5
 ARC_SIGMA_M = 0.1e-3  # of the radius; a crossing at a slant moves with it
 NAMED_NEAR_M = 5e-3  # rolls that the optics name must be this near to where the curve meets the arc
 
 
-def contact_from_picture(
+def contact_from_image(
     image: npt.NDArray[Any],
     curve: NeutralCurve,
     optics: Optics,
@@ -38,7 +38,7 @@ def contact_from_picture(
     """The contact that `image`, whose neutral curve is `curve`, shows.
 
     None without a curve, or with one that does not come as far as the arc. Angles on the arc are
-    counted about the place where the curve begins, which is the clamp as the picture shows it.
+    counted about the place where the curve begins, which is the clamp as the image shows it.
     `expected_m`: the position on the arc as the stage has it; it only chooses where a sheet that
     curls crosses the arc more than once.
     """
@@ -51,11 +51,11 @@ def contact_from_picture(
     if expected_m is not None:
         crossings.sort(key=lambda c: abs(c.position_m - expected_m))
     try:
-        picture = read_grey_image(image, optics)
+        grey_image = read_grey_image(image, optics)
     except ImageError:
         return None
     for crossing in crossings:
-        rolls = _named(optics, crossing) or find_rolls(picture, curve, optics, crossing.s_m)
+        rolls = _named(optics, crossing) or find_rolls(grey_image, curve, optics, crossing.s_m)
         if rolls is not None:
             return seat.between(rolls)
     return crossings[0]

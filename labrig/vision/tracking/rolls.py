@@ -25,7 +25,7 @@ RADII_M = (0.35e-3, 5e-3)
 ANGLES = np.radians(np.linspace(-115, 115, 24))
 RAYS = np.radians(np.linspace(-115, 115, 64))
 STEP_PX = 1.5  # an edge is looked for between this far inside and this far outside
-LEAST_EDGE = 2.5  # of three quarters of the rim, in units of the smoothed picture's noise
+LEAST_EDGE = 2.5  # of three quarters of the rim, in units of the smoothed image's noise
 LEAST_SHARE = 0.06  # the same, as a share of the sheet's contrast
 SMOOTHED_NOISE = 0.28  # of a pixel's, after smoothing with a Gaussian of one pixel
 MOST_RESIDUAL_PX = 0.8
@@ -43,15 +43,15 @@ class Roll:
 
 
 @dataclass(frozen=True, eq=False)
-class _Look:
-    """A picture sampled in the sheet's plane, lengths in pixels of that plane."""
+class _PlaneSampler:
+    """A image sampled in the sheet's plane, lengths in pixels of that plane."""
 
     smooth: MapArray
     optics: Optics
-    noise: float  # of the smoothed picture
+    noise: float  # of the smoothed image
 
     def at(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Smoothed grey values; NaN outside of the picture."""
+        """Smoothed grey values; NaN outside of the image."""
         import cv2
 
         plane = np.stack([x.ravel(), y.ravel()], axis=1) / self.optics.px_per_m
@@ -71,10 +71,10 @@ class _Look:
 
 
 def find_rolls(
-    picture: GreyImage, curve: NeutralCurve, optics: Optics, near_s_m: float
+    image: GreyImage, curve: NeutralCurve, optics: Optics, near_s_m: float
 ) -> tuple[Roll, Roll] | None:
     """The rolls beside the curve near `near_s_m`; None where no pair of discs is seen."""
-    look = _Look(picture.smooth, optics, SMOOTHED_NOISE * picture.noise)
+    look = _PlaneSampler(image.smooth, optics, SMOOTHED_NOISE * image.noise)
     best = _best_pair(look, curve, near_s_m * optics.px_per_m)
     if best is None:
         return None
@@ -110,7 +110,7 @@ class _Pair:
         return self.x - away * math.sin(self.angle), self.y + away * math.cos(self.angle)
 
 
-def _best_pair(look: _Look, curve: NeutralCurve, near: float) -> _Pair | None:
+def _best_pair(look: _PlaneSampler, curve: NeutralCurve, near: float) -> _Pair | None:
     ppm = look.optics.px_per_m
     s = curve.s_m * ppm
     places = np.arange(near - SEARCH_M * ppm, near + SEARCH_M * ppm + 0.5, 1.0)
@@ -155,7 +155,7 @@ def _radii_px(px_per_m: float) -> FloatArray:
 
 
 def _rim_edges(
-    look: _Look,
+    look: _PlaneSampler,
     x: FloatArray,
     y: FloatArray,
     angle: FloatArray,
@@ -176,7 +176,7 @@ def _rim_edges(
     return np.nan_to_num(levels[0] - levels[1], nan=0.0)
 
 
-def _fitted(look: _Look, u: float, v: float, pair: _Pair, side: float) -> Roll | None:
+def _fitted(look: _PlaneSampler, u: float, v: float, pair: _Pair, side: float) -> Roll | None:
     """The circle through the rim's own edge points; None where they are on none."""
     turn = pair.angle + side * np.pi / 2 + RAYS
     reach = min(4.0, 0.5 * pair.radius + 1.0)

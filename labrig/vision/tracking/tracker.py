@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
-from labrig.vision.extract import neutral_curve
+from labrig.vision.extraction.extract import neutral_curve
 
 
 class Tracker:
@@ -24,14 +24,14 @@ class Tracker:
         self.last: NeutralCurve | None = None
 
     def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
-        """The curve in the next picture. A picture without one does not end the tracking."""
+        """The curve in the next image. A image without one does not end the tracking."""
         found = self.find(image, self.optics, self.strip, start=self.last)
         if found.ok:
             self.last = found
         return found
 
     def curves(self, images: Iterable[npt.NDArray[Any]]) -> Iterator[NeutralCurve]:
-        """The curve in each picture."""
+        """The curve in each image."""
         for image in images:
             yield self.curve(image)
 

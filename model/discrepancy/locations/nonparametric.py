@@ -14,10 +14,10 @@ from model.discrepancy.verdict.result import FormCurve, Unknown
 from model.effects.interface import Location
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.form_error import FORM, cosine, waves_along
-from model.identification.likelihood.forward_model import Perturbation
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
 

@@ -17,8 +17,9 @@ from model.discrepancy.search.evidence import Candidate
 from model.effects.interface import LOCATIONS, Location
 from model.identification.data.periodic_terms import PHASES
 from model.identification.likelihood.form_error import unit
-from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import ModelState, Perturbation
 from model.measurements import FloatArray
 
 WAVES = 9

@@ -103,6 +103,7 @@ class DataVector:
     seen: tuple[ConditionData, ...]
     pulses: tuple[PulseSeries, ...]
     session_s: float = 0.0  # from the first reading of all configurations to the last; 0: unknown
+    trends: int = TRENDS  # of the readings of a condition, the mean among them
 
     @property
     def voltages_V(self) -> list[float]:
@@ -136,6 +137,22 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(sheet, seen, tuple(pulses), session.last_s - session.first_s)
+
+
+def means_of(whole: DataVector) -> DataVector:
+    """Return what does not depend on time: mean forces, with their noise, and mean curves.
+
+    Trends, first pulses, single curves and pulses say nothing of parameters that do not change in
+    time, and cost most of the rows.
+    """
+    seen = tuple(
+        replace(
+            one, force_N=one.kept_N, clock=one.kept_clock, own_curves=(),
+            counts=np.ones(len(one.kept_N), dtype=bool),
+        )
+        for one in whole.seen
+    )  # fmt: skip
+    return replace(whole, seen=seen, pulses=(), trends=1)
 
 
 def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
@@ -286,14 +303,14 @@ def shares(seen: ConditionData) -> FloatArray:
     return np.asarray(seen.counts / max(1, count), dtype=float)
 
 
-def trends(clock: AcquisitionTimes) -> FloatArray:
+def trends(clock: AcquisitionTimes, count: int = TRENDS) -> FloatArray:
     """Rows that turn n readings into their mean and orthonormal trends in time: (m, n)."""
     n = len(clock.run_s)
     if n == 0:
         return np.zeros((0, 0))
     t = clock.run_s - clock.run_s.mean()
     scale = float(np.max(np.abs(t))) or 1.0
-    V = legendre.legvander(t / scale, min(TRENDS, n) - 1)
+    V = legendre.legvander(t / scale, min(count, n) - 1)
     Q, _ = np.linalg.qr(V)
     Q = Q * np.sign(Q[-1])
     rows: FloatArray = Q.T.copy()

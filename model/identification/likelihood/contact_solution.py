@@ -7,6 +7,7 @@ the signatures of all effects cost next to nothing.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +15,13 @@ from numpy.polynomial import legendre
 
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
 from model.identification.data.data_vector import DataVector, Index, shares
-from model.identification.residual_vector import STEEPEST_PER_M, legendre_field
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
-from model.mechanics.field import Field, merged_breaks, padded
+from model.mechanics.field import Field, legendre_field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
 
+STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
 MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
@@ -76,6 +77,12 @@ class ConfigurationModel:
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
         self.free_clock = AcquisitionTimes.joined([seen[k].clock for k in self.free])
+        # times whose mean a condition is, of which condition each is, and its share
+        self.mean_times = (
+            AcquisitionTimes.joined([self.clock, self.free_clock]),
+            np.concatenate([self.reading_of, self.free]),
+            np.concatenate([self.share, np.ones(len(self.free))]),
+        )
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
@@ -114,6 +121,7 @@ class ConfigurationModel:
         self.curve_s, self.curve_x, self.curve_y = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         self.project = np.zeros((self.K, self.modes, longest))
         self.points = np.zeros(self.K, dtype=np.int64)
+        projections: dict[bytes, FloatArray] = {}
         for k, curve in enumerate(curves):
             if curve is None:
                 continue
@@ -123,7 +131,9 @@ class ConfigurationModel:
             self.curve_s[k, n:] = s[-1]
             self.curve_s[k, :n] = s
             self.curve_x[k, :n], self.curve_y[k, :n] = curve.x_m[use], curve.y_m[use]
-            self.project[k, :, :n] = projection(s, self.modes)
+            if s.tobytes() not in projections:
+                projections[s.tobytes()] = projection(s, self.modes)
+            self.project[k, :, :n] = projections[s.tobytes()]
         self._grid_s = np.broadcast_to(self.s_m, (self.K, self.count))
 
     def measured(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -137,16 +147,24 @@ class ConfigurationModel:
         return result
 
     def beam(
-        self, stiffness: float, eibm: dict[float, float], rest: FloatArray | None = None
+        self,
+        stiffness: float,
+        eibm: Mapping[float, FloatArray | float],
+        rest: FloatArray | None = None,
     ) -> BeamProblem:
-        """The base model: B, and Me/B for each driving voltage; `rest` (G,) changes k0."""
+        """Return the base model: B, and Me/B (G,) for each driving voltage; `rest` (G,) adds to k0.
+
+        An Me/B that is one number is the same everywhere.
+        """
         K, G = self.K, self.count
-        level = np.array([eibm.get(v, 0.0) for v in self.voltage_V])
+        bent = np.zeros((K, G))
+        for k, voltage in enumerate(self.voltage_V):
+            bent[k] = eibm.get(voltage, 0.0)
         none = np.zeros(K)
         change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
         return BeamProblem(
             self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
-            change, np.repeat(level[:, None], G, axis=1), np.zeros((K, G)), np.ones((K, G)),
+            change, bent, np.zeros((K, G)), np.ones((K, G)),
             none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
             self.share, self.upright,
         )  # fmt: skip

@@ -13,7 +13,8 @@ import numpy as np
 
 from model.effects.interface import AcquisitionTimes
 from model.effects.rise import rise_left, through_zero
-from model.identification.likelihood.forward_model import ForwardModel, ModelState
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.model_state import ModelState
 from model.measurements import FloatArray
 
 LATE, LONGER, STRAIGHT = 2.0, 0.03, (0.5, 0.5)

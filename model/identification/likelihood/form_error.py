@@ -13,14 +13,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter
-from model.identification.likelihood.forward_model import (
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Linearisation
+from model.identification.likelihood.model_state import (
     AppliedEffect,
-    ForwardModel,
     ModelState,
     Perturbation,
+    acting_in,
 )
-from model.identification.likelihood.linearisation import Linearisation
 from model.measurements import FloatArray
+from model.sheet.effect_hooks import Acting, applied
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
 SIGN = 0.25  # and from one voltage or configuration to the other
@@ -65,22 +67,19 @@ def whole_step(
 ) -> Perturbation:
     """What an effect as it stands changes, to first order, given the others."""
     without = shaped(base, state, others, study.names[c])
-    values = one.values[study.names[c]]
-    full = one.effect.beam(without, state.solved.contact, values)
+    here = Acting(one.effect, one.values[study.names[c]])
+    full = applied(without, state.solved.contact, [here])
     step = replace(
         study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.contact)
     )
-    return study.outer_step(c, state, one.effect, values, step)
+    return study.outer_step(c, state, here, step)
 
 
 def shaped(
     base: BeamProblem, state: ModelState, active: tuple[AppliedEffect, ...], name: str
 ) -> BeamProblem:
     """The base with effects applied, at a known solution."""
-    for one in active:
-        if name in one.values:
-            base = one.effect.beam(base, state.solved.contact, one.values[name])
-    return base
+    return applied(base, state.solved.contact, acting_in(active, name))
 
 
 Ways = Iterator[tuple[Perturbation, float]]  # steps, each with its standard deviation
@@ -188,9 +187,10 @@ def _weighed(study: ForwardModel, c: int, step: Perturbation, wave: FloatArray) 
     part = study.part(c)
     of, bin_of = part.reading_of, part.bin_of
     return Perturbation(
-        step.beam * wave[:, None], step.eibm * wave[of], step.stiffness * wave[of],
-        step.force_N * wave[of], step.bin_eibm * wave[bin_of], step.bin_stiffness * wave[bin_of],
-        step.points_m * wave[:, None], step.frame_eibm * wave[of],
+        beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
+        stiffness=step.stiffness * wave[of], force_N=step.force_N * wave[of],
+        bin_eibm=step.bin_eibm * wave[bin_of], bin_stiffness=step.bin_stiffness * wave[bin_of],
+        points_m=step.points_m * wave[:, None], frame_eibm=step.frame_eibm * wave[of],
     )  # fmt: skip
 
 
@@ -301,7 +301,8 @@ def _by_parameter(
             for a in active
         )
         beam = shaped(base, state, turned, name)
-        outer = study.outer_step(c, state, one.effect, values, study.no_step(c))
+        here = Acting(one.effect, dict(values))
+        outer = study.outer_step(c, state, here, study.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
     step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.contact))

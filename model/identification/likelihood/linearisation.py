@@ -1,33 +1,47 @@
-"""The data about a point of the base parameters: residuals, and derivatives by them."""
+"""The data about a point of the base parameters: residuals, and derivatives by them.
+
+The point may include what each set-up most likely added (`mounting`): derivatives are then those
+where the set-ups really are, and the residuals those of nominal set-ups.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.effects.interface import BeamProblem
 from model.identification.likelihood.drive_rise import RISE, rise_columns
-from model.identification.likelihood.forward_model import (
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.mixed_model import Data
+from model.identification.likelihood.model_state import (
     AppliedEffect,
-    ForwardModel,
     ModelState,
+    Mounting,
     Perturbation,
 )
-from model.identification.likelihood.mixed_model import Data
-from model.identification.likelihood.random_effects import Columns, groups_of, scatter_columns
+from model.identification.likelihood.random_effects import (
+    Added,
+    Columns,
+    groups_of,
+    mountings,
+    restored,
+    scatter_columns,
+)
 from model.identification.likelihood.row_noise import RowNoise, width_of
 from model.measurements import FloatArray
 
 WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BaseParameters:
     """Base parameters of one configuration in the vector of all."""
 
     stiffness: int
-    eibm: dict[float, tuple[int, float]]  # voltage -> place, sign
+    eibm: dict[float, tuple[int, float]]  # voltage -> first of its places, sign
+    forms: FloatArray  # (T, G) of Me/B along the sheet by each of the T places of a voltage
     rest: dict[int, FloatArray]  # place -> change of k0 at the nodes by it
     prior: dict[int, tuple[float, float]]  # place -> mean, width
 
@@ -44,7 +58,8 @@ class Bases:
         """The base model of a configuration."""
         one, scene = self.parts[c], study.scenes[c]
         rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
-        eibm = {v: sign * float(theta[i]) for v, (i, sign) in one.eibm.items()}
+        count = len(one.forms)
+        eibm = {v: sign * theta[i : i + count] @ one.forms for v, (i, sign) in one.eibm.items()}
         return scene.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
 
 
@@ -58,13 +73,15 @@ def base_steps(
     by = np.zeros_like(none.beam)
     by[:, -2] = 1.0
     result[one.stiffness] = replace(none, beam=by)
-    for voltage, (i, sign) in one.eibm.items():
-        by = np.zeros_like(none.beam)
+    for voltage, (first, sign) in one.eibm.items():
         own = scene.voltage_V == voltage
-        by[own, :G] = sign * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
-        if i in result:  # one |EIBM| for both polarities
-            by += result[i].beam
-        result[i] = replace(none, beam=by)
+        shaped = sign * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
+        for i, form in enumerate(one.forms, first):
+            by = np.zeros_like(none.beam)
+            by[own, :G] = shaped * form
+            if i in result:  # one |EIBM| for both polarities
+                by += result[i].beam
+            result[i] = replace(none, beam=by)
     for i, row in one.rest.items():
         by = np.zeros_like(none.beam)
         by[:, :G] = row
@@ -88,40 +105,63 @@ class Linearisation:
     data: Data
 
 
+def sensitivities(
+    study: ForwardModel,
+    bases: Bases,
+    theta: FloatArray,
+    active: tuple[AppliedEffect, ...] = (),
+    mounted: Sequence[Mounting] = (),
+) -> tuple[tuple[ModelState, ...], FloatArray, FloatArray]:
+    """Return states, residuals (N,) and their derivatives (N, p) by the base parameters."""
+    states, residual = list[ModelState](), np.zeros(study.layout.size)
+    columns = np.zeros((study.layout.size, bases.size))
+    for c in range(len(study.names)):
+        base = bases.beam(study, c, theta)
+        base = mounted[c].applied(base) if mounted else base
+        state = study.state(c, base, active)
+        states.append(replace(state, mounting=mounted[c] if mounted else None))
+        residual += state.residual
+        for i, step in base_steps(study, bases, c, state, base).items():
+            columns[:, i] += study.rows_of(c, state, step)
+    if bases.rise is not None:
+        own = slice(bases.rise, bases.rise + len(RISE))
+        columns[:, own] = sum(rise_columns(study, c, state) for c, state in enumerate(states))
+        residual -= columns[:, own] @ theta[own]
+    return tuple(states), residual, columns
+
+
 def linearise(
     study: ForwardModel,
     bases: Bases,
     noise: RowNoise,
     theta: FloatArray,
     active: tuple[AppliedEffect, ...] = (),
+    added: Added | None = None,
 ) -> Linearisation:
-    """Everything about a point."""
-    N, states = study.layout.size, []
-    residual, columns = np.zeros(N), np.zeros((N, bases.size))
+    """Return everything about a point; `added` is what each set-up is taken to have added."""
+    mounted = mountings(study, added) if added else ()
+    states, residual, columns = sensitivities(study, bases, theta, active, mounted)
     scatter: Columns = {}
-    for c in range(len(study.names)):
-        base = bases.beam(study, c, theta)
-        state = study.state(c, base, active)
-        states.append(state)
-        residual += state.residual
-        for i, step in base_steps(study, bases, c, state, base).items():
-            columns[:, i] += study.rows_of(c, state, step)
+    for c, state in enumerate(states):
         for name, found in scatter_columns(study, c, state).items():
             scatter.setdefault(name, []).extend(found)
-    if bases.rise is not None:
-        own = slice(bases.rise, bases.rise + len(RISE))
-        columns[:, own] = sum(rise_columns(study, c, state) for c, state in enumerate(states))
-        residual -= columns[:, own] @ theta[own]
-    priors = [_prior(bases, i) for i in range(bases.size)]
-    pad = study.layout.pad
-    empty = pad(np.ones(N)) == 0.0
+    groups = groups_of(study, noise.random_effects, scatter, noise.constant)
+    pad, (mean, width) = study.layout.pad, priors_of(bases)
+    empty = pad(np.ones(study.layout.size)) == 0.0
+    y = pad(residual)
+    if added:
+        y = y + restored(dict(zip(noise.random_effects, groups, strict=True)), added)
     data = Data(
-        pad(residual), pad(columns), groups_of(study, scatter, noise.constant),
-        [pad(m) for m in noise.masks], np.where(empty, 1.0, pad(noise.fixed)),
-        np.array([width**-2.0 for _, width in priors]),
-        theta - np.array([mean for mean, _ in priors]), width_of(noise),
+        y, pad(columns), groups, [pad(m) for m in noise.masks],
+        np.where(empty, 1.0, pad(noise.fixed)), width**-2.0, theta - mean, width_of(noise),
     )  # fmt: skip
-    return Linearisation(tuple(states), residual, columns, data)
+    return Linearisation(states, residual, columns, data)
+
+
+def priors_of(bases: Bases) -> tuple[FloatArray, FloatArray]:
+    """Return middle and width of the priors of all base parameters."""
+    mean, width = np.array([_prior(bases, i) for i in range(bases.size)]).T
+    return mean, width
 
 
 def with_columns(

@@ -130,6 +130,7 @@ class _Point:
     value: float
     gradient: FloatArray
     curvature: FloatArray
+    covariance: FloatArray  # of beta
 
 
 def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _Point:
@@ -158,7 +159,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
     curvature = 4.0 * variance[:, None] * variance * X
     curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
-    return _Point(value, gradient, curvature)
+    return _Point(value, gradient, curvature, C)
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
@@ -211,15 +212,14 @@ class Spread:
 
 def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
     """By differences about the estimate."""
-    h, size = 0.05, len(solution.log_sigma)
+    h, size, stack = 0.05, len(solution.log_sigma), _Stack.of_data(data)
     curvature, slopes = np.zeros((size, size)), []
     for k in range(size):
         step = np.zeros(size)
         step[k] = h
-        up, down = solution.log_sigma + step, solution.log_sigma - step
-        curvature[k] = (deviance(data, up, guess)[1] - deviance(data, down, guess)[1]) / (2.0 * h)
-        change = weigh(data, up).covariance - weigh(data, down).covariance
-        slopes.append(change / (2.0 * h))
+        up, down = (_point(data, stack, solution.log_sigma + d, guess) for d in (step, -step))
+        curvature[k] = (up.gradient - down.gradient) / (2.0 * h)
+        slopes.append((up.covariance - down.covariance) / (2.0 * h))
     values, vectors = np.linalg.eigh(0.25 * (curvature + curvature.T))
     return Spread(vectors / np.sqrt(np.maximum(values, 0.1)), slopes)
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.identification.likelihood.form_error import Found, effect_columns, moved
-from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
     Bases,
     Linearisation,
@@ -17,16 +18,21 @@ from model.identification.likelihood.linearisation import (
 from model.identification.likelihood.mixed_model import (
     Solution,
     deviance,
+    effects,
     estimate,
     inverse_symmetric,
     weigh,
 )
+from model.identification.likelihood.model_state import AppliedEffect
+from model.identification.likelihood.random_effects import Added
 from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
 WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to go
+# of a standard uncertainty: moves at which a fit has settled, the second one where each set-up is
+SMALL, QUIET = 0.05, 0.01
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
@@ -63,6 +69,10 @@ class MixedModelFit:
         """The effects as the states have them."""
         return tuple(f.active for f in self.found)
 
+    def added(self) -> Added:
+        """Return what each run's set-up most likely added: (R, q) of every random effect."""
+        return _added(self.problem, self.linear, self.solution)
+
 
 def fit_mixed_model(
     problem: FitProblem,
@@ -78,8 +88,10 @@ def fit_mixed_model(
     last: _Iteration | None = None
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
-        here = _Iteration.of(problem, theta, found, last.log_sigma if last else log_sigma, form)
-        if last is not None and here.worse_than(last):
+        noise = last.log_sigma if last else log_sigma
+        here = _tried(last, _Point(problem, theta, found, None, form), noise)
+        if here is None or (last is not None and here.worse_than(last)):
+            assert last is not None  # noqa: S101 - see `_tried`
             # where the model bends much a whole step leads too far
             last = replace(last, share=0.5 * last.share if last.share > SHORTEST else 0.0)
             theta, found, _ = last.end()
@@ -88,38 +100,89 @@ def fit_mixed_model(
             break
         last = here
         theta, found, quiet = here.end()
-        if here.small and quiet and turn >= 2:
+        if here.moves < SMALL and quiet and turn >= 2:
             break
-    if last is None or not np.all(np.isfinite(theta)):
-        raise ModelError("the fit did not settle: the data contradict the model too much")
-    linear, spans = _linear(problem, theta, found, form)
-    solution = estimate(linear.data, problem.guess, last.log_sigma, FINE)
-    value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
-    value += prior_terms(linear, problem.bases.size)
-    return MixedModelFit(problem, theta, found, linear, solution, value, tuple(spans))
+    if last is None:
+        raise _unsettled()
+    return _finished(_Point(problem, theta, found, None, form), last.log_sigma)
+
+
+def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
+    """Fit the base model, solved for each set-up as it most likely is, not for the nominal one.
+
+    What is large enough to bend the model would else count for more or less than it should. Where
+    the model is so far off that this does not settle, it is fitted to nominal set-ups.
+    """
+    at, noise = _Point(problem, theta, (), None), None
+    with suppress(ModelError):
+        for _ in range(ROUNDS):
+            here = _Iteration.of(at, noise)
+            noise = here.log_sigma
+            added = _added(problem, here.linear, here.solution)
+            at = _Point(problem, here.end()[0], (), added)
+            if here.moves < QUIET:
+                return _finished(at, noise)
+    return fit_mixed_model(problem, theta)
 
 
 @dataclass(frozen=True)
-class _Iteration:
-    """A model with the step that leads on from it."""
+class _Point:
+    """Where the model is linearised."""
 
     problem: FitProblem
     theta: FloatArray
     found: tuple[Found, ...]
+    added: Added | None  # by each set-up; None: all are nominal
+    form: float = 1.0
+
+    def linearised(self) -> tuple[Linearisation, list[slice]]:
+        """The data about it, and the columns of each effect."""
+        problem, spans = self.problem, list[slice]()
+        active = tuple(f.active for f in self.found)
+        linear = linearise(
+            problem.study, problem.bases, problem.noise, self.theta, active, self.added
+        )
+        for one in self.found:
+            columns, precision, away = effect_columns(problem.study, linear, one, active)
+            first = linear.columns.shape[1]
+            precision[len(one.parameters()) :] /= self.form**2
+            linear = with_columns(problem.study, linear, columns, precision, away)
+            spans.append(slice(first, linear.columns.shape[1]))
+        return linear, spans
+
+
+def _finished(at: _Point, log_sigma: FloatArray) -> MixedModelFit:
+    """The model there, with its noise."""
+    if not np.all(np.isfinite(at.theta)):
+        raise _unsettled()
+    linear, spans = at.linearised()
+    problem = at.problem
+    solution = estimate(linear.data, problem.guess, log_sigma, FINE)
+    value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
+    value += prior_terms(linear, problem.bases.size)
+    return MixedModelFit(problem, at.theta, at.found, linear, solution, value, tuple(spans))
+
+
+def _unsettled() -> ModelError:
+    return ModelError("the fit did not settle: the data contradict the model too much")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Iteration:
+    """A model with the step that leads on from it."""
+
+    at: _Point
     linear: Linearisation
     spans: list[slice]
     solution: Solution
     share: float = 1.0  # of the step that is gone
 
     @staticmethod
-    def of(
-        problem: FitProblem, theta: FloatArray, found: tuple[Found, ...], start: FloatArray | None,
-        form: float,
-    ) -> _Iteration:  # fmt: skip
+    def of(at: _Point, start: FloatArray | None) -> _Iteration:
         """Linearised where it is, with the noise estimated from `start` on."""
-        linear, spans = _linear(problem, theta, found, form)
-        solution = estimate(linear.data, problem.guess, start, ROUGH)
-        return _Iteration(problem, theta, found, linear, spans, solution)
+        linear, spans = at.linearised()
+        solution = estimate(linear.data, at.problem.guess, start, ROUGH)
+        return _Iteration(at=at, linear=linear, spans=spans, solution=solution)
 
     @property
     def log_sigma(self) -> FloatArray:
@@ -132,10 +195,10 @@ class _Iteration:
         return np.sqrt(np.maximum(np.diag(self.solution.covariance), 1e-300))
 
     @property
-    def small(self) -> bool:
-        """Whether no base parameter has far to go."""
-        size = self.problem.bases.size
-        return bool(np.max(np.abs(self.solution.beta[:size]) / self.sigma[:size]) < 0.05)
+    def moves(self) -> float:
+        """How far the base parameters have to go, at most, in standard uncertainties."""
+        size = self.at.problem.bases.size
+        return float(np.max(np.abs(self.solution.beta[:size]) / self.sigma[:size]))
 
     def worse_than(self, other: _Iteration) -> bool:
         """Whether it is further from the data, both before their steps, at the other's noise."""
@@ -149,8 +212,8 @@ class _Iteration:
         We = (solution.weights @ error[:, :, None])[:, :, 0]
         promised = float(np.sum(error * We))
         promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
-        moving = np.arange(self.problem.bases.size).tolist()
-        for one, span in zip(self.found, self.spans, strict=True):
+        moving = np.arange(self.at.problem.bases.size).tolist()
+        for one, span in zip(self.at.found, self.spans, strict=True):
             moving += range(span.start, span.start + len(one.parameters()))
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
@@ -158,9 +221,24 @@ class _Iteration:
     def end(self) -> tuple[FloatArray, tuple[Found, ...], bool]:
         """Base parameters and effects after the step; whether the effects moved little."""
         beta = self.share * self.solution.beta
-        found, quiet = moved(self.found, beta, self.sigma, self.spans)
-        step = _bounded(self.problem, self.solution.beta[: self.problem.bases.size])
-        return self.theta + self.share * step, found, quiet
+        found, quiet = moved(self.at.found, beta, self.sigma, self.spans)
+        step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
+        return self.at.theta + self.share * step, found, quiet
+
+
+def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Added:
+    """What each run's set-up most likely added: (R, q) of every random effect."""
+    return dict(zip(problem.noise.random_effects, effects(linear.data, solution), strict=True))
+
+
+def _tried(last: _Iteration | None, at: _Point, start: FloatArray | None) -> _Iteration | None:
+    """Return the model there; None where a step from `last` led to where it has no answer."""
+    try:
+        return _Iteration.of(at, start)
+    except ModelError:
+        if last is None:
+            raise
+        return None
 
 
 def _bounded(problem: FitProblem, step: FloatArray) -> FloatArray:
@@ -177,17 +255,3 @@ def _bounded(problem: FitProblem, step: FloatArray) -> FloatArray:
 def prior_terms(linear: Linearisation, size: int) -> float:
     """-ln of the determinant of the effects' priors, which `deviance` leaves out."""
     return -float(np.sum(np.log(linear.data.precision[size:])))
-
-
-def _linear(
-    problem: FitProblem, theta: FloatArray, found: tuple[Found, ...], form: float
-) -> tuple[Linearisation, list[slice]]:
-    active = tuple(f.active for f in found)
-    linear, spans = linearise(problem.study, problem.bases, problem.noise, theta, active), []
-    for one in found:
-        columns, precision, away = effect_columns(problem.study, linear, one, active)
-        first = linear.columns.shape[1]
-        precision[len(one.parameters()) :] /= form**2
-        linear = with_columns(problem.study, linear, columns, precision, away)
-        spans.append(slice(first, linear.columns.shape[1]))
-    return linear, spans

@@ -6,13 +6,14 @@ numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.effects.rise import rise_left
-from model.identification.likelihood.forward_model import ForwardModel, ModelState, Perturbation
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.model_state import ModelState, Mounting, Perturbation
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).
@@ -31,8 +32,38 @@ ASSUMED = {
     "pulse_edge": (1.0, 0.3),  # in units of what is known of the edges' times
 }
 WANDER_S = {"sway_slow": 40.0, "sway_quick": 3.0}  # correlation times
+PULSES = ("pulse_level", "pulse_edge")
 EACH = ("eibm_condition", "eibm_free")  # of which each condition has its own
+# those that change the beam problem, so that the model can be solved where they are
+IN_THE_BEAM = ("stiffness", "eibm", "position", "clamp_tilt", *EACH)
 Columns = dict[str, list[FloatArray]]  # by scatter: columns (N,)
+Added = Mapping[str, FloatArray]  # by scatter: what each run's set-up added, (R, q)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoisePriors:
+    """What is believed of scatter and noise before the misfit has said how large they are."""
+
+    # standard deviation of each random effect, and that of its logarithm
+    random_effects: Mapping[str, tuple[float, float]]
+    mode_unsure: float  # of the logarithm of the curves' noise
+    # noise of a condition's mean force beside that of its readings; 0: a misfit is not noise
+    misfit_N: float = 0.0
+
+
+# A diagnosis tells effects from scatter by how large scatter usually is.
+USUAL = NoisePriors(random_effects=ASSUMED, mode_unsure=1.5)
+UNSURE = 2.5
+# A fit takes scatter and misfit as the data have them; means know no course in time.
+WIDE = NoisePriors(
+    random_effects={
+        name: (size, UNSURE)
+        for name, (size, _) in ASSUMED.items()
+        if name not in (*WANDER_S, *PULSES)
+    },
+    mode_unsure=UNSURE,
+    misfit_N=2e-5,
+)  # fmt: skip
 
 
 def scatter_columns(study: ForwardModel, c: int, state: ModelState) -> Columns:
@@ -51,12 +82,68 @@ def scatter_columns(study: ForwardModel, c: int, state: ModelState) -> Columns:
     late = rise_left(part.bin_clock, rise, part.edge_s) - rise_left(part.bin_clock, rise, 0.0)
     result["pulse_edge"] = [study.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
     result |= {name: [] for name in EACH}
-    for k in np.flatnonzero(scene.voltage_V):
+    active = _active(state)
+    for k, name in _each(study, c):
         by = np.zeros_like(none.beam)
-        by[k, : scene.count] = (state.beam.eibm * state.beam.soft)[k]
-        name = "eibm_free" if k in scene.free else "eibm_condition"
+        by[k, : scene.count] = active[k]
         result[name].append(study.rows_of(c, state, replace(none, beam=by)))
     return result
+
+
+def _each(study: ForwardModel, c: int) -> list[tuple[int, str]]:
+    """The conditions that have an EIBM of their own, and as which scatter."""
+    scene = study.scenes[c]
+    driven = np.flatnonzero(scene.voltage_V).tolist()
+    return [(k, "eibm_free" if k in scene.free else "eibm_condition") for k in driven]
+
+
+def own_slots(study: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
+    """Return scatter, run and place in the run of the EIBM that a condition has of its own.
+
+    By condition, for each configuration.
+    """
+    taken: dict[tuple[str, int], int] = {}
+    result = []
+    for c, look in enumerate(study.looks):
+        slots = {}
+        for k, name in _each(study, c):
+            run = study.layout.runs.index(look.seen[k].run)
+            taken[name, run] = taken.get((name, run), -1) + 1
+            slots[k] = (name, run, taken[name, run])
+        result.append(slots)
+    return result
+
+
+def mountings(study: ForwardModel, added: Added) -> list[Mounting]:
+    """Return what set-ups added, as the conditions of each configuration have it."""
+    result = []
+    for look, slots in zip(study.looks, own_slots(study), strict=True):
+        runs = [study.layout.runs.index(one.run) for one in look.seen]
+        shared = {
+            name: added[name][runs, 0] for name in IN_THE_BEAM if name not in EACH
+        }  # fmt: skip
+        for k, (name, run, place) in slots.items():
+            shared["eibm"][k] += added[name][run, place]
+        result.append(
+            Mounting(
+                stiffness=shared["stiffness"], eibm=shared["eibm"],
+                position_m=shared["position"], tilt_rad=shared["clamp_tilt"],
+            )
+        )  # fmt: skip
+    return result
+
+
+def restored(groups: Mapping[str, FloatArray], added: Added) -> FloatArray:
+    """Return what the residuals of the solved set-ups lack of those of nominal ones: (R, n)."""
+    return np.asarray(
+        sum(np.einsum("rnq,rq->rn", groups[name], added[name]) for name in IN_THE_BEAM)
+    )
+
+
+def _active(state: ModelState) -> FloatArray:
+    """Change of k* by a relative change of the EIBM of the nominal set-up: (K, G)."""
+    share = 1.0 if state.mounting is None else 1.0 + state.mounting.eibm[:, None]
+    return np.asarray(state.beam.eibm * state.beam.soft / share)
 
 
 def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Perturbation]:
@@ -69,40 +156,52 @@ def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Pe
         by[:, column] = value
         return by
 
-    active = state.beam.eibm * state.beam.soft
+    stiff = np.ones(scene.K) if state.mounting is None else 1.0 + state.mounting.stiffness
+    bent = state.beam.eibm * state.beam.soft / stiff[:, None]
     on_arc = beam(2 * G + 1, 1.0) + beam(2 * G + 3, 1.0)
     return {
-        "stiffness": replace(none, beam=beam(slice(0, G), -active) + beam(-2, 1.0)),
-        "eibm": replace(none, beam=beam(slice(0, G), active)),
+        "stiffness": replace(none, beam=beam(slice(0, G), -bent) + beam(-2, 1.0 / stiff)),
+        "eibm": replace(none, beam=beam(slice(0, G), _active(state))),
         "position": replace(none, beam=on_arc / scene.sheet.arc_radius_m),
         "clamp_tilt": replace(none, beam=beam(-1, 1.0) - on_arc),
         "force_zero": replace(none, force_N=np.ones(len(study.part(c).reading_of))),
     }
 
 
-def constant_groups(study: ForwardModel) -> dict[str, FloatArray]:
+def constant_groups(study: ForwardModel, priors: NoisePriors) -> dict[str, FloatArray]:
     """The scatters that are the same for all states: the load cell's wander, the pulses' levels."""
-    groups = {name: by_run(study, _wander(study, name)) for name in WANDER_S}
-    groups["pulse_level"] = by_run(study, _pulse_levels(study))
+    names = priors.random_effects
+    groups = {name: by_run(study, _wander(study, name)) for name in WANDER_S if name in names}
+    if "pulse_level" in names:
+        groups["pulse_level"] = by_run(study, _pulse_levels(study))
     return groups
 
 
 def groups_of(
-    study: ForwardModel, scatter: Columns, constant: Mapping[str, FloatArray]
+    study: ForwardModel, names: Iterable[str], scatter: Columns, constant: Mapping[str, FloatArray]
 ) -> list[FloatArray]:
-    """All scatters in the order of `ASSUMED`; `scatter` has the columns of all configurations."""
+    """Return the named scatters in order; `scatter` has the columns of all configurations."""
     groups = []
-    for name in ASSUMED:
+    for name in names:
         if name in constant:
             groups.append(constant[name])
         elif name == "registration":  # to the side and along, of one size
             one = [scatter[name][i::2] for i in (0, 1)]
             groups.append(np.concatenate([by_run(study, [np.sum(o, axis=0)]) for o in one], axis=2))
         elif name in EACH:
-            groups.append(by_run(study, scatter[name]))
+            groups.append(_one_each(study, name, scatter[name]))
         else:
             groups.append(by_run(study, [np.sum(scatter[name], axis=0)]))
     return groups
+
+
+def _one_each(study: ForwardModel, name: str, columns: list[FloatArray]) -> FloatArray:
+    """Columns (N,) of the conditions that have an EIBM of their own, packed as (R, n, q)."""
+    slots = [slot for own in own_slots(study) for slot in own.values() if slot[0] == name]
+    flat = np.zeros((study.layout.size, 1 + max([0, *(place for _, _, place in slots)])))
+    for (_, _, place), column in zip(slots, columns, strict=True):
+        flat[:, place] += column
+    return study.layout.pad(flat)
 
 
 def _wander(study: ForwardModel, name: str) -> list[FloatArray]:

@@ -106,7 +106,7 @@ class RowIndex:
         for k, o in enumerate(seen):
             own = slice(start, start + len(o.force_N))
             start = own.stop
-            T = trends(o.kept_clock) if len(o.force_N) else np.zeros((0, 0))
+            T = trends(o.kept_clock, look.trends) if len(o.force_N) else np.zeros((0, 0))
             early = _firsts(o)
             trend.add(_spread(T, o.counts), own, self._new(o.run, len(T)), k)
             trend.add(early, own, self._new(o.run, len(early)), k)

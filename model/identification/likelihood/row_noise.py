@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from model.identification.data.data_vector import DataVector, Index
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.random_effects import ASSUMED, constant_groups
+from model.identification.likelihood.random_effects import USUAL, NoisePriors, constant_groups
 from model.identification.likelihood.row_index import RowBlock
 from model.measurements import FloatArray
 
@@ -30,6 +30,7 @@ class RowNoise:
     names: list[str]
     guess: FloatArray  # ln of the standard deviations
     width: FloatArray  # how sure that is
+    random_effects: Mapping[str, tuple[float, float]]  # standard deviations, and of their ln
     constant: dict[str, FloatArray]  # groups (R, n, q) that are the same for all states
 
 
@@ -45,7 +46,7 @@ class _Kind:
     least: float = 0.0  # standard deviation that is there in any case
 
 
-def noise_of(study: ForwardModel) -> RowNoise:
+def noise_of(study: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     """Readings, modes, sways and pulses of each configuration have a noise of their own."""
     N = study.layout.size
     fixed, kinds = np.zeros(N), list[_Kind]()
@@ -53,7 +54,7 @@ def noise_of(study: ForwardModel) -> RowNoise:
         study.names, study.layout.parts, study.scenes, study.looks, strict=True
     ):
         wave_N = 0.0 if study.wave is None else study.wave.added_N(part.clock)
-        kinds += _kinds(name, part, scene, look, part.measured_N - wave_N)
+        kinds += _kinds(name, part, scene, look, part.measured_N - wave_N, priors)
     masks = []
     for kind in kinds:
         mask = np.zeros(N)
@@ -62,35 +63,42 @@ def noise_of(study: ForwardModel) -> RowNoise:
         fixed[kind.rows] = kind.least**2
     return RowNoise(
         fixed, masks, [k.name for k in kinds], np.log([k.size for k in kinds]),
-        np.array([k.unsure for k in kinds]), constant_groups(study),
+        np.array([k.unsure for k in kinds]), priors.random_effects,
+        constant_groups(study, priors),
     )  # fmt: skip
 
 
 def guess_of(noise: RowNoise) -> FloatArray:
     """Ln of all standard deviations, as assumed: scatters, then noises."""
-    return np.concatenate([[np.log(v) for v, _ in ASSUMED.values()], noise.guess])
+    return np.concatenate([[np.log(v) for v, _ in noise.random_effects.values()], noise.guess])
 
 
 def width_of(noise: RowNoise) -> FloatArray:
     """How sure these are."""
-    return np.concatenate([[w for _, w in ASSUMED.values()], noise.width])
+    return np.concatenate([[w for _, w in noise.random_effects.values()], noise.width])
 
 
 def _kinds(
-    name: str, part: RowBlock, scene: ConfigurationModel, look: DataVector, reading_N: FloatArray
-) -> Iterator[_Kind]:
+    name: str, part: RowBlock, scene: ConfigurationModel, look: DataVector, reading_N: FloatArray,
+    priors: NoisePriors,
+) -> Iterator[_Kind]:  # fmt: skip
     if len(part.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
         weight = np.sum(part.trend**2, axis=1)
         size, unsure = _reading_noise(part, reading_N)
         yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
+    if priors.misfit_N and part.is_mean.any():
+        means = part.trend_rows[part.is_mean]
+        yield _Kind(f"{name} force", means, 1.0, priors.misfit_N, priors.mode_unsure)
     stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
     typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
     for m in range(scene.modes):
         rows = part.mode_rows[scene.has_curve, m]
         if len(rows):
-            yield _Kind(f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), 1.5, LEAST_MODE_M)
+            yield _Kind(
+                f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), priors.mode_unsure, LEAST_MODE_M
+            )
     if len(part.sway_rows):
         weight = np.sum(part.sway**2, axis=1)
         yield _Kind(f"{name} sway", part.sway_rows, weight, SWAY_M, 2.0)

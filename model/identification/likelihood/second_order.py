@@ -2,76 +2,76 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from model.effects.interface import Effect, Values
 from model.effects.rise import rise_left
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.model_state import ModelState
+from model.identification.likelihood.row_index import RowBlock
+from model.identification.likelihood.time_courses import in_means, in_parts
 from model.measurements import FloatArray
-
-if TYPE_CHECKING:
-    from model.identification.likelihood.forward_model import ForwardModel, ModelState
+from model.sheet.effect_hooks import MOST_LOST, Acting, course
 
 LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
-MOST_LOST = 0.95  # of EIBM and stiffness
 
 
 def beyond_first_order(
-    study: ForwardModel, c: int, state: ModelState, inner: list[tuple[Effect, Values]]
+    scene: ConfigurationModel, part: RowBlock, state: ModelState, inner: Sequence[Acting], size: int
 ) -> FloatArray:
-    """What the rows have to be told beyond the slopes by EIBM and stiffness (N,).
+    """What the `size` rows lack beyond the slopes by EIBM and stiffness (N,).
 
     Only Me/B shapes a sheet, so with a and b times them the force is b F(a/b).
     """
-    part, scene, y = study.part(c), study.scenes[c], np.zeros(study.layout.size)
+    y = np.zeros(size)
     if state.response is None:
         return y
-    of, (eibm, stiffness) = part.reading_of, study.mean_course(c, inner)
-    changes = [change for e, v in inner if (change := e.course(part.clock, v)) is not None]
+    of, (eibm, stiffness) = part.reading_of, in_means(scene, inner)
     driven = part.clock.voltage_V != 0.0
     a, b = np.ones(len(of)), np.ones(len(of))
-    for more_eibm, more_stiffness in changes:
-        a, b = a + more_eibm * driven, b + more_stiffness
-    course = _Course.of(a, b, eibm[of] * driven, stiffness[of])
+    for one in inner:
+        found = course(one, part.clock)
+        if found is not None:
+            a, b = a + found[0], b + found[1]
+    there = _Course.of(a, b, eibm[of] * driven, stiffness[of])
     force = np.nan_to_num(state.solved.force_N)
-    first = force[of] + state.by_eibm[of] * course.eibm
-    first = first + (force - state.by_eibm)[of] * course.stiffness
+    first = force[of] + state.by_eibm[of] * there.eibm
+    first = first + (force - state.by_eibm)[of] * there.stiffness
     powers = _powers(state.response)
-    exact = course.force(powers[:, of])
+    exact = there.force(powers[:, of])
     y[part.trend_rows] = part.trend @ np.nan_to_num(exact - first)
-    bent = np.where(driven, course.ratio - 1.0 - course.eibm + course.stiffness, 0.0)
+    bent = np.where(driven, there.ratio - 1.0 - there.eibm + there.stiffness, 0.0)
     y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
     mean = part.mean(bent)
     y[part.mode_rows[scene.has_curve]] = (state.modes_by_eibm * mean[:, None])[scene.has_curve]
-    y[part.bin_rows] = _in_pulses(study, c, state, inner, powers)
+    y[part.bin_rows] = _in_pulses(scene, part, state, inner, powers)
     return y
 
 
 def _in_pulses(
-    study: ForwardModel,
-    c: int,
+    scene: ConfigurationModel,
+    part: RowBlock,
     state: ModelState,
-    inner: list[tuple[Effect, Values]],
+    inner: Sequence[Acting],
     powers: FloatArray,
 ) -> FloatArray:
     """The same of the parts of the pulses, less that at their samples: (b,)."""
-    part, of = study.part(c), study.part(c).bin_of
-    rise = max(study.scenes[c].sheet.rise_time_s, 1e-6)
-    eibm, stiffness = study.mean_course(c, inner)
+    of, rise = part.bin_of, max(scene.sheet.rise_time_s, 1e-6)
+    eibm, stiffness = in_means(scene, inner)
     force, slope = np.nan_to_num(state.solved.force_N[of]), state.by_eibm[of]
     both = []
     at_sample = 1.0 - part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
     for number, clock in enumerate((part.bin_clock, part.bin_sample)):
         a = (1.0 - part.bin_mean(rise_left(clock, rise, 0.0))) / at_sample
         b = np.ones_like(a)
-        for effect, values in inner:
-            change = study.bin_courses(c, effect, values)[number]
+        for one in inner:
+            change = in_parts(part, one)[number]
             a, b = a + change[0], b + change[1]
-        course = _Course.of(a, b, eibm[of], stiffness[of])
-        first = slope * course.eibm + (force - slope) * course.stiffness
-        both.append(course.force(powers[:, of]) - first)
+        there = _Course.of(a, b, eibm[of], stiffness[of])
+        first = slope * there.eibm + (force - slope) * there.stiffness
+        both.append(there.force(powers[:, of]) - first)
     return np.nan_to_num(both[0] - both[1])
 
 

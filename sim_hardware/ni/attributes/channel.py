@@ -21,11 +21,11 @@ from sim_hardware.ni.tasks.channels import (
     DigitalChannel,
 )
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 _VOLTAGE = 10322  # constants.UsageTypeAI.VOLTAGE, UsageTypeAO.VOLTAGE
 _DC = 10050  # constants.Coupling.DC
-_BITS = 16.0
+_RAW_BITS = 16  # a code is sent in so many, whatever the converter's resolution
 _RIGHT_JUSTIFIED = 10279  # constants.DataJustification.RIGHT
 _BITS_UNIT = 10109  # constants.ResolutionType.BITS
 
@@ -113,19 +113,23 @@ CHANNEL: Table[Selection] = {
     pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: _of("Int32", _AI, lambda _: _VOLTAGE),
     pb.CHANNEL_ATTRIBUTE_AI_VOLTAGE_UNITS: _of("Int32", _AI, lambda _: VOLTS),
     pb.CHANNEL_ATTRIBUTE_AI_COUPLING: _of("Int32", _AI, lambda _: _DC),
-    pb.CHANNEL_ATTRIBUTE_AI_RESOLUTION: _of("Double", _AI, lambda _: _BITS),
+    pb.CHANNEL_ATTRIBUTE_AI_RESOLUTION: _of("Double", _AI, lambda c: float(c.side.resolution_bits)),
     pb.CHANNEL_ATTRIBUTE_AI_RESOLUTION_UNITS: _of("Int32", _AI, lambda _: _BITS_UNIT),
-    pb.CHANNEL_ATTRIBUTE_AI_RAW_SAMP_SIZE: _of("UInt32", _AI, lambda _: int(_BITS)),
+    pb.CHANNEL_ATTRIBUTE_AI_RAW_SAMP_SIZE: _of("UInt32", _AI, lambda _: _RAW_BITS),
     pb.CHANNEL_ATTRIBUTE_AI_RAW_SAMP_JUSTIFICATION: _of("Int32", _AI, lambda _: _RIGHT_JUSTIFIED),
     pb.CHANNEL_ATTRIBUTE_AI_DEV_SCALING_COEFF: _of(
-        "DoubleArray", _AI, lambda c: [0.0, 2 * c.verified_range() / 2**_BITS, 0.0, 0.0]
+        "DoubleArray",
+        _AI,
+        lambda c: [0.0, 2 * c.verified_range() / 2.0**c.side.resolution_bits, 0.0, 0.0],
     ),
     pb.CHANNEL_ATTRIBUTE_AI_CUSTOM_SCALE_NAME: _of("String", _AI, lambda _: ""),
     pb.CHANNEL_ATTRIBUTE_AO_MAX: _limit(_AO, lambda c: c.high_V, "high_V", 10.0),
     pb.CHANNEL_ATTRIBUTE_AO_MIN: _limit(_AO, lambda c: c.low_V, "low_V", -10.0),
+    pb.CHANNEL_ATTRIBUTE_AO_DAC_RNG_HIGH: _of("Double", _AO, lambda c: c.verified_range()),
+    pb.CHANNEL_ATTRIBUTE_AO_DAC_RNG_LOW: _of("Double", _AO, lambda c: -c.verified_range()),
     pb.CHANNEL_ATTRIBUTE_AO_OUTPUT_TYPE: _of("Int32", _AO, lambda _: _VOLTAGE),
     pb.CHANNEL_ATTRIBUTE_AO_VOLTAGE_UNITS: _of("Int32", _AO, lambda _: VOLTS),
-    pb.CHANNEL_ATTRIBUTE_AO_RESOLUTION: _of("Double", _AO, lambda _: _BITS),
+    pb.CHANNEL_ATTRIBUTE_AO_RESOLUTION: _of("Double", _AO, lambda c: float(c.side.resolution_bits)),
     pb.CHANNEL_ATTRIBUTE_AO_RESOLUTION_UNITS: _of("Int32", _AO, lambda _: _BITS_UNIT),
     pb.CHANNEL_ATTRIBUTE_DO_NUM_LINES: _of("UInt32", _DIGITAL, lambda c: len(c.lines)),
     pb.CHANNEL_ATTRIBUTE_DI_NUM_LINES: _of("UInt32", _DIGITAL, lambda c: len(c.lines)),

@@ -8,12 +8,11 @@ from typing import Any
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.attributes.common import Attribute, Table, attribute_handlers
-from sim_hardware.ni.boards.boards import AnalogIn, AnalogOut
-from sim_hardware.ni.boards.devices import Device
+from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs, Terminals
+from sim_hardware.ni.devices import Device
 from sim_hardware.ni.names import join_list, split_some
 from sim_hardware.ni.rpc import Call, Message
 from sim_hardware.ni.signals.timing import SampleMode
-from sim_hardware.ni.tasks.channels import Terminals
 from sim_hardware.ni.tasks.engine import Engine
 
 _VOLTAGE_MEASUREMENT, _VOLTAGE_OUTPUT = 10322, 10322  # constants.UsageTypeAI, UsageTypeAO: VOLTAGE
@@ -41,11 +40,11 @@ def _device(kind: str, get: Callable[[Device], Any]) -> Attribute[Device]:
     return Attribute(kind, lambda _, device: get(device))
 
 
-def _input(kind: str, get: Callable[[AnalogIn], Any]) -> Attribute[Device]:
+def _input(kind: str, get: Callable[[AnalogInputs], Any]) -> Attribute[Device]:
     return _device(kind, lambda d: get(d.board.analog_in) if d.board.analog_in else None)
 
 
-def _output(kind: str, get: Callable[[AnalogOut], Any]) -> Attribute[Device]:
+def _output(kind: str, get: Callable[[AnalogOutputs], Any]) -> Attribute[Device]:
     return _device(kind, lambda d: get(d.board.analog_out) if d.board.analog_out else None)
 
 
@@ -56,8 +55,8 @@ def _both_signs(ranges_V: tuple[float, ...]) -> list[float]:
 DEVICE: Table[Device] = {
     pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE: _device("String", lambda d: d.board.product_type),
     pb.DEVICE_ATTRIBUTE_PRODUCT_NUM: _device("UInt32", lambda d: d.board.product_number),
-    pb.DEVICE_ATTRIBUTE_PRODUCT_CATEGORY: _device("Int32", lambda d: d.board.category),
-    pb.DEVICE_ATTRIBUTE_BUS_TYPE: _device("Int32", lambda d: d.board.bus),
+    pb.DEVICE_ATTRIBUTE_PRODUCT_CATEGORY: _device("Int32", lambda d: d.board.category.value),
+    pb.DEVICE_ATTRIBUTE_BUS_TYPE: _device("Int32", lambda d: d.board.bus.value),
     pb.DEVICE_ATTRIBUTE_SERIAL_NUM: _device("UInt32", lambda d: d.serial_number),
     pb.DEVICE_ATTRIBUTE_IS_SIMULATED: _device("Bool", lambda _: True),
     pb.DEVICE_ATTRIBUTE_ANLG_TRIG_SUPPORTED: _device("Bool", lambda _: False),
@@ -73,7 +72,9 @@ DEVICE: Table[Device] = {
     pb.DEVICE_ATTRIBUTE_AI_MAX_SINGLE_CHAN_RATE: _input("Double", lambda ai: ai.max_rate_hz),
     pb.DEVICE_ATTRIBUTE_AI_MAX_MULTI_CHAN_RATE: _input("Double", lambda ai: ai.max_multi_rate_hz),
     pb.DEVICE_ATTRIBUTE_AI_MIN_RATE: _input("Double", lambda ai: ai.min_rate_hz),
-    pb.DEVICE_ATTRIBUTE_AI_SIMULTANEOUS_SAMPLING_SUPPORTED: _input("Bool", lambda _: False),
+    pb.DEVICE_ATTRIBUTE_AI_SIMULTANEOUS_SAMPLING_SUPPORTED: _input(
+        "Bool", lambda ai: ai.simultaneous
+    ),
     pb.DEVICE_ATTRIBUTE_AI_VOLTAGE_RNGS: _input("DoubleArray", lambda ai: _both_signs(ai.ranges_V)),
     pb.DEVICE_ATTRIBUTE_AI_SUPPORTED_MEAS_TYPES: _input(
         "Int32Array", lambda _: [_VOLTAGE_MEASUREMENT]
@@ -82,20 +83,22 @@ DEVICE: Table[Device] = {
         "Int32Array", lambda _: [SampleMode.FINITE, SampleMode.CONTINUOUS]
     ),
     pb.DEVICE_ATTRIBUTE_AO_VOLTAGE_RNGS: _output(
-        "DoubleArray", lambda ao: _both_signs((ao.range_V,))
+        "DoubleArray", lambda ao: _both_signs(ao.ranges_V)
     ),
     pb.DEVICE_ATTRIBUTE_AO_SUPPORTED_OUTPUT_TYPES: _output(
         "Int32Array", lambda _: [_VOLTAGE_OUTPUT]
     ),
-    # False for the boards that have one too: the simulated ones write on demand only.
-    pb.DEVICE_ATTRIBUTE_AO_SAMP_CLK_SUPPORTED: _output("Bool", lambda _: False),
+    pb.DEVICE_ATTRIBUTE_AO_SAMP_CLK_SUPPORTED: _output("Bool", lambda ao: ao.clocked),
+    pb.DEVICE_ATTRIBUTE_AO_MAX_RATE: _output("Double", lambda ao: ao.max_rate_hz),
 }
 
 
 PhysicalChannel = tuple[Device, str]
 
 
-def _physical_input(kind: str, get: Callable[[AnalogIn, int], Any]) -> Attribute[PhysicalChannel]:
+def _physical_input(
+    kind: str, get: Callable[[AnalogInputs, int], Any]
+) -> Attribute[PhysicalChannel]:
     def of(_: Engine, place: PhysicalChannel) -> Any:
         device, channel = place
         side = device.board.analog_in
@@ -104,9 +107,8 @@ def _physical_input(kind: str, get: Callable[[AnalogIn, int], Any]) -> Attribute
     return Attribute(kind, of)
 
 
-def _terminal_bits(side: AnalogIn, number: int) -> int:
-    bits = _TERMINAL_BITS[Terminals.RSE] | _TERMINAL_BITS[Terminals.NRSE]
-    return bits | (_TERMINAL_BITS[Terminals.DIFFERENTIAL] if side.positive_of(number) else 0)
+def _terminal_bits(side: AnalogInputs, number: int) -> int:
+    return sum(_TERMINAL_BITS[terminals] for terminals in side.terminals_of(number))
 
 
 PHYSICAL: Table[PhysicalChannel] = {

@@ -14,7 +14,7 @@ from sim_hardware.ni.names import join_list
 from sim_hardware.ni.signals.timing import InputPlan, SampleMode, TaskTiming, TimingType
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 _DEFAULT_NUMBER_TO_READ = 0x31E8  # clients ask for it; the protocol has no name for it
 _DO_NOT_OVERWRITE = 10159  # constants.OverwriteMode.DO_NOT_OVERWRITE_UNREAD_SAMPLES
@@ -86,7 +86,7 @@ def _timing_type(raw: int) -> TimingType:
 TIMING: Table[Task] = {
     pb.TIMING_ATTRIBUTE_SAMP_CLK_RATE: _planned("Double", lambda plan: plan.rate_hz, "rate_hz"),
     pb.TIMING_ATTRIBUTE_AI_CONV_RATE: _planned(
-        "Double", lambda plan: 1.0 / plan.convert_s, "convert_rate_hz"
+        "Double", lambda plan: 1.0 / plan.convert_s if plan.convert_s else None, "convert_rate_hz"
     ),
     pb.TIMING_ATTRIBUTE_SAMP_CLK_MAX_RATE: Attribute("Double", lambda _, t: _max_rate(t)),
     pb.TIMING_ATTRIBUTE_SAMP_TIMING_TYPE: _noted("Int32", "kind", _timing_type),

@@ -6,12 +6,12 @@ import numpy as np
 import numpy.typing as npt
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
+from sim_hardware.ni.calls.packed_doubles import doubles_field
 from sim_hardware.ni.calls.reading import Taken, take
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_list, split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
-from sim_hardware.ni.signals.packed import doubles_field
 from sim_hardware.ni.tasks.channels import VOLTS, AnalogInputChannel
 from sim_hardware.ni.tasks.engine import Engine
 
@@ -44,7 +44,13 @@ def create_ai_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
         terminals = raw_enum(request, "terminal_config")
         task.add(
             AnalogInputChannel(
-                name, device, side, channel, request.min_val, request.max_val, terminals
+                name=name,
+                device=device,
+                side=side,
+                physical=channel,
+                low_V=request.min_val,
+                high_V=request.max_val,
+                asked_terminals=terminals,
             )
         )
     return pb.CreateAIVoltageChanResponse()

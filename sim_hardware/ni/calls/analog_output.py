@@ -13,7 +13,7 @@ from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.adc import FloatArray
 from sim_hardware.ni.tasks.channels import AnalogOutputChannel, ChannelType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 BY_CHANNEL = 0  # constants.FillMode.GROUP_BY_CHANNEL
 
@@ -29,7 +29,16 @@ def create_ao_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
         side = device.board.analog_out
         if side is None or not channel.startswith("ao"):
             raise StatusError(Code.WRONG_CHANNEL_TYPE, f"Physical Channel Name: {full}", task.name)
-        task.add(AnalogOutputChannel(name, device, side, channel, request.min_val, request.max_val))
+        task.add(
+            AnalogOutputChannel(
+                name=name,
+                device=device,
+                side=side,
+                physical=channel,
+                low_V=request.min_val,
+                high_V=request.max_val,
+            )
+        )
     return pb.CreateAOVoltageChanResponse()
 
 
@@ -82,7 +91,7 @@ def _write(engine: Engine, task: Task, values: FloatArray, *, auto_start: bool) 
         engine.start(task)
     for column in values.T:
         for channel, value in zip(task.outputs, column, strict=True):
-            volts = _converted(channel, float(value))
+            volts = channel.converted(float(value))
             engine.write_volts(channel.device.name, channel.physical, volts)
     if started:
         engine.stop(task)
@@ -99,13 +108,6 @@ def _check_limits(channel: AnalogOutputChannel, row: FloatArray, task: Task) -> 
             task.name,
             samples_written=0,
         )
-
-
-def _converted(channel: AnalogOutputChannel, volts: float) -> float:
-    """The nearest voltage that the 16 bit converter can put out."""
-    side = channel.side
-    code = min(2**15 - 1, max(-(2**15), round(volts / side.step_V)))
-    return code * side.step_V
 
 
 HANDLERS = {

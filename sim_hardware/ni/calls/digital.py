@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
-from sim_hardware.ni.boards.devices import Device, DeviceRegistry
 from sim_hardware.ni.calls.analog_input import names_for
 from sim_hardware.ni.calls.tasks import task_of
+from sim_hardware.ni.devices import Device, DeviceRegistry
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_device, split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.timing import TimingType
 from sim_hardware.ni.tasks.channels import DigitalChannel
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 _ALL_IN_ONE = 1  # constants.LineGrouping.CHAN_FOR_ALL_LINES
 _BY_CHANNEL = 0  # constants.FillMode.GROUP_BY_CHANNEL
@@ -49,14 +49,14 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
         lines = [line for _, group in groups for line in group]
         first, *others = split_some(request.lines)
         name = assigned or (f"{first}..." if others else first)  # as the driver names it
-        task.add(DigitalChannel(name, device, tuple(lines), output))
+        task.add(DigitalChannel(name=name, device=device, lines=tuple(lines), output=output))
         return
     if any(len(group) > 1 for _, group in groups):
         raise StatusError(Code.PORT_PER_LINE, f"Lines: {request.lines}", task.name)
     single = [(device, line) for device, group in groups for line in group]
     names = names_for([f"{device.name}/{line}" for device, line in single], assigned)
     for name, (device, line) in zip(names, single, strict=True):
-        task.add(DigitalChannel(name, device, (line,), output))
+        task.add(DigitalChannel(name=name, device=device, lines=(line,), output=output))
 
 
 def _find(devices: DeviceRegistry, name: str, output: bool) -> tuple[Device, list[str]]:

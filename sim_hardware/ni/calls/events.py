@@ -7,10 +7,10 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
-from sim_hardware.ni.tasks.announcements import ACQUIRED_INTO_BUFFER
 from sim_hardware.ni.tasks.engine import Engine
+from sim_hardware.ni.tasks.event_threads import ACQUIRED_INTO_BUFFER
 from sim_hardware.ni.tasks.events import EveryNSamples, Stream
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 
 def register_every_n_samples_event(engine: Engine, request: Message, call: Call) -> Stream:

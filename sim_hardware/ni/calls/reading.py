@@ -13,7 +13,7 @@ from sim_hardware.ni.signals.acquisition import Acquisition, Samples
 from sim_hardware.ni.signals.timing import TimingType
 from sim_hardware.ni.tasks.channels import ChannelType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 ALL_AVAILABLE = -1
 
@@ -54,7 +54,7 @@ def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> Taken:
     if started:
         engine.start(task)
     convert_s = task.inputs[0].side.min_convert_s
-    sample_s = convert_s * len(task.channels)
+    sample_s = 1.0 / task.inputs[0].side.max_rate(len(task.channels))
     times_s = np.linspace(0.0, sample_s * (wanted - 1), wanted) + engine.now()
     last_s = float(times_s[-1]) + convert_s * (len(task.channels) - 1)
     while wanted > 1 and engine.now() < last_s and engine.wait_until(last_s, call):

@@ -11,7 +11,7 @@ from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.timing import SampleMode, TimingType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.tasks import Task, TaskState
+from sim_hardware.ni.tasks.task import Task, TaskState
 
 _START, _STOP, _VERIFY, _COMMIT, _RESERVE, _UNRESERVE, _ABORT = range(7)  # constants.TaskMode
 

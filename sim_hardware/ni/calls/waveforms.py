@@ -8,11 +8,11 @@ from __future__ import annotations
 from ni.protobuf.types.waveform_pb2 import DoubleAnalogWaveform, WaveformAttributeValue
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
+from sim_hardware.ni.calls.packed_doubles import doubles_field
 from sim_hardware.ni.calls.reading import take
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.adc import FloatArray
-from sim_hardware.ni.signals.packed import doubles_field
 from sim_hardware.ni.tasks.channels import Channel
 from sim_hardware.ni.tasks.engine import Engine
 

@@ -6,10 +6,8 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim_hardware.ni.boards.boards import AnalogIn
+from sim_hardware.ni.boards.contract import AnalogInputs
 from sim_hardware.ni.errors import Code, StatusError
-
-_SETTLING_S = 10e-6  # the driver allows this on top of the fastest conversion, where there is time
 
 
 class TimingType(IntEnum):
@@ -30,7 +28,7 @@ class SampleMode(IntEnum):
 RISING, FALLING = 10280, 10171
 
 
-@dataclass
+@dataclass(kw_only=True)
 class TaskTiming:
     """As configured; nothing is checked before `plan`."""
 
@@ -59,12 +57,12 @@ class InputPlan:
     """How the board takes samples, checked and coerced."""
 
     rate_hz: float
-    convert_s: float  # from one channel's conversion to the next one's
+    convert_s: float  # from one channel's conversion to the next one's; 0: simultaneous
     total: int | None  # samples of a finite acquisition
     buffer: int
 
 
-def plan_input(timing: TaskTiming, side: AnalogIn, channels: int) -> InputPlan:
+def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPlan:
     """Check a sample clock against the board, as the driver does at verify (-200077, -200081)."""
     if timing.mode is SampleMode.HARDWARE_TIMED_SINGLE_POINT:
         raise StatusError(
@@ -89,7 +87,7 @@ def plan_input(timing: TaskTiming, side: AnalogIn, channels: int) -> InputPlan:
     )
 
 
-def coerced_rate(asked_hz: float, side: AnalogIn, channels: int) -> float:
+def coerced_rate(asked_hz: float, side: AnalogInputs, channels: int) -> float:
     """The rate nearest above `asked_hz` that divides the timebase; -200077 out of limits."""
     most = side.max_rate(channels)
     if not side.min_rate_hz <= asked_hz <= most * (1 + 1e-9):
@@ -101,9 +99,13 @@ def coerced_rate(asked_hz: float, side: AnalogIn, channels: int) -> float:
     return side.timebase_hz / max(1, math.floor(side.timebase_hz / asked_hz * (1 + 1e-12)))
 
 
-def _convert_period(asked_hz: float | None, side: AnalogIn, channels: int, rate_hz: float) -> float:
+def _convert_period(
+    asked_hz: float | None, side: AnalogInputs, channels: int, rate_hz: float
+) -> float:
+    if side.simultaneous:
+        return 0.0
     if asked_hz is None:
-        return min(side.min_convert_s + _SETTLING_S, 1.0 / (rate_hz * channels))
+        return min(side.min_convert_s + side.settling_s, 1.0 / (rate_hz * channels))
     if not 0 < asked_hz <= side.max_multi_rate_hz * (1 + 1e-9):
         raise StatusError(
             Code.INVALID_VALUE, f"Property: DAQmx_AIConv_Rate\nRequested: {asked_hz:g}"

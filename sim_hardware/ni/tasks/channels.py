@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim_hardware.ni.boards.boards import AnalogIn, AnalogOut
-from sim_hardware.ni.boards.devices import Device
+from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs, Terminals
+from sim_hardware.ni.devices import Device
 from sim_hardware.ni.errors import Code, StatusError
 
 
@@ -29,26 +29,17 @@ class ChannelType(IntEnum):
         return self in (ChannelType.ANALOG_OUTPUT, ChannelType.DIGITAL_OUTPUT)
 
 
-class Terminals(IntEnum):
-    """nidaqmx.constants.TerminalConfiguration."""
-
-    DEFAULT = -1
-    RSE = 10083
-    NRSE = 10078
-    DIFFERENTIAL = 10106
-
-
 VOLTS = 10348  # nidaqmx.constants.VoltageUnits.VOLTS
 
 
-@dataclass
+@dataclass(kw_only=True)
 class AnalogInputChannel:
     """A voltage input."""
 
     type = ChannelType.ANALOG_INPUT
     name: str
     device: Device
-    side: AnalogIn  # of the device's board
+    side: AnalogInputs  # of the device's board
     physical: str  # ai0
     low_V: float
     high_V: float
@@ -57,11 +48,10 @@ class AnalogInputChannel:
 
     @property
     def terminals(self) -> Terminals:
-        """What `default` means: differential where the channel can be, else referenced."""
+        """The configuration asked for; for `default` the first that the channel can have."""
         if self.asked_terminals != Terminals.DEFAULT:
             return Terminals(self.asked_terminals)
-        pair = self.side.positive_of(self.number)
-        return Terminals.DIFFERENTIAL if pair else Terminals.RSE
+        return self.side.terminals_of(self.number)[0]
 
     @property
     def number(self) -> int:
@@ -69,11 +59,9 @@ class AnalogInputChannel:
         return int(self.physical[2:])
 
     def verified_range(self) -> float:
-        """The range the board takes (either sign); -200077 when it has none that is wide enough."""
+        """Return the range that the board takes (either sign); -200077 when none is wide enough."""
         side = self.side
-        _check_terminals(
-            self.asked_terminals, self.number, side.positive_of(self.number), self.name
-        )
+        self._check_terminals()
         _check_order(self.low_V, self.high_V, "AI", self.name)
         found = side.range_for(self.low_V, self.high_V)
         if found is None:
@@ -81,29 +69,48 @@ class AnalogInputChannel:
             raise _limit_fault("AI", self.low_V, self.high_V, widest, self.name)
         return found
 
+    def _check_terminals(self) -> None:
+        if self.asked_terminals not in (
+            Terminals.DEFAULT,
+            *self.side.terminals_of(self.number),
+        ):
+            raise StatusError(
+                Code.INVALID_VALUE,
+                f"Property: DAQmx_AI_TermCfg\nRequested: {self.asked_terminals} for "
+                f"{self.physical}\nChannel Name: {self.name}",
+            )
 
-@dataclass
+
+@dataclass(kw_only=True)
 class AnalogOutputChannel:
     """A voltage output."""
 
     type = ChannelType.ANALOG_OUTPUT
     name: str
     device: Device
-    side: AnalogOut  # of the device's board
+    side: AnalogOutputs  # of the device's board
     physical: str  # ao0
     low_V: float
     high_V: float
     description: str = ""
 
-    def verify(self) -> None:
-        """-200077 when the limits are beyond the board's."""
-        side = self.side
+    def verified_range(self) -> float:
+        """Return the range that the board takes (either sign); -200077 when none is wide enough."""
         _check_order(self.low_V, self.high_V, "AO", self.name)
-        if max(abs(self.low_V), abs(self.high_V)) > side.range_V * (1 + 1e-9):
-            raise _limit_fault("AO", self.low_V, self.high_V, side.range_V, self.name)
+        found = self.side.range_for(self.low_V, self.high_V)
+        if found is None:
+            widest = self.side.ranges_V[-1]
+            raise _limit_fault("AO", self.low_V, self.high_V, widest, self.name)
+        return found
+
+    def converted(self, volts: float) -> float:
+        """Return the nearest voltage that the converter can put out."""
+        codes = 1 << self.side.resolution_bits
+        step_V = 2 * self.verified_range() / codes
+        return min(codes // 2 - 1, max(-codes // 2, round(volts / step_V))) * step_V
 
 
-@dataclass
+@dataclass(kw_only=True)
 class DigitalChannel:
     """One line, or several read and written together."""
 
@@ -112,6 +119,11 @@ class DigitalChannel:
     lines: tuple[str, ...]  # port0/line0, ...
     output: bool
     description: str = ""
+
+    @property
+    def buffered(self) -> bool:
+        """Whether the board can time all the lines."""
+        return all(self.device.port_of(line).buffered for line in self.lines)
 
     @property
     def type(self) -> ChannelType:
@@ -125,14 +137,6 @@ class DigitalChannel:
 
 
 Channel = AnalogInputChannel | AnalogOutputChannel | DigitalChannel
-
-
-def _check_terminals(asked: int, number: int, can_be_positive: bool, name: str) -> None:
-    if asked not in list(Terminals) or (asked == Terminals.DIFFERENTIAL and not can_be_positive):
-        raise StatusError(
-            Code.INVALID_VALUE,
-            f"Property: DAQmx_AI_TermCfg\nRequested: {asked} for ai{number}\nChannel Name: {name}",
-        )
 
 
 def _check_order(low_V: float, high_V: float, side: str, name: str) -> None:

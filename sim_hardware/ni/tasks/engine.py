@@ -10,17 +10,17 @@ from collections.abc import Mapping
 
 from drivers.interfaces import Clock
 from sim_hardware.clock import VirtualClock
-from sim_hardware.ni.boards.devices import DeviceRegistry
+from sim_hardware.ni.devices import DeviceRegistry
 from sim_hardware.ni.errors import Code
 from sim_hardware.ni.faults import Faults
 from sim_hardware.ni.rpc import Call
 from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
 from sim_hardware.ni.signals.adc import Converter
-from sim_hardware.ni.signals.lines import Lines
-from sim_hardware.ni.tasks.announcements import announce
+from sim_hardware.ni.signals.digital_lines import Lines
+from sim_hardware.ni.tasks.event_threads import start_event_threads
 from sim_hardware.ni.tasks.reservations import Reservations
 from sim_hardware.ni.tasks.sessions import Sessions
-from sim_hardware.ni.tasks.tasks import Task, TaskState
+from sim_hardware.ni.tasks.task import Task, TaskState
 from sim_hardware.simulated_rig import AnalogSide
 
 # A wait is cut into pieces of this length: a stopped task or a client that has gone ends it.
@@ -32,17 +32,17 @@ class Engine:
 
     def __init__(
         self,
-        bench: AnalogSide,
+        rig: AnalogSide,
         clock: Clock,
         devices: Mapping[str, str],
+        *,
         driver_version: tuple[int, int, int],
         faults: Faults,
         seed: int | None,
-        *,
         strict_ownership: bool,
     ) -> None:
         self.lock = threading.Lock()
-        self.bench = bench
+        self._rig = rig
         self.clock = clock
         self.is_virtual = isinstance(clock, VirtualClock)
         self.devices = DeviceRegistry(devices)
@@ -94,7 +94,7 @@ class Engine:
             task.on_demand = self._sampler(task)
         task.state = TaskState.RUNNING
         if task.acquisition is not None and task.events.streams():
-            announce(self, task, task.acquisition)
+            start_event_threads(self.clock, task, task.acquisition)
 
     def stop(self, task: Task) -> None:
         """End the acquisition; the task keeps its resources if it had been committed before."""
@@ -122,17 +122,21 @@ class Engine:
         self.unreserve(task)
 
     def clear(self, task: Task) -> None:
-        """Abort and forget the task. Outputs keep what they were last told."""
+        """Abort and forget the task. Outputs keep their voltage."""
         self.abort(task)
         task.events.close()
         self.sessions.forget(task)
 
     def reset_device(self, name: str) -> None:
-        """Abort whatever uses a board. Outputs keep their voltage."""
+        """Abort the tasks that use a board; its model says whether outputs keep their voltage."""
         device = self.devices.find(name)
         for task in self.sessions.all():
             if device.name in task.device_names:
                 self.abort(task)
+        outputs = device.board.analog_out
+        if outputs is not None and not outputs.keeps_voltage_on_reset:
+            for number in range(outputs.channels):
+                self.write_volts(device.name, f"ao{number}", 0.0)
 
     def client_gone(self, client: str) -> None:
         """A client's connection has closed: with strict ownership its tasks go, outputs stay."""
@@ -149,7 +153,7 @@ class Engine:
             Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
             for row, channel in enumerate(task.inputs)
         ]
-        return Sampler(self.bench, task.inputs, converters)
+        return Sampler(self._rig, task.inputs, converters)
 
     def _seed_of(self, task: Task, row: int) -> tuple[int, ...] | None:
         """Of the noise of one channel in one acquisition."""
@@ -158,7 +162,7 @@ class Engine:
     def write_volts(self, device: str, channel: str, volts: float) -> None:
         """An output takes a new voltage, now."""
         if f"{device}/{channel}" not in self.faults.stuck_outputs:
-            self.bench.write(device, channel, volts, self.now())
+            self._rig.write(device, channel, volts, self.now())
 
     def write_line(self, line: str, high: bool) -> None:
         """A digital line takes a level, now."""

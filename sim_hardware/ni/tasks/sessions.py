@@ -10,7 +10,7 @@ import itertools
 from enum import IntEnum
 
 from sim_hardware.ni.errors import Code, SessionError, StatusError
-from sim_hardware.ni.tasks.tasks import Task
+from sim_hardware.ni.tasks.task import Task
 
 
 class Behaviour(IntEnum):
@@ -70,6 +70,6 @@ class Sessions:
 
     def _new(self, name: str, owner: str) -> Task:
         number = next(self._numbers)
-        task = Task(name or f"_unnamedTask<{number:X}>", owner, number)
+        task = Task(name=name or f"_unnamedTask<{number:X}>", owner=owner, number=number)
         self._tasks[owner, task.name] = task
         return task

@@ -1,33 +1,36 @@
-"""The simulated NI gRPC Device Server: boards on a bench, reached by TCP or in this process."""
+"""The simulated NI gRPC Device Server: boards of a rig, reached by TCP or in this process."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import grpc
 
 from drivers.interfaces import Clock
-from sim_hardware.ni.boards.boards import BOARDS
+from sim_hardware.default_boards import default_boards
+from sim_hardware.ni.boards import board_model
 from sim_hardware.ni.faults import Faults
-from sim_hardware.ni.signals.lines import Lines
+from sim_hardware.ni.signals.digital_lines import Lines
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.transport.channel import InProcessChannel
+from sim_hardware.ni.transport.in_process import InProcessChannel
 from sim_hardware.ni.transport.server import TcpServer
 from sim_hardware.ni.transport.service import methods
+from sim_hardware.plugins import UnknownPartError
 from sim_hardware.simulated_rig import AnalogSide
 
-DEFAULT_DEVICES = {"PCI6703": "PCI-6703", "PCI6034E": "PCI-6034E"}
+_DEVICE_NAME = re.compile(r"^[A-Za-z0-9_-]+$")
 
 
 class NiDeviceServer:
     """Simulated boards behind NI's public protocol.
 
-    `faults` may be changed at any time; `lines` tells the digital lines' levels and edges.
+    `faults` may be changed at any time; `lines` holds the digital lines' levels and edges.
     """
 
     def __init__(
         self,
-        bench: AnalogSide,
+        rig: AnalogSide,
         clock: Clock,
         devices: Mapping[str, str] | None = None,
         driver_version: str = "26.0",
@@ -35,21 +38,23 @@ class NiDeviceServer:
         strict_ownership: bool = False,
         seed: int | None = 0,
     ) -> None:
-        """`devices` maps names to product types; ValueError for one that is not simulated.
+        """`devices` maps names to product types (None: those of the shipped world).
+
+        ValueError for a name that is none, or a product type that is not simulated.
 
         `seed` is that of the converters' noise; None: they have none (a recording has its own).
         """
         self.faults = Faults()
         self._strict = strict_ownership
-        boards = _known(devices or DEFAULT_DEVICES)
+        boards = _known(devices or default_boards())
         self.device_names = tuple(boards)
         self._engine = Engine(
-            bench,
+            rig,
             clock,
             boards,
-            parse_version(driver_version),
-            self.faults,
-            seed,
+            driver_version=parse_version(driver_version),
+            faults=self.faults,
+            seed=seed,
             strict_ownership=strict_ownership,
         )
         self._methods = methods()
@@ -65,7 +70,7 @@ class NiDeviceServer:
         return InProcessChannel(self._engine, self._methods)
 
     def listen(self, port: int = 0) -> int:
-        """Answer on a port of this computer (0: a free one); tells which. PortTakenError."""
+        """Answer on a port of this computer (0: a free one) and return it. PortTakenError."""
         if self._engine.is_virtual:
             raise RuntimeError("a server on a virtual clock is reached by in_process_channel only")
         if self._tcp is not None:
@@ -90,9 +95,11 @@ def parse_version(text: str) -> tuple[int, int, int]:
 
 
 def _known(devices: Mapping[str, str]) -> Mapping[str, str]:
-    for name, model in devices.items():
-        if model not in BOARDS:
-            raise ValueError(
-                f"{name}: there is no simulated board '{model}'; there are {', '.join(BOARDS)}"
-            )
+    for name, product_type in devices.items():
+        if not _DEVICE_NAME.match(name):
+            raise ValueError(f"'{name}' is not a device's name: letters, digits, - and _")
+        try:
+            board_model(product_type)
+        except UnknownPartError as fault:
+            raise ValueError(f"{name}: {fault}") from None
     return devices

@@ -11,8 +11,8 @@ import grpc
 from sim_hardware.ni.rpc import CallError, Message
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.events import Stream
-from sim_hardware.ni.transport.relay import ByteRelay
 from sim_hardware.ni.transport.service import Method, answer
+from sim_hardware.ni.transport.tcp_relay import ByteRelay
 
 HOST = "127.0.0.1"
 # Every open event stream and every waiting read holds a worker; threads are made when needed.

@@ -31,7 +31,7 @@ from sim_hardware.ni.tasks.events import Stream
 _LOOK_S = 0.02
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Method:
     """A call by its path on the wire."""
 
@@ -76,7 +76,16 @@ def _of_service(service: Any, handlers: Mapping[str, Any], *, streams: bool) -> 
         request = message_factory.GetMessageClass(method.input_type)
         response = message_factory.GetMessageClass(method.output_type)
         path = f"/{service.full_name}/{name}"
-        found.append(Method(path, name, request, response, handler, streams))
+        found.append(
+            Method(
+                path=path,
+                name=name,
+                request_type=request,
+                response_type=response,
+                handler=handler,
+                streams=streams,
+            )
+        )
     return found
 
 

@@ -11,7 +11,7 @@ import model.discrepancy
 from labrig.analysis.together import together
 from labrig.cli.follow import FOLLOWS
 from labrig.errors import BadInputError, ExitCode
-from labrig.experiment.closed_loop import MOST_ROUNDS, closed_loop
+from labrig.experiment.next_measurement.closed_loop import MOST_ROUNDS, closed_loop
 from labrig.session import load_measurements, open_session
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
 from tests.labrig.diagnose import made

@@ -29,8 +29,9 @@ TRIES, TOO_BUSY = 4, "camera rate"
 class Server:
     """`labrig panel` as a process."""
 
-    def __init__(self, what: Path, *options: str) -> None:
-        command = [sys.executable, "-m", "labrig", "panel", str(what), "--port", "0", *options]
+    def __init__(self, what: Path | None, *options: str) -> None:
+        shown = [] if what is None else [str(what)]
+        command = [sys.executable, "-m", "labrig", "panel", *shown, "--port", "0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -184,14 +185,17 @@ class Page:
 
 
 @contextmanager
-def panel(what: Path, *options: str, leave_job: bool = False) -> Iterator[Server]:
-    """A panel until the block ends; its job ends with it unless it is to be left."""
+def panel(what: Path | None, *options: str, leave_job: bool = False) -> Iterator[Server]:
+    """A panel until the block ends; its job ends with it unless it is to be left.
+
+    Without `what`: a panel of sessions, which has no job.
+    """
     server = Server(what, *options)
     try:
         yield server
     finally:
         server.end()
-        for pid in [] if leave_job else jobs_of(what.parent):
+        for pid in [] if leave_job or what is None else jobs_of(what.parent):
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGTERM)
 

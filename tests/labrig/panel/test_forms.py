@@ -10,7 +10,7 @@ import pytest
 
 from labrig.config import load_load_cell, load_protocol
 from labrig.config.templates import template_text
-from labrig.panel.pages import configuration_files as files
+from labrig.panel.core import configuration_files as files
 from labrig.vision import CalibrationBoard, Optics
 from tests.labrig.panel.page import Page
 
@@ -191,10 +191,10 @@ def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
 
 
 def test_a_board_that_is_seen_calibrates_the_camera():
-    from labrig.panel.pages.camera_calibration import CameraCalibrationRun
+    from labrig.panel.calibration.camera_calibration import CameraCalibrationRun
 
     board = CalibrationBoard(12, 9, 5.0, 3.6)
-    picture = np.pad(board.picture(8), 40, constant_values=255)
+    picture = np.pad(board.image(8), 40, constant_values=255)
     making = CameraCalibrationRun()
     view = making.add_view(picture, board)
     assert len(view["corners_px"]) == 11 * 8

@@ -11,7 +11,7 @@ import pytest
 from labrig.errors import LabrigError
 from labrig.panel.job.jobs import Jobs
 from labrig.panel.job.order import Order
-from labrig.panel.job.registry import GOING, JobAddress, write_place
+from labrig.panel.job.registry import GOING, JobAddress, write_address
 from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.session.guarded import guard_report_path
@@ -19,20 +19,20 @@ from labrig.session.guarded import guard_report_path
 REPORT = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0, "failures": []}
 
 
-class FeedToWaitFor(EventStream):
-    """A feed whose messages can be waited for."""
+class StreamToWaitFor(EventStream):
+    """An event stream whose messages can be waited for."""
 
     def __init__(self):
         super().__init__()
         self.changed = threading.Condition()
 
-    def tell(self, message):
-        super().tell(message)
+    def publish(self, message):
+        super().publish(message)
         with self.changed:
             self.changed.notify_all()
 
-    def tell_story(self, messages):
-        super().tell_story(messages)
+    def publish_story(self, messages):
+        super().publish_story(messages)
         with self.changed:
             self.changed.notify_all()
 
@@ -47,21 +47,29 @@ class FeedToWaitFor(EventStream):
 
 @pytest.fixture
 def jobs(tmp_path):
-    """`(feed, jobs)` of a panel that finds a run whose process is gone."""
+    """`(stream, jobs)` of a panel that finds a run whose process is gone."""
     with socket.socket() as closed:  # nobody will listen there
         closed.bind(("127.0.0.1", 0))
         port = closed.getsockname()[1]
     run = JobAddress(
-        id="7", kind="run", by="Ann", wall="now", session="s.h5", rig=None, pid=1, port=port,
-        key="key", state=GOING,
-    )  # fmt: skip
-    write_place(tmp_path, run)
+        id="7",
+        kind="run",
+        by="Ann",
+        wall="now",
+        session="s.h5",
+        rig=None,
+        pid=1,
+        port=port,
+        key="key",
+        state=GOING,
+    )
+    write_address(tmp_path, run)
     made = []
 
     def start():
-        feed = FeedToWaitFor()
-        made.append(Jobs(tmp_path, feed, FramePipeline(feed)))
-        return feed, made[-1]
+        stream = StreamToWaitFor()
+        made.append(Jobs(tmp_path, stream, FramePipeline(stream)))
+        return stream, made[-1]
 
     yield start
     for each in made:
@@ -72,25 +80,25 @@ def jobs(tmp_path):
 def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when):
     if when == "before the panel looks":
         guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
-    feed, panel = jobs()
+    stream, panel = jobs()
     if when == "later":
-        assert feed.until(type="output")["state"] == "unknown"
+        assert stream.until(type="output")["state"] == "unknown"
         guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
-    assert feed.until(type="output", by="guard")["state"] == "safe"
+    assert stream.until(type="output", by="guard")["state"] == "safe"
     told = panel.message()
     assert told["state"] == "lost"
     assert "the output guard has ended this run (the program hangs)" in told["text"]
     assert "0 V written and read back" in told["text"]
     assert "labrig recover" in told["text"]
-    assert feed.messages()[-2] == told
+    assert stream.messages()[-2] == told
 
 
 def test_a_new_run_does_not_inherit_the_report_of_an_old_one_of_its_name(jobs, tmp_path):
     """It would be shown as safe while it begins, and its own guard would not be heard."""
     stale = guard_report_path(tmp_path / "new.h5")
     stale.write_text(json.dumps(REPORT))
-    feed, panel = jobs()
-    feed.until(type="output", state="unknown")
+    stream, panel = jobs()
+    stream.until(type="output", state="unknown")
 
     def spawned(order, hidden):
         assert not stale.exists()
@@ -107,8 +115,8 @@ def test_an_order_that_will_be_refused_takes_no_report_from_the_session_that_is_
 ):
     (tmp_path / "s.h5").write_bytes(b"cut short")
     guard_report_path(tmp_path / "s.h5").write_text(json.dumps(REPORT))
-    feed, panel = jobs()
-    feed.until(type="output", by="guard")
+    stream, panel = jobs()
+    stream.until(type="output", by="guard")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("labrig.panel.job.jobs._spawn", refusing)
         with pytest.raises(LabrigError, match="refused"):
@@ -129,7 +137,7 @@ def refusing(order, hidden):
 def test_an_output_that_the_guard_could_not_make_safe_stays_unknown(jobs, tmp_path):
     failed = {**REPORT, "state": "unknown", "failures": ["no connection"]}
     guard_report_path(tmp_path / "s.h5").write_text(json.dumps(failed))
-    feed, _ = jobs()
-    told = feed.until(type="output", by="guard")
+    stream, _ = jobs()
+    told = stream.until(type="output", by="guard")
     assert told["state"] == "unknown"
     assert "switch the amplifier off by hand" in told["why"]

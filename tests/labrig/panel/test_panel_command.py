@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.main import run
-from labrig.panel.server.settings import PanelSettings, host_name
+from labrig.panel.access.settings import PanelSettings, host_name
 from tests.labrig.panel.page import Server
 
 
@@ -50,12 +50,12 @@ def test_a_session_outside_the_data_folder_is_refused(rig_folder, tmp_path, caps
 
 
 def test_addresses_are_ours_by_name(tmp_path):
-    assert PanelSettings(tmp_path, port=8720).names == {
+    assert PanelSettings(data=tmp_path, port=8720).names == {
         "127.0.0.1:8720", "localhost:8720", "[::1]:8720",
     }  # fmt: skip
-    assert PanelSettings(tmp_path, host="rig.lab", port=1).names == {"rig.lab:1"}
-    assert PanelSettings(tmp_path, host="0.0.0.0").names is None
-    assert PanelSettings(tmp_path, host="::1", port=5).url("/x") == "http://[::1]:5/x"
+    assert PanelSettings(data=tmp_path, host="rig.lab", port=1).names == {"rig.lab:1"}
+    assert PanelSettings(data=tmp_path, host="0.0.0.0").names is None
+    assert PanelSettings(data=tmp_path, host="::1", port=5).url("/x") == "http://[::1]:5/x"
     for header, name in (("a:1", "a"), ("[::1]:80", "[::1]"), ("a", "a"), ("[::1]", "[::1]")):
         assert host_name(header) == name
 

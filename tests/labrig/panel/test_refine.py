@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.panel.pages.point_refinement import refine
+from labrig.panel.calibration.point_refinement import refine
 
 
 def _drawn(inside, noise=2.0, seed=1):

@@ -59,7 +59,7 @@ def test_a_video_is_followed_frame_by_frame(tmp_path, plain):
 def test_what_is_missing_is_said(tmp_path, plain, scenes):
     with pytest.raises(BadInputError, match="no such file"):
         extract_curves([tmp_path / "none.png"], tmp_path / "out")
-    with pytest.raises(BadInputError, match="no picture"):
+    with pytest.raises(BadInputError, match="no image"):
         extract_curves([tmp_path], tmp_path / "out")
     scenes.save(plain, tmp_path, "a")
     (tmp_path / "a.optics.json").unlink()

@@ -32,7 +32,7 @@ def view(board, turn, place, seed=0):
     rays = np.asarray(cv2.undistortPoints(raw.reshape(-1, 1, 2), CAMERA, LENS)).reshape(-1, 2)
     on = np.column_stack([rays, np.ones(len(rays))]) @ np.linalg.inv(plane).T
     at = (on[:, :2] / on[:, 2:] * 20 - 0.5).astype(np.float32).reshape(*u.shape, 2)
-    drawn = cv2.remap(board.picture(20), at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderValue=255)
+    drawn = cv2.remap(board.image(20), at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderValue=255)
     image = cv2.resize(drawn, (640, 480), interpolation=cv2.INTER_AREA) * 0.7 + 40
     image += np.random.default_rng(seed).normal(0, 2, image.shape)
     return np.clip(image, 0, 255).astype(np.uint8), plane
@@ -96,7 +96,7 @@ def test_what_cannot_be_calibrated_is_said():
     image, _ = view(board, (0.01, -0.02, 0.015), (-30, -22.5, 170))
     with pytest.raises(BadInputError, match="differ in size"):
         calibrate_camera([image, image[:400]], board, clamp_px=(80, 240))
-    with pytest.raises(BadInputError, match="picture 1: only 0 corners"):
+    with pytest.raises(BadInputError, match="image 1: only 0 corners"):
         calibrate_camera([np.full((480, 640), 90, np.uint8)], board, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match="the whole checkerboard"):
         calibrate_camera([image[:, :300]], CalibrationBoard(marker_mm=0), clamp_px=(80, 240))
@@ -117,7 +117,7 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
     assert result.optics.px_per_mm_sigma == pytest.approx(400 / 45 * math.sqrt(2) * 0.7 / 400)
     assert result.optics.date == "2026-11-21"
     assert "distortion" in result.warnings[0]
-    with pytest.raises(BadInputError, match="outside of the picture"):
+    with pytest.raises(BadInputError, match="outside of the image"):
         calibrate_ruler((640, 480), (100, 100), (500, 100), 45.0, clamp_px=(80, 480))
     with pytest.raises(BadInputError, match="20 pixels"):
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))

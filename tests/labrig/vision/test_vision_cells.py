@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from labrig.vision.fit.context import Band
+from labrig.vision.fit.context import CrossSection
 from labrig.vision.fit.curve_fit import usable_cells
 
 
@@ -15,13 +15,13 @@ def test_odd_pieces_in_a_gap_are_not_the_sheet():
     seen[100:220] = False
     odd = seen.copy()
     odd[[118, 119, 123, 126, 130, 131, 132, 150, 151, 190]] = True
-    band = Band(np.full(count, 1.0), 0.8, np.zeros(count, dtype=bool), np.zeros(count))
+    section = CrossSection(np.full(count, 1.0), 0.8, np.zeros(count, dtype=bool), np.zeros(count))
     cells = np.zeros((count, 10))
-    cells[:, 0], cells[:, 5], cells[:, 6] = 80.0, 10.0, 2 * band.reach
+    cells[:, 0], cells[:, 5], cells[:, 6] = 80.0, 10.0, 2 * section.reach
     present = np.where(odd, 1.0, 0.3)
     cells[:, 6] *= present
-    setting = SimpleNamespace(sign=1.0, picture=SimpleNamespace(reduced=1))
-    used = usable_cells(cells, present, setting, band, noise=4.0)
+    context = SimpleNamespace(sign=1.0, image=SimpleNamespace(downscaling=1))
+    used = usable_cells(cells, present, context, section, noise=4.0)
     assert not used[100:220].any()
     assert used[5:98].all()
     assert used[222:-5].all()

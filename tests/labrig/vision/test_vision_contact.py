@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labrig.vision import contact_from_picture, neutral_curve
+from labrig.vision import contact_from_image, neutral_curve
 
 
 def look(scene, known, **changes):
@@ -30,7 +30,7 @@ def rolled(scenes):
 
 def test_both_rolls_are_found_and_the_contact_is_between_them(rolled, known):
     optics, curve, radius, position = look(rolled, known)
-    contact = contact_from_picture(rolled.image, curve, optics, radius)
+    contact = contact_from_image(rolled.image, curve, optics, radius)
     truth = optics.pixel_to_world(np.array(rolled.rolls_px)[:, :2])
     found = np.array(contact.rolls_m)[:, :2]
     apart = np.hypot(*(found[:, None] - truth[None]).transpose(2, 0, 1)).min(axis=1)
@@ -44,7 +44,7 @@ def test_both_rolls_are_found_and_the_contact_is_between_them(rolled, known):
 
 def test_the_arcs_origin_is_where_positions_count_from(rolled, known):
     optics, curve, radius, position = look(rolled, known)
-    turned = contact_from_picture(rolled.image, curve, optics, radius, 0.1)
+    turned = contact_from_image(rolled.image, curve, optics, radius, 0.1)
     assert turned.position_m == pytest.approx(position - 0.1 * radius, abs=0.1e-3)
 
 
@@ -52,7 +52,7 @@ def test_rolls_that_the_optics_name_are_taken(rolled, known):
     scene = replace(rolled, rolls_px=rolled.rolls_px)
     optics, curve, radius, _ = look(scene, known)
     named = tuple((u + 0.8, v, r) for u, v, r in scene.rolls_px)
-    contact = contact_from_picture(
+    contact = contact_from_image(
         scene.image, curve, optics.model_copy(update={"rolls_px": named}), radius
     )
     centres = optics.pixel_to_world([(u, v) for u, v, _ in named])
@@ -61,7 +61,7 @@ def test_rolls_that_the_optics_name_are_taken(rolled, known):
 
 def test_without_rolls_the_crossing_of_the_arc_is_the_contact(plain, known):
     optics, curve, radius, position = look(plain, known)
-    contact = contact_from_picture(plain.image, curve, optics, radius)
+    contact = contact_from_image(plain.image, curve, optics, radius)
     assert contact.rolls_m == ()
     assert contact.radius_m == pytest.approx(radius, abs=1e-6)
     assert contact.position_m == pytest.approx(position, abs=4 * contact.position_sigma_m)
@@ -69,13 +69,13 @@ def test_without_rolls_the_crossing_of_the_arc_is_the_contact(plain, known):
 
 def test_a_sheet_that_ends_before_the_arc_has_no_contact(plain, known):
     optics, curve, _, _ = look(plain, known)
-    assert contact_from_picture(plain.image, curve, optics, 0.06) is None
+    assert contact_from_image(plain.image, curve, optics, 0.06) is None
 
 
 def test_without_a_curve_there_is_no_contact(plain, known):
     optics, strip = known(plain)
     black = np.zeros_like(plain.image)
-    assert contact_from_picture(black, neutral_curve(black, optics, strip), optics, 0.04) is None
+    assert contact_from_image(black, neutral_curve(black, optics, strip), optics, 0.04) is None
 
 
 @pytest.mark.slow
@@ -99,7 +99,7 @@ def test_no_rolls_are_seen_where_there_are_none_and_none_are_misplaced(scenes, k
             offered += 1
         radius = float(np.hypot(*middle))
         expected = radius * float(np.arctan2(middle[1], middle[0]))
-        contact = contact_from_picture(scene.image, curve, optics, radius, expected_m=expected)
+        contact = contact_from_image(scene.image, curve, optics, radius, expected_m=expected)
         if contact is None or not contact.rolls_m:
             continue
         assert len(truth), seed

@@ -72,7 +72,7 @@ def test_a_picture_knows_no_scale(scenes, known):
 
 @pytest.fixture(scope="module", params=[0.3, 0.6, 1.0])
 def faced(request, scenes):
-    """A sheet whose far face shows beside its edge: grey, nearly as strong, a silhouette."""
+    """A sheet whose side face shows beside its edge: grey, nearly as strong, a silhouette."""
     strength = request.param
     recipe = scenes.Recipe(seed=902, physical=True, face=strength, bright=strength < 1)
     return scenes.make_scene(recipe)
@@ -82,8 +82,8 @@ def faced(request, scenes):
 def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
     curve = neutral_curve(faced.image, *known(faced))
     assert curve.ok
-    assert curve.face_share == pytest.approx(faced.recipe.face, abs=0.12)
-    assert any("far face" in text for text in curve.warnings)
+    assert curve.side_face_share == pytest.approx(faced.recipe.face, abs=0.12)
+    assert any("side face" in text for text in curve.warnings)
     # taken for a part of the edge it moves the curve by half a pixel and more
     assert scenes.rmse_px(curve.points_px, faced.truth_px) < 0.06
     miss_mm = np.abs(normal_errors_mm(curve, faced))
@@ -100,7 +100,7 @@ def test_a_face_beside_a_bent_or_a_short_sheet_is_told_from_its_edge(scenes, kno
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
-    assert curve.face_share == pytest.approx(face, abs=0.12)
+    assert curve.side_face_share == pytest.approx(face, abs=0.12)
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.15
 
 
@@ -110,7 +110,7 @@ def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, 
     scene = scenes.make_scene(scenes.mixed(seed))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
-    assert curve.face_share == 0
+    assert curve.side_face_share == 0
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < most_px
 
 
@@ -161,8 +161,8 @@ def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
     assert modes[right].ok
     assert scenes.rmse_px(modes[right].points_px, faced.truth_px) < 0.06
     lit, silhouette = modes["lit_edge"], modes["silhouette"]
-    assert not lit.ok or lit.face_share <= 0.75
-    assert not silhouette.ok or silhouette.face_share in (0.0, 1.0)
+    assert not lit.ok or lit.side_face_share <= 0.75
+    assert not silhouette.ok or silhouette.side_face_share in (0.0, 1.0)
 
 
 @pytest.mark.parametrize("seed", [700_533, 700_660])

@@ -25,7 +25,7 @@ def test_the_look_is_an_option(silhouette, look, capsys):
     assert run(["curves", str(silhouette), "--look", look, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["ok"]
-    assert any("far face" in text for text in told["warnings"])
+    assert any("side face" in text for text in told["warnings"])
 
 
 @pytest.mark.slow
@@ -44,7 +44,7 @@ def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radi
     image += np.random.default_rng(1).normal(0, 3, image.shape)
     curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), *known(scene))
     assert curve.ok, curve.why
-    assert curve.face_share == 0
+    assert curve.side_face_share == 0
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.08
 
 
@@ -55,7 +55,7 @@ def test_a_face_that_is_not_told_from_the_edge_widens_the_band(scenes, known, se
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
-    assert curve.face_share == 0
+    assert curve.side_face_share == 0
     miss_px = scenes.rmse_px(curve.points_px, scene.truth_px)
     assert miss_px > 0.3
     assert 1.96 * curve.sigma_m.mean() * scene.recipe.px_per_mm * 1000 > miss_px
@@ -69,7 +69,7 @@ def test_a_faint_face_is_found_in_a_picture_of_little_noise(scenes, known, seed,
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
-    assert curve.face_share > 0
+    assert curve.side_face_share > 0
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.06
 
 
@@ -88,7 +88,7 @@ def test_a_free_sheet_too_wide_to_be_used_tells_of_its_face(scenes, known):
     scene = scenes.make_scene(replace(scenes.mixed(3_100_014), face=1.0))
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok
-    assert curve.face_share > 0.9
+    assert curve.side_face_share > 0.9
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.1
 
 

@@ -164,7 +164,7 @@ def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed)
     scene = scenes.make_scene(recipe)
     curve = neutral_curve(scene.image, *known(scene))
     assert not curve.ok
-    reasons = ("ends at least", "leaves the picture", "beside the clamp")
+    reasons = ("ends at least", "leaves the image", "beside the clamp")
     assert any(reason in curve.why for reason in reasons)
 
 

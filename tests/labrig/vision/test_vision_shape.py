@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from labrig.vision.fit.shape import coefficients_for, make_basis, make_shape
+from labrig.vision.curve.shape import coefficients_for, make_basis, make_shape
 
 START = np.zeros(2)
 

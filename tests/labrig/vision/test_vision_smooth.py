@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
-from labrig.vision.fit.shape import make_basis
-from labrig.vision.fit.smoothness import TURNS_RAD, averaged, covariance, smooth_priors
+from labrig.vision.curve.shape import make_basis
+from labrig.vision.curve.smoothness import TURNS_RAD, averaged, covariance, smooth_priors
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from labrig.vision import Optics, StripGeometry, Tracker, neutral_curve
-from labrig.vision.image.downscaling import reduced_optics, scaled_places
+from labrig.vision.image.downscaling import downscaled_optics, scaled_places
 
 PX_PER_MM, FREE_MM = 9.0, 100.0
 
@@ -104,7 +104,7 @@ ASKEW = LENS | {"homography": [[9.0, 0.3, 100], [-0.2, -8.8, 210], [1e-5, 2e-5, 
 @pytest.mark.parametrize("by", [2, 5])
 def test_the_calibration_of_a_reduced_picture_says_the_same(calibration, by):
     optics = Optics.from_json(json.dumps(calibration))
-    small = reduced_optics(optics, by)
+    small = downscaled_optics(optics, by)
     places_m = np.array([[0.0, 0.0], [0.03, 0.01], [0.05, -0.02]])
     whole = optics.world_to_pixel(places_m)
     assert scaled_places(small.world_to_pixel(places_m), by) == pytest.approx(whole, abs=1e-6)

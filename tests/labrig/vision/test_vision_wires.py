@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
+from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.ridge_tracing import ridge_maps
-from labrig.vision.search.straight_lines import BackgroundLine, find_branches, find_wires
+from labrig.vision.search.straight_lines import find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):
@@ -142,7 +143,7 @@ def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(
     [
         (1_500_139, True, "a wire, or something else that is straight"),
         (1_500_196, False, "no sheet was found at the clamp"),
-        (1_600_022, False, "the sheet leaves the picture"),
+        (1_600_022, False, "the sheet leaves the image"),
     ],
 )
 def test_a_path_that_takes_a_line_of_the_clutter_for_the_sheet_is_refused(

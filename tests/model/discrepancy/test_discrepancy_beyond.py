@@ -10,7 +10,7 @@ import pytest
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.identification.likelihood.contact_solution import ConfigurationModel
-from model.identification.likelihood.forward_model import AppliedEffect
+from model.identification.likelihood.model_state import AppliedEffect
 from tests.model.discrepancy.sessions import base_fit
 
 STRONG = {

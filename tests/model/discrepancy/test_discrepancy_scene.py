@@ -13,7 +13,8 @@ from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import look
 from model.identification.likelihood.contact_solution import ConfigurationModel, projection
-from model.identification.likelihood.forward_model import AppliedEffect, ForwardModel
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.model_state import AppliedEffect
 from model.mechanics.field import Field
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}

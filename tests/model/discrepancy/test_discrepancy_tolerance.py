@@ -28,7 +28,7 @@ from model.identification.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.identification.likelihood.forward_model import Perturbation
+from model.identification.likelihood.model_state import Perturbation
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 

@@ -7,17 +7,6 @@ import { get, setClient } from "./net.js";
 import { Socket } from "./socket.js";
 import { outputOf, goingOf, SHAPES } from "./words.js";
 
-const PAGES = {
-  run: () => import("./pages/run.js"),
-  new: () => import("./pages/new.js"),
-  "load-cell": () => import("./pages/load_cell.js"),
-  camera: () => import("./pages/camera.js"),
-  library: () => import("./pages/library.js"),
-  session: () => import("./pages/session.js"),
-  replay: () => import("./pages/replay.js"),
-  compare: () => import("./pages/compare.js"),
-  log: () => import("./pages/log.js"),
-};
 const CLIENT = "labrig-client";
 const at = (id) => document.getElementById(id);
 
@@ -42,18 +31,16 @@ function welcome(hello) {
   app.control.arrived(hello.client);
   if (hello.status?.control) app.control.set(hello.status.control);
   document.body.dataset.mode = hello.mode;
-  for (const hash of ["#/run", "#/new", "#/load-cell", "#/camera"]) {
-    document.querySelector(`.tabs a[href="${hash}"]`).hidden = hello.mode !== "rig";
-  }
-  if (!location.hash) location.replace(firstPage(hello));
+  showMenu(hello.status.pages);
+  if (!location.hash) location.replace(firstPage(hello.status));
   app.welcomed = true;
   dispatchEvent(new Event("labrig-hello"));
 }
 
-function firstPage(hello) {
-  if (hello.mode === "replay")
-    return `#/replay?session=${encodeURIComponent(hello.status.session)}`;
-  return hello.mode === "rig" ? "#/run" : "#/library";
+/** The address to begin with; a panel that was started with a session begins with that one. */
+function firstPage({ first, pages, session }) {
+  const name = first ?? pages.find((page) => page.menu)?.name ?? "";
+  return `#/${name}${session ? `?session=${encodeURIComponent(session)}` : ""}`;
 }
 
 function receive(message) {
@@ -120,24 +107,45 @@ function themeButton() {
 
 // ------------------------------------------------------------------------------------- the pages
 
+const pages = new Map(); // name -> what the server lists of it
 let page = null;
 let turn = 0;
 
+/** The server lists the pages: the menu's links, and where each page's module is. */
+function showMenu(listed) {
+  pages.clear();
+  for (const one of listed) pages.set(one.name, one);
+  const links = listed
+    .filter((one) => one.menu)
+    .map((one) => h("a", { href: `#/${one.name}` }, one.title));
+  for (const old of document.querySelectorAll(".tabs a")) old.remove();
+  at("tabs").prepend(...links);
+  markLink();
+}
+
+function markLink() {
+  const [name] = location.hash.split("?");
+  for (const link of document.querySelectorAll(".tabs a")) {
+    if (link.hash === name) link.setAttribute("aria-current", "page");
+    else link.removeAttribute("aria-current");
+  }
+}
+
 async function show() {
   const [name, asked] = (location.hash.slice(2) || "").split("?");
-  if (!PAGES[name] || !app.welcomed) return;
+  const listed = pages.get(name);
+  if (!listed) return;
   const mine = ++turn;
-  const module = await PAGES[name]();
-  if (mine !== turn) return; // somebody has gone on meanwhile
+  const module = await import(listed.script).catch((error) => error);
+  if (mine !== turn) return; // another page was chosen meanwhile
+  if (module instanceof Error)
+    return netFault(`The page ${listed.title} cannot be loaded: ${module.message}`);
   page?.destroy?.();
   const place = at("page");
   place.className = `page page-${name}`;
-  for (const link of document.querySelectorAll(".tabs a")) {
-    if (link.hash === `#/${name}`) link.setAttribute("aria-current", "page");
-    else link.removeAttribute("aria-current");
-  }
+  markLink();
   put(place);
-  page = module.mount(place, app, new URLSearchParams(asked));
+  page = module.mount(place, app, new URLSearchParams(asked), listed);
   app.page = page;
 }
 

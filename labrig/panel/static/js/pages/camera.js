@@ -5,7 +5,7 @@ import { parseNumber } from "../form/limits.js";
 import { digits, number } from "../format.js";
 import { post, remove } from "../net.js";
 import { pixelWords, Pointing } from "../pointing.js";
-import { steps } from "./steps.js";
+import { steps } from "../steps.js";
 
 const BOARD = [
   { key: "columns", name: "columns", value: 12, unit: "" },

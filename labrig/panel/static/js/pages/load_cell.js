@@ -6,7 +6,7 @@ import { digits, number } from "../format.js";
 import { PromptBar } from "../live/prompt.js";
 import { post } from "../net.js";
 import { plot } from "../plot.js";
-import { steps } from "./steps.js";
+import { steps } from "../steps.js";
 
 const GRAVITY = 9.80665; // mN of one gram
 const SUGGESTED_MN = [0, 9.81, 19.6, 49, 19.6, 9.81, 0];

@@ -1,0 +1,135 @@
+"""A family of boards: its table in rig.toml, how to connect to it, and how it is made safe.
+
+A module of this folder, or a distribution with an entry point of the group `labrig.boards`, adds a
+family by the constant `BOARDS`. Its kind is the name of its table in rig.toml.
+`drivers.conformance` has the functions that find one which breaks the contract.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+from drivers.amplifier import BoardOutput
+from drivers.interfaces import Clock, Interlock, SignalInput
+from drivers.kinds import kind_faults
+from drivers.plugins import PluginFolder
+from drivers.safe_shutdown import SafetyReport
+
+DEFAULT = "ni"  # the family of a rig.toml that has no table of boards
+FORCE, CURRENT, DRIVE = "force", "current", "drive"  # channels; drive: the sheet's voltage
+
+
+class BoardInput(NamedTuple):
+    """An input: the channel's name, where it is wired, and the largest voltage expected there."""
+
+    name: str
+    terminal: str  # in the family's own words, such as PCI6034E/ai0
+    range_V: float  # either sign; the board takes the next larger range that it has
+
+
+@dataclass(frozen=True)
+class BoardFinding:
+    """One thing that `labrig check` reports of the boards."""
+
+    name: str
+    ok: bool
+    found: str
+    wanted: str
+
+
+@runtime_checkable
+class BoardConnection(Protocol):
+    """The boards of one rig. Everything raises DeviceError and nothing else."""
+
+    def open(self) -> None:
+        """Make sure that somebody answers; blocks for 10 s at most. May be called twice.
+
+        Raises DeviceNotFoundError, DeviceTimeoutError.
+        """
+
+    def findings(self) -> Sequence[BoardFinding]:
+        """Return whether the boards that rig.toml names are there, in order. Open."""
+
+    def voltage_output(self, limit_V: float) -> BoardOutput:
+        """Return the output that drives the amplifier, not open yet.
+
+        It refuses every value beyond ±`limit_V` (board volts) by itself, sends nothing, and raises
+        LimitError.
+        """
+
+    def signal_input(self, inputs: Sequence[BoardInput]) -> SignalInput:
+        """Return these inputs, wired differentially, as one acquisition; not open yet."""
+
+    def interlock(self, line: str) -> Interlock:
+        """Return the line that is toggled while a run is under way, not open yet."""
+
+    def close(self) -> None:
+        """Let go of the boards; what was made here is closed by then. May be called twice."""
+
+
+@runtime_checkable
+class OutputRescue(Protocol):
+    """Makes the output safe from another process than the one that drives it.
+
+    The guard opens one before the first voltage and keeps it; `labrig safe` opens one.
+    """
+
+    def open(self) -> None:
+        """Connect, and load all that `make_safe` needs. Raises DeviceError. May be called again."""
+
+    def make_safe(self, patience_s: float, on_held: Callable[[], None]) -> SafetyReport:
+        """Take the output from whoever holds it, write 0 V, read it back, let go. Never raises.
+
+        A device that somebody still holds is tried again for `patience_s`; `on_held` is called each
+        time (the guard then ends the program that hangs). Safe may be reported only of 0 V that was
+        written and read back.
+        """
+
+    def close(self) -> None:
+        """Let go of the boards. Never raises; may be called twice."""
+
+
+Transport = Any  # what a family's simulated device is reached through
+
+
+def _no_check(_line: str) -> None:
+    """Any name may be a line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoardFamily:
+    """A family of boards.
+
+    Its settings have at least `address` (where the boards are; `check` in its metadata refuses what
+    is no address) and `sample_rate_hz` (of each input channel).
+    """
+
+    kind: str
+    help: str  # one line
+    settings: type
+    # Make a connection, not open yet, from the settings and a clock; the transport, where there is
+    # one, stands for what `address` names: the simulator's hook. Touches no device.
+    connect: Callable[[Any, Clock, Transport | None], BoardConnection]
+    # Return the channels force, current and drive as the settings wire them.
+    inputs: Callable[[Any], tuple[BoardInput, ...]]
+    # What another process needs to make the output safe, as plain data (JSON): from the settings,
+    # the limit at the board in V, the voltage that counts as 0 V, whether there is an interlock.
+    output_place: Callable[[Any, float, float, bool], dict[str, Any]]
+    # Make a rescue of that plain data. Raises DeviceError when it makes no sense. None: such boards
+    # cannot be made safe from outside, and no rig is wired with them.
+    rescue: Callable[[Mapping[str, Any], Clock], OutputRescue] | None = None
+    # Raise ValueError, with what a line must be, unless [interlock] line may be this family's.
+    check_line: Callable[[str], None] = _no_check
+
+
+def faults(part: object) -> list[str]:
+    """Return what is wrong with a family of boards, a sentence each."""
+    calls = ("connect", "inputs", "output_place", "rescue", "check_line")
+    return list(kind_faults(part, BoardFamily, calls, needed=("address", "sample_rate_hz")))
+
+
+BOARD_FAMILIES: PluginFolder[BoardFamily] = PluginFolder(
+    "family of boards", "drivers.boards", "BOARDS", "labrig.boards", faults
+)

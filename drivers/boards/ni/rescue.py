@@ -1,0 +1,164 @@
+"""Make the output safe from another process than the one that drove it.
+
+The guard and `labrig safe` do this. NI knows tasks by their names, and another process can attach
+to them: it sets the output to 0 V and frees it, stops the input and frees it. Then it opens the
+output itself and writes 0 V again: the old process, should it wake, holds a task that is gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from drivers.boards.ni.analog_input import INPUT_TASK, InputChannel, NiSignalInput
+from drivers.boards.ni.analog_output import OUTPUT_TASK, NiVoltageOutput, write_now
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.errors import DeviceReservedError
+from drivers.interfaces import Clock
+from drivers.safe_shutdown import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
+
+_RETRY_S = 0.01
+_RATE_HZ = 1000.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputPlace:
+    """Where the output and its read-back are, and what counts as 0 V."""
+
+    address: str  # of the boards, as in rig.toml
+    output_channel: str  # PCI6703/ao0
+    drive_channel: str  # PCI6034E/ai2, the amplifier's output
+    limit_board_V: float = 1.0
+    drive_range_V: float = 10.0
+    drive_terminals: str = "rse"
+    safe_below_V: float = 0.05
+    output_task: str = OUTPUT_TASK
+    input_task: str = INPUT_TASK
+    interlock_task: str | None = None  # None: the rig has no interlock
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return asdict(self)
+
+
+class NiRescue:
+    """An `OutputRescue` with a connection of its own."""
+
+    def __init__(self, place: OutputPlace, clock: Clock) -> None:
+        self._place = place
+        self._clock = clock
+        self._connection = NiConnection(place.address)
+
+    def open(self) -> None:
+        """See `OutputRescue.open`."""
+        self._connection.open()
+        for module in ("nidaqmx.constants", "nidaqmx.stream_readers"):
+            import_module(module)  # there is no time for it when it is needed
+
+    def make_safe(self, patience_s: float, on_held: Callable[[], None]) -> SafetyReport:
+        """See `OutputRescue.make_safe`."""
+        return shut_down(self._connection, self._clock, self._place, patience_s, on_held)
+
+    def close(self) -> None:
+        """See `OutputRescue.close`."""
+        self._connection.close()
+
+
+def _wait() -> None:
+    """Whoever holds a device lets go of it without our help."""
+
+
+def shut_down(
+    connection: NiConnection,
+    clock: Clock,
+    place: OutputPlace,
+    patience_s: float = 5.0,
+    on_held: Callable[[], None] = _wait,
+) -> SafetyReport:
+    """Free the named tasks, write 0 V, read it back, let go. Never raises.
+
+    `patience_s`: how long to wait for a device that somebody still holds; `on_held` is called each
+    time. A task that belongs to its process, as with a local driver, cannot be attached to: it
+    holds its device until that process ends.
+    """
+    failures: list[str] = []
+    until_s = clock.now() + patience_s
+
+    def retried(open_it: Callable[[], None]) -> None:
+        while True:
+            try:
+                return open_it()
+            except DeviceReservedError:
+                if clock.now() > until_s:
+                    raise
+            on_held()
+            clock.sleep_until(clock.now() + _RETRY_S)
+
+    attempt(failures, lambda: _free_output(connection, place.output_task))
+    attempt(failures, lambda: _free_input(connection, place.input_task))
+    attempt(failures, lambda: _free_interlock(connection, place.interlock_task))
+    output = NiVoltageOutput(
+        connection, clock, place.output_channel, place.limit_board_V, place.output_task
+    )
+    written = attempt(failures, lambda: retried(output.open))
+    seen_V = _read_back(connection, clock, place, retried, failures)
+    attempt(failures, output.close)
+    return judge(written, seen_V, place.safe_below_V, failures)
+
+
+def _free_output(connection: NiConnection, name: str) -> None:
+    task = connection.attach_task(name)
+    if task is None:
+        return
+    try:
+        with connection.errors(f"writing 0 V through the task '{name}'"):
+            write_now(task, 0.0)
+    finally:
+        with connection.errors(f"freeing the task '{name}'"):
+            task.close()
+
+
+def _free_input(connection: NiConnection, name: str) -> None:
+    task = connection.attach_task(name)
+    if task is None:
+        return
+    try:
+        with connection.errors(f"stopping the task '{name}'"):
+            task.stop()
+    finally:
+        with connection.errors(f"freeing the task '{name}'"):
+            task.close()
+
+
+def _free_interlock(connection: NiConnection, name: str | None) -> None:
+    """Its edges have ended with the program that made them; the next one needs the line."""
+    task = None if name is None else connection.attach_task(name)
+    if task is not None:
+        with connection.errors(f"freeing the task '{name}'"):
+            task.close()
+
+
+def _read_back(
+    connection: NiConnection,
+    clock: Clock,
+    place: OutputPlace,
+    retried: Callable[[Callable[[], None]], None],
+    failures: list[str],
+) -> float | None:
+    drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
+    signals = NiSignalInput(connection, clock, [drive], _RATE_HZ, place.input_task)
+    seen: list[float] = []
+
+    def read() -> None:
+        retried(signals.open)
+        seen.append(
+            mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S))), place.safe_below_V)
+        )
+
+    attempt(failures, read)
+    attempt(failures, signals.close)
+    return seen[0] if seen else None

@@ -1,0 +1,38 @@
+"""What the kinds of part of all folders have in common: a name, help, and settings."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+
+def kind_faults(
+    part: object, contract: type, calls: tuple[str, ...], needed: tuple[str, ...] = ()
+) -> Iterator[str]:
+    """Yield what is wrong with a kind: a sentence for each fault.
+
+    A kind is an object of the folder's dataclass, with `kind`, `help` and `settings`. `calls`: its
+    functions (None where the contract has None as a default); `needed`: fields of its settings.
+    """
+    if not isinstance(part, contract):
+        yield f"it is a {type(part).__name__} where a {contract.__name__} is needed"
+        return
+    kind, text, settings = (getattr(part, name, None) for name in ("kind", "help", "settings"))
+    if not (isinstance(kind, str) and kind.isidentifier()):
+        yield f"its kind is {kind!r} where a name such as my_part is needed"
+    if not (isinstance(text, str) and text and "\n" not in text):
+        yield "its help is not one line of text"
+    for name in calls:
+        function = getattr(part, name)
+        if not (callable(function) or function is None is getattr(contract, name, 0)):
+            yield f"its {name} cannot be called"
+    if not (isinstance(settings, type) and dataclasses.is_dataclass(settings)):
+        yield "its settings are not a dataclass"
+        return
+    fields = {field.name: field for field in dataclasses.fields(settings)}
+    missing = [name for name in needed if name not in fields]
+    if missing:
+        yield f"its settings have no field {', '.join(missing)}"
+    for name, field in fields.items():
+        if name not in needed and not field.metadata.get("description"):
+            yield f'its setting {name} has no metadata "description"'

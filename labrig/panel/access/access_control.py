@@ -1,0 +1,148 @@
+"""Who may come in: checked before anything else sees a request."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+
+from starlette.requests import ClientDisconnect
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from labrig.panel.access.bodies import MOST_BODY_BYTES, RequestBody
+from labrig.panel.access.credentials import cookie_of, same_token
+from labrig.panel.access.rate_limits import Buckets
+from labrig.panel.access.settings import PanelSettings, host_name
+
+_PUBLIC = ("/static/", "/favicon.ico")
+_TOO_OFTEN = (60.0, 300.0)  # requests of one address: in a second, and at once
+
+
+class _RefusedError(Exception):
+    def __init__(self, status: int, text: str) -> None:
+        super().__init__(text)
+        self.status = status
+
+
+class _TooLargeError(_RefusedError):
+    def __init__(self) -> None:
+        super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
+
+
+class AccessControl:
+    """ASGI middleware: host, origin, token, size and rate."""
+
+    def __init__(self, app: ASGIApp, settings: PanelSettings) -> None:
+        self._app = app
+        self._settings = settings
+        self._buckets = Buckets(*_TOO_OFTEN)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """See ASGI."""
+        if scope["type"] not in {"http", "websocket"}:
+            await self._app(scope, receive, send)
+            return
+        headers = {
+            name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]
+        }
+        body = RequestBody(receive)
+        try:
+            self._check(scope, headers)
+            if scope["type"] == "websocket":
+                await self._app(scope, receive, send)
+            else:
+                await self._serve(scope, headers, body, send)
+        except _RefusedError as refused:
+            if scope["type"] == "websocket":
+                await _refuse_socket(receive, send, refused)
+            else:
+                await _refuse(body, send, refused)
+
+    async def _serve(
+        self, scope: Scope, headers: dict[str, str], body: RequestBody, send: Send
+    ) -> None:
+        stated = headers.get("content-length", "0")
+        if not stated.isdigit() or int(stated) > MOST_BODY_BYTES:
+            raise _TooLargeError
+        answered = False
+        more = self._more_headers(headers)
+
+        async def send_with(message: Message) -> None:
+            nonlocal answered
+            if body.too_large and not answered:
+                return  # what could be said of half a body; we say why it is half of one
+            if message["type"] == "http.response.start":
+                answered = True
+                message["headers"] = [*message.get("headers", []), *more]
+            await send(message)
+
+        with suppress(ClientDisconnect):
+            await self._app(scope, body.take, send_with)
+        if body.too_large and not answered:
+            raise _TooLargeError
+
+    def _check(self, scope: Scope, headers: dict[str, str]) -> None:
+        address = (scope.get("client") or ("unknown", 0))[0]
+        if not self._buckets.take(address):
+            raise _RefusedError(429, "that is too often; wait a second.")
+        host = headers.get("host", "").lower()
+        names = self._settings.names
+        if names is not None and host not in names:
+            raise _RefusedError(403, f"this panel is not called {host!r}.")
+        bearer = headers.get("authorization", "").removeprefix("Bearer ")
+        with_bearer = same_token(bearer, self._settings.token)
+        self._check_origin(scope, headers, host, with_bearer)
+        if scope["path"] == "/" or scope["path"].startswith(_PUBLIC):
+            return
+        if not with_bearer and not same_token(
+            cookie_of(headers.get("cookie", "")), self._settings.token
+        ):
+            raise _RefusedError(
+                401, "the token is missing or wrong; use the address labrig printed."
+            )
+
+    def _check_origin(
+        self, scope: Scope, headers: dict[str, str], host: str, with_bearer: bool
+    ) -> None:
+        """A browser names the page that asks; whoever has the token otherwise is no browser."""
+        origin = headers.get("origin")
+        if origin is not None and origin.lower() != f"{self._settings.scheme}://{host}":
+            raise _RefusedError(403, f"a page of {origin} may not use this panel.")
+        reads = scope["type"] == "http" and scope["method"] in {"GET", "HEAD"}
+        if origin is None and not reads and not with_bearer:
+            raise _RefusedError(403, "a request that does not say where it comes from may not act.")
+
+    def _more_headers(self, headers: dict[str, str]) -> list[tuple[bytes, bytes]]:
+        settings = self._settings
+        host = headers.get("host", "")
+        stop = settings.url("", port=settings.stop_port, name=host_name(host))
+        sockets = f"{'ws' if settings.scheme == 'http' else 'wss'}://{host}"
+        policy = (
+            "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+            f"img-src 'self' blob: data:; connect-src 'self' {sockets} {stop}; object-src 'none'; "
+            "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+        )
+        return [
+            (b"content-security-policy", policy.encode("latin-1", "replace")),
+            (b"x-content-type-options", b"nosniff"),
+            # not no-referrer: a form without a script would not say where it comes from
+            (b"referrer-policy", b"same-origin"),
+            (b"cache-control", b"no-store"),
+        ]
+
+
+async def _refuse(body: RequestBody, send: Send, refused: _RefusedError) -> None:
+    told = json.dumps({"error": str(refused)}).encode()
+    headers = [
+        (b"content-type", b"application/json"),
+        (b"content-length", str(len(told)).encode()),
+        (b"connection", b"close"),
+    ]
+    await send({"type": "http.response.start", "status": refused.status, "headers": headers})
+    await send({"type": "http.response.body", "body": told, "more_body": True})
+    await body.hear_out()
+    await send({"type": "http.response.body", "body": b""})
+
+
+async def _refuse_socket(receive: Receive, send: Send, refused: _RefusedError) -> None:
+    await receive()
+    await send({"type": "websocket.close", "code": 1008, "reason": str(refused)})

@@ -1,0 +1,27 @@
+"""What the pages about sessions share: names, and a session's entry as pages see it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import Query
+
+from labrig.library import CatalogueEntry, read_entry
+from labrig.panel.core.panel import Panel
+
+SUFFIX = ".h5"
+Session = Annotated[str, Query(max_length=400)]
+
+
+def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
+    """Return a session as the library knows it, with its fit; read now where it does not."""
+    known = next((entry for entry in panel.library.entries() if entry.name == name), None)
+    return known or read_entry(path, name)
+
+
+def shown(entry: CatalogueEntry) -> dict[str, Any]:
+    """Return what pages see of a session."""
+    plain = entry.as_dict()
+    del plain["checksum"]
+    return plain

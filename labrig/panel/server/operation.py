@@ -1,0 +1,82 @@
+"""What every page needs: the status, control, and STOP."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Request
+from pydantic import Field
+
+from labrig.panel.core.panel import Panel
+from labrig.panel.core.requests import Here, RequestModel
+from labrig.panel.core.sockets import address_of
+from labrig.panel.job.registry import GOING
+from labrig.panel.live.event_stream import Message
+from labrig.panel.pages.interface import listing
+
+router = APIRouter(prefix="/api")
+
+
+class ControlBody(RequestModel):
+    """Take control or give it back."""
+
+    do: Literal["take", "release"]
+    name: str = Field("", max_length=80)
+    force: bool = False
+
+
+class StopBody(RequestModel):
+    """STOP."""
+
+    why: str = Field("", max_length=200)
+    name: str = Field("", max_length=80)
+
+
+def full_status(panel: Panel, host: str, client: str) -> Message:
+    """Return the panel's status with the pages that it has."""
+    return {**panel.status(host, client), **listing(panel.settings.mode)}
+
+
+@router.get("/status")
+def status(request: Request, panel: Here) -> Any:
+    """Return what is going on."""
+    client = request.headers.get("x-labrig-client", "")
+    return full_status(panel, request.headers.get("host", ""), client)
+
+
+async def stop_body(request: Request) -> StopBody:
+    """A press counts, however it is written: as JSON, as a form without a script, or empty."""
+    try:
+        found = json.loads(await request.body())
+    except (ValueError, RecursionError):
+        found = {}
+    found = found if isinstance(found, dict) else {}
+    return StopBody(why=str(found.get("why") or "")[:200], name=str(found.get("name") or "")[:80])
+
+
+@router.post("/stop")
+def stop(request: Request, body: Annotated[StopBody, Depends(stop_body)], panel: Here) -> Any:
+    """Stop the job by the second path, straight to it. No control is needed."""
+    client = request.headers.get("x-labrig-client", "")
+    who = panel.control.who(client, address_of(request))
+    job = panel.jobs.address
+    if job is None or job.state != GOING:
+        return {"sent": False, "told": "no run is going on"}
+    panel.jobs.ask({"do": "stop", "who": who, "why": body.why})
+    panel.actions.add(who, f"pressed STOP{': ' + body.why if body.why else ''}")
+    return {"sent": True, "told": "the run was asked to stop"}
+
+
+@router.post("/control")
+def control(request: Request, body: ControlBody, panel: Here) -> Any:
+    """Take control, or release it."""
+    client = request.headers.get("x-labrig-client", "")
+    if body.do == "take":
+        holder = panel.control.take(client, body.name, force=body.force)
+        panel.log(holder.name, "took control")
+    else:
+        who = panel.control.require(client)
+        panel.control.release(client)
+        panel.log(who, "gave control back")
+    return panel.control.message_for(client)

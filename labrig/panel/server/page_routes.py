@@ -1,0 +1,75 @@
+"""The routes that the pages bring: their own, their data, and the files of other distributions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.responses import FileResponse, JSONResponse
+
+from drivers.plugins import OWN
+from labrig.errors import LabrigError
+from labrig.panel.core.requests import Here
+from labrig.panel.errors import MissingError
+from labrig.panel.pages.interface import PAGES, STATIC, PanelPage
+
+# by ending: what a page may consist of; all else of its folder is not served
+MEDIA_TYPES = {
+    ".js": "text/javascript",
+    ".css": "text/css",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+}
+
+
+def add_page_routes(app: FastAPI) -> None:
+    """Add the routes of all pages. Called once, when the server starts."""
+    folders: dict[str, Path] = {}
+    for name, part in PAGES.parts().items():
+        address, page = name.replace("_", "-"), part.part
+        if page.router is not None:
+            prefix = "" if part.distribution == OWN else f"/api/pages/{address}"
+            app.include_router(page.router, prefix=prefix)
+        if page.data is not None:
+            app.get(f"/api/pages/{address}")(_data_route(name, page))
+        if page.script is not None and not page.script.is_relative_to(STATIC):
+            folders[address] = page.script.parent.resolve()
+
+    @app.get("/plugins/{address}/{path:path}")
+    def plugin_file(address: str, path: str) -> FileResponse:
+        file = _file(folders, address, path)
+        return FileResponse(file, media_type=MEDIA_TYPES[file.suffix])
+
+
+def _file(folders: dict[str, Path], address: str, path: str) -> Path:
+    """Return a file of a page's folder. Raises MissingError for any other."""
+    folder = folders.get(address)
+    file = None if folder is None or "\0" in path else (folder / path).resolve()
+    if (
+        file is None
+        or folder is None
+        or file.suffix not in MEDIA_TYPES
+        or not file.is_relative_to(folder)
+        or not file.is_file()
+    ):
+        raise MissingError("there is no such file.")
+    return file
+
+
+def _data_route(name: str, page: PanelPage) -> Callable[[Here], Any]:
+    ask = page.data
+    assert ask is not None  # noqa: S101 - checked by the caller
+
+    def data(panel: Here) -> Any:
+        try:
+            return JSONResponse(ask(panel))
+        except LabrigError:
+            raise
+        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+            why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
+            return JSONResponse({"error": f"the page {name} has no data: {why}."}, 500)
+
+    return data

@@ -1,0 +1,41 @@
+// A page without a script of its own: sentences and tables that the server returns for it.
+
+import { h, put } from "./dom.js";
+import { get } from "./net.js";
+
+/** Show what `GET /api/pages/NAME` returns. */
+export function mount(place, app, asked, { name, title }) {
+  const body = h("div", { role: "status" }, h("p", { class: "muted" }, "reading\u2026"));
+  place.append(h("h1", {}, title), body);
+  get(`/api/pages/${encodeURIComponent(name)}`).then(
+    ({ sentences = [], tables = [] }) =>
+      put(
+        body,
+        sentences.map((text) => h("p", {}, String(text))),
+        tables.map((one) => table(one)),
+      ),
+    (error) => put(body, h("p", { class: "fault" }, error.message)),
+  );
+  return {};
+}
+
+function table({ title = "", columns = [], rows = [] }) {
+  const head = columns.map((one) => h("th", { scope: "col" }, String(one)));
+  const cell = (value) =>
+    h("td", { class: typeof value === "number" ? "num" : "" }, String(value ?? "\u2013"));
+  return h(
+    "section",
+    { class: "card scroll", tabindex: 0, role: "region", "aria-label": title || "table" },
+    title && h("h2", {}, title),
+    h(
+      "table",
+      {},
+      h("thead", {}, h("tr", {}, head)),
+      h(
+        "tbody",
+        {},
+        rows.map((row) => h("tr", {}, row.map(cell))),
+      ),
+    ),
+  );
+}

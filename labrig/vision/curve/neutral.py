@@ -1,0 +1,134 @@
+"""What goes in beside the image, and what comes out: the strip's geometry, the neutral curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.errors import BadInputError
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.background_lines import BackgroundLine
+from model.measurements import Curve
+
+FloatArray = npt.NDArray[np.float64]
+
+
+USUAL_M = (0.04, 0.06)  # length of a strip
+
+
+def smallness(length_m: float) -> float:
+    """How many times smaller than a usual strip it is, and so bends the more; 1: none.
+
+    From near it looks alike, and so does a larger one from afar.
+    """
+    return float(np.clip(length_m, *USUAL_M)) / length_m
+
+
+@dataclass(frozen=True)
+class StripGeometry:
+    """What is known of the sheet before the image is looked at."""
+
+    free_length_m: float
+    elongation_m: float = 0.0  # rigid and straight, beyond the free length
+    thickness_m: float = 0.21e-3
+    thickness_known: bool = True  # else `thickness_m` is a guess, and the image is asked
+
+    def __post_init__(self) -> None:
+        if not 0 < self.free_length_m < 10:
+            raise BadInputError(
+                f"the sheet's free length is {self.free_length_m * 1000:g} mm; "
+                "it must be above 0 and below 10 m."
+            )
+        if not 0 <= self.elongation_m < 10:
+            raise BadInputError(
+                f"the sheet's elongation is {self.elongation_m * 1000:g} mm; "
+                "it must be 0 (none) or positive and below 10 m."
+            )
+        if not 0 < self.thickness_m < self.free_length_m:
+            raise BadInputError(
+                f"the sheet's thickness is {self.thickness_m * 1000:g} mm; "
+                "it must be above 0 and below the free length."
+            )
+
+    @property
+    def length_m(self) -> float:
+        """Visible length from the clamp to the end."""
+        return self.free_length_m + self.elongation_m
+
+
+def _nothing() -> FloatArray:
+    return np.empty(0)
+
+
+@dataclass(frozen=True)
+class NeutralCurve:
+    """The neutral curve found in one image; arrays run from the clamp to the visible end.
+
+    `sigma_m` is one standard deviation of the distance along the normal, from noise and from the
+    calibration together. With `ok` False the arrays are empty and `why` is a sentence.
+    """
+
+    ok: bool
+    why: str = ""
+    warnings: tuple[str, ...] = ()
+    s_m: FloatArray = field(default_factory=_nothing)  # (points,)
+    x_m: FloatArray = field(default_factory=_nothing)
+    y_m: FloatArray = field(default_factory=_nothing)
+    curvature_per_m: FloatArray = field(default_factory=_nothing)
+    sigma_m: FloatArray = field(default_factory=_nothing)
+    curvature_sigma_per_m: FloatArray = field(default_factory=_nothing)
+    curvature_resolution_m: float = 0.0  # features of k(s) shorter than this are not resolved
+    points_px: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # raw pixels
+    covered: float = 0.0  # share of the length on which the sheet was really seen
+    seen: npt.NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
+    residual_px: float = 0.0  # RMS distance of the locally measured sheet from the curve
+    contrast: float = 0.0  # of the sheet over the background, grey levels without a sign
+    snr: float = 0.0  # contrast over the noise of one pixel
+    # [offset along the normal at the clamp (m), angle there (rad), curvature coefficients (1/m)]
+    parameters: FloatArray = field(default_factory=_nothing)
+    covariance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # of the parameters
+    # (points, parameters): displacement along the normal for each parameter; with it the
+    # covariance of the whole curve is modes @ covariance @ modes.T, plus the scale's part
+    normal_modes: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+    polarity: str = ""  # bright or dark, as found
+    blur_px: float = 0.0  # standard deviation of the edge's blur, as found
+    free_length_m: float = 0.0  # of the strip, as stated
+    thickness_m: float = 0.0
+    elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
+    excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
+    # how far what touches the sheet on one side may have pulled the curve, by point
+    lateral_bias_px: FloatArray = field(default_factory=_nothing)
+    side_face_px: FloatArray = field(
+        default_factory=_nothing
+    )  # the side face's visible width, by point
+    side_face_share: float = 0.0  # its grey over the edge's
+    wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
+
+    def as_curve(self) -> Curve:
+        """The same as the model takes it."""
+        return Curve(
+            s_m=self.s_m,
+            x_m=self.x_m,
+            y_m=self.y_m,
+            curvature_per_m=self.curvature_per_m,
+            sigma_m=self.sigma_m,
+            curvature_sigma_per_m=self.curvature_sigma_per_m,
+        )
+
+
+class FindCurve(Protocol):
+    """A way from an image to its curve, such as `neutral_curve` or another extractor's."""
+
+    def __call__(
+        self,
+        image: npt.NDArray[Any],
+        optics: Optics,
+        strip: StripGeometry,
+        *,
+        start: NeutralCurve | None = None,
+    ) -> NeutralCurve:
+        """Return the curve; `start` is that of an image shortly before."""
+        ...

@@ -1,0 +1,116 @@
+"""How smooth a sheet's curvature is: nobody knows beforehand, so the image is asked.
+
+Two kinds of priors, each of eight strengths: a curvature that wanders, int (dk/ds)^2 ds (the
+minimum variation curve's), and one whose slope does, int (d2k/ds2)^2 ds. The second is what gels
+and beams under forces are like; the first forgives a jump. A fit is the mean of all sixteen
+answers, by how likely each prior makes the image; its covariance holds how much they differ.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.jit import jit
+
+FloatArray = npt.NDArray[np.float64]
+
+TURNS_RAD = 10.0 ** np.arange(-2.0, 2.0, 0.5)  # that a prior lets a whole sheet make
+USUAL_RAD = 2 * math.pi  # turn of a sheet with a curvature of usual size
+WANDERING = slice(0, len(TURNS_RAD))  # of the priors: those that forgive a jump
+LEAST_ODDS = 1e-4  # an answer less likely than this is left out
+
+
+def smooth_priors(wander: FloatArray, sway: FloatArray, length: float) -> FloatArray:
+    """(16, n, n) information of each prior on the curvature's n coefficients.
+
+    `wander`, `sway` (n, n): int (dk/ds)^2 ds and int (d2k/ds2)^2 ds as quadratic forms, of a sheet
+    of this length. Weakly its curvature itself is of usual size, so that priors can be compared.
+    """
+    usual = (length / USUAL_RAD) ** 2 * np.eye(len(wander))
+    wandering = [wander * length**3 / turn**2 for turn in TURNS_RAD]
+    # a slope that so wanders leads about as far as a curvature that does
+    swaying = [sway * length**5 / 12 / turn**2 for turn in TURNS_RAD]
+    return np.asarray([usual + each for each in wandering + swaying])
+
+
+def log_weights(priors: FloatArray) -> FloatArray:
+    """(kinds,) half the logarithm of each prior's determinant."""
+    return np.asarray(0.5 * np.linalg.slogdet(priors)[1])
+
+
+def averaged(
+    normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
+) -> FloatArray:
+    """The parameters' mean over all priors.
+
+    `normal @ parameters = pull` are the equations of the data; priors are on all parameters but the
+    first two, which have theirs in `normal`.
+    """
+    answers, odds, _ = _answers(normal, pull, priors, log_weight)
+    return np.asarray(odds @ answers)
+
+
+def covariance(
+    normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
+) -> FloatArray:
+    """The parameters' covariance about that mean: each answer's own, and how much they differ."""
+    answers, odds, factors = _answers(normal, pull, priors, log_weight)
+    likely = odds > LEAST_ODDS
+    off = answers[likely] - odds @ answers
+    root = np.linalg.inv(factors[likely])
+    own = np.einsum("i,ikp,ikq->pq", odds[likely], root, root)
+    return np.asarray(own + (off * odds[likely, None]).T @ off)
+
+
+@jit
+def _answers(
+    normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Each prior's parameters, its odds, and Cholesky's factor of its equations."""
+    kinds, size = len(priors), len(pull)
+    factors, answers = np.zeros((kinds, size, size)), np.zeros((kinds, size))
+    evidence = log_weight.copy()
+    for i in range(kinds):
+        factor, answer = factors[i], answers[i]
+        factor[:] = normal
+        factor[2:, 2:] += priors[i]
+        _factorise(factor)
+        answer[:] = pull
+        _forward(factor, answer)
+        evidence[i] += 0.5 * np.sum(answer * answer)
+        for q in range(size):
+            evidence[i] -= math.log(factor[q, q])
+        _backward(factor, answer)
+    odds = np.exp(evidence - evidence.max())
+    return answers, odds / odds.sum(), factors
+
+
+@jit
+def _factorise(a: FloatArray) -> None:
+    """Cholesky's factor, in place."""
+    for i in range(len(a)):
+        for j in range(i + 1):
+            total = a[i, j]
+            for q in range(j):
+                total -= a[i, q] * a[j, q]
+            a[i, j] = math.sqrt(total) if i == j else total / a[j, j]
+        a[i, i + 1 :] = 0.0
+
+
+@jit
+def _forward(factor: FloatArray, x: FloatArray) -> None:
+    for i in range(len(x)):
+        for q in range(i):
+            x[i] -= factor[i, q] * x[q]
+        x[i] /= factor[i, i]
+
+
+@jit
+def _backward(factor: FloatArray, x: FloatArray) -> None:
+    for i in range(len(x) - 1, -1, -1):
+        for q in range(i + 1, len(x)):
+            x[i] -= factor[q, i] * x[q]
+        x[i] /= factor[i, i]

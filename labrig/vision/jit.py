@@ -1,0 +1,114 @@
+"""Compile functions with numba, and keep what is compiled from one start to the next.
+
+numba keeps compiled code beside the sources, or in the user's cache where those cannot be written.
+It compiles a function again when the function's own file changes. It does not notice that a
+function, a constant or a named tuple of another file changes, although it compiles that in. So
+`jit` deletes what was compiled from a file as soon as one of the files it depends on has changed.
+
+`model`, `sim_hardware` and `labrig.vision` stand alone, so each has this module; a test holds them
+equal. Importing it imports numba, which takes the best part of a second.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from collections.abc import Callable, Iterator
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+SUMS_IN_ANY_ORDER = frozenset({"reassoc", "contract", "nsz", "arcp"})  # NaN and infinity are kept
+_FOLDER = Path(__file__).resolve().parent  # of this package
+_ROOT = _FOLDER.parents[__name__.count(".") - 1]  # the folder from which modules are imported
+_TOP = _ROOT / __name__.partition(".")[0]  # imports from elsewhere are not followed
+
+
+def jit(function: Function) -> Function:
+    """Compile a function at its first call; its sums may be taken in any order."""
+    return _compiled(function, SUMS_IN_ANY_ORDER)
+
+
+def strict_jit(function: Function) -> Function:
+    """Compile a function at its first call; its arithmetic is done as it is written."""
+    return _compiled(function, frozenset())
+
+
+def drop_stale(cache: Path, source: Path) -> bool:
+    """Delete what was compiled from a file, if a file it depends on has changed since.
+
+    Returns whether only current code is left; False where it cannot be deleted.
+    """
+    digest = hashlib.sha256(b"".join(_bytes(path) for path in sorted(sources(source)))).hexdigest()
+    mark = cache / f"{source.stem}.sources"
+    try:
+        if mark.exists() and mark.read_text(encoding="ascii") == digest:
+            return True
+        for old in cache.glob(f"{source.stem}.*.nb[ic]"):
+            old.unlink(missing_ok=True)
+        cache.mkdir(parents=True, exist_ok=True)
+        mark.write_text(digest, encoding="ascii")
+    except OSError:
+        return False
+    return True
+
+
+def sources(source: Path) -> set[Path]:
+    """Return the files on which code that is compiled from a file depends.
+
+    They are the file, what it imports at its top, what that imports, and all files of this package
+    that define named tuples: these may be handed to compiled code by whoever calls it.
+    """
+    found: set[Path] = set()
+    new = {source}
+    while new:
+        one = new.pop()
+        found.add(one)
+        new |= _imports(one) - found
+    return found | _named_tuples()
+
+
+def _compiled(function: Function, fastmath: frozenset[str]) -> Function:
+    options = {"nogil": True, "error_model": "numpy", "fastmath": set(fastmath)}
+    made = numba.njit(cache=True, **options)(function)
+    if made is not function:  # it is the function itself where numba is switched off
+        source = Path(function.__code__.co_filename).resolve()
+        if not _dropped(Path(made.stats.cache_path), source):
+            made = numba.njit(**options)(function)
+    return cast("Function", made)
+
+
+_dropped = lru_cache(maxsize=None)(drop_stale)  # once for each file
+_bytes = lru_cache(maxsize=None)(Path.read_bytes)
+
+
+@cache
+def _imports(source: Path) -> set[Path]:
+    """Return the files of the top package from which a file imports when it is loaded."""
+    modules = (m for node in ast.parse(_bytes(source)).body for m in _modules(node, source))
+    paths = (p for m in modules for p in (m.with_suffix(".py"), m / "__init__.py"))
+    return {path for path in paths if path.is_file()}
+
+
+def _modules(node: ast.stmt, source: Path) -> Iterator[Path]:
+    """Return where the modules that a statement may import would be, without their suffix."""
+    if isinstance(node, ast.Import):
+        named = [_ROOT.joinpath(*one.name.split(".")) for one in node.names]
+    elif isinstance(node, ast.ImportFrom):
+        base = source.parents[node.level - 1] if node.level else _ROOT
+        module = base.joinpath(*(node.module or "").split("."))
+        named = [module, *(module / one.name for one in node.names)]
+    else:
+        return
+    yield from (one for one in named if _TOP in (one, *one.parents))
+
+
+@cache
+def _named_tuples() -> set[Path]:
+    return {path for path in _FOLDER.rglob("*.py") if b"NamedTuple" in _bytes(path)}

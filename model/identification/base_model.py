@@ -1,0 +1,109 @@
+"""The base model: which parameters it has, and where they stand in the vector of all.
+
+Of a configuration these are ln B; for each driving voltage Me/B, as coefficients of Legendre
+polynomials along the sheet; and a change of the initial curvature k0, likewise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.drive_rise import RISE
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import BaseParameters, Bases
+from model.measurements import FloatArray, SheetGeometry
+from model.mechanics.field import legendre_field
+
+FREE_REST_PER_M = 60.0  # prior width of k0's terms where sheet.toml does not state k0
+FORM_PER_M = 60.0  # and of a change of Me/B along the sheet
+MOST_TERMS = 6  # of a quantity along a sheet as long as the arc's radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseOptions:
+    """Choices of the base model."""
+
+    symmetric: bool = False  # one |EIBM| for both polarities
+    along: bool = False  # Me/B varies along the sheet, where there are curves
+    # prior width of each term of a change of the stated k0, where there are curves; 0: it is exact;
+    # None: exact but for what lies between its nodes
+    rest_sigma_per_m: float | None = None
+
+
+def bases_of(study: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
+    """Return B, EIBM, what is not known of k0 by configuration; how pulses rise, if recorded."""
+    parts, place = [], 0
+    for scene, stated in zip(study.scenes, known, strict=True):
+        part, place = _part(scene, place, options, stated=stated)
+        parts.append(part)
+    if any(look.pulses for look in study.looks):
+        return Bases(tuple(parts), place + len(RISE), rise=place)
+    return Bases(tuple(parts), place)
+
+
+def _part(
+    scene: ConfigurationModel, place: int, options: BaseOptions, *, stated: bool
+) -> tuple[BaseParameters, int]:
+    """One configuration's parameters from `place` on, and the place after them."""
+    curves, (stiffness, place) = bool(scene.has_curve.any()), (place, place + 1)
+    forms = along_sheet(scene, terms(scene.sheet) if options.along and curves else 1)
+    eibm: dict[float, tuple[int, float]] = {}
+    prior: dict[int, tuple[float, float]] = {}
+    own: dict[float, int] = {}
+    for voltage in scene.look.voltages_V:
+        key = abs(voltage) if options.symmetric else voltage
+        if key not in own:
+            own[key], place = place, place + len(forms)
+            prior |= dict.fromkeys(range(own[key] + 1, place), (0.0, FORM_PER_M))
+        eibm[voltage] = (own[key], -1.0 if options.symmetric and voltage < 0.0 else 1.0)
+    rows, belief = _rest_rows(scene, options.rest_sigma_per_m, curves=curves, stated=stated)
+    rest = dict(enumerate(rows, place))
+    prior |= dict.fromkeys(rest, belief)
+    part = BaseParameters(stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior)
+    return part, place + len(rest)
+
+
+def _rest_rows(
+    scene: ConfigurationModel, sigma_per_m: float | None, *, curves: bool, stated: bool
+) -> tuple[FloatArray, tuple[float, float]]:
+    """Changes of k0 at the nodes, one by each parameter, with the middle and width of its prior."""
+    none = np.zeros((0, scene.count))
+    if not stated:
+        return along_sheet(scene, terms(scene.sheet)), (0.0, FREE_REST_PER_M)
+    if sigma_per_m is None:
+        bow = between_nodes(scene.sheet, scene.s_m)
+        return (none if bow is None else bow[None]), (0.5, 0.5)
+    if sigma_per_m > 0.0 and curves:
+        return along_sheet(scene, terms(scene.sheet)), (0.0, sigma_per_m)
+    return none, (0.0, 1.0)
+
+
+def terms(sheet: SheetGeometry) -> int:
+    """Return how many terms a quantity along the sheet has."""
+    share = min(1.0, sheet.free_length_m / sheet.arc_radius_m)
+    return 1 + round((MOST_TERMS - 1) * share)
+
+
+def along_sheet(scene: ConfigurationModel, count: int) -> FloatArray:
+    """Return Legendre polynomials at the nodes: (count, G)."""
+    return np.stack([legendre_field(i, scene.length)(scene.s_m) for i in range(count)])
+
+
+def between_nodes(sheet: SheetGeometry, s_m: FloatArray) -> FloatArray | None:
+    """Mean difference of a smooth curve and straight lines between the stated nodes of k0.
+
+    Nobody says which of the two is meant, and it is more than shapes can see.
+    """
+    if sheet.initial_curvature is None or len(sheet.initial_curvature[0]) < 4:
+        return None
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    s, k = sheet.initial_curvature
+    second = CubicSpline(s, k)(np.clip(s_m, s[0], s[-1]), 2)
+    width = np.interp(s_m, 0.5 * (s[1:] + s[:-1]), np.diff(s))
+    bow: FloatArray = -second * width**2 / 12.0
+    return bow if np.max(np.abs(bow)) > 1e-3 else None

@@ -1,0 +1,62 @@
+"""Gauss-Newton with given weights: from rough parameters to where noise can be estimated."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import Bases, priors_of, sensitivities
+from model.measurements import FloatArray, ModelError
+
+FORCE_SIGMA_N, MODE_SIGMA_M = 1e-4, 1e-4  # what is weighed as one
+MOST_STEPS = 30
+ENOUGH = 1e-5  # relative fall of the sum of squares at which to stop
+LONGEST_LOG_B = 2.0
+LEAST_DAMPING, MOST_DAMPING = 1e-6, 1e8
+
+
+def least_squares(study: ForwardModel, bases: Bases, theta: FloatArray) -> FloatArray:
+    """Return the base parameters that minimise the weighted squares of forces, curves and priors.
+
+    Damped after Levenberg and Marquardt where a step leads too far.
+    """
+    mean, width = priors_of(bases)
+    stiffness = [one.stiffness for one in bases.parts]
+    weights = _weights(study)
+    precision, damping = width**-2.0, 0.0
+
+    def rows(at: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+        _, residual, columns = sensitivities(study, bases, at)
+        left = residual * weights
+        return left, columns * weights[:, None], float(left @ left + precision @ (at - mean) ** 2)
+
+    left, by, value = rows(theta)
+    for _ in range(MOST_STEPS):
+        A = by.T @ by + np.diag(precision)
+        A[np.diag_indices(len(theta))] *= 1.0 + damping
+        step = np.linalg.solve(A, by.T @ left - precision * (theta - mean))
+        step *= min(1.0, LONGEST_LOG_B / max(float(np.max(np.abs(step[stiffness]))), 1e-12))
+        try:
+            there = rows(theta + step)
+        except ModelError:
+            there = left, by, np.inf
+        if there[2] <= value * (1.0 + 1e-12):
+            done = value - there[2] <= ENOUGH * value
+            theta, (left, by, value) = theta + step, there
+            damping *= 0.1 if damping > LEAST_DAMPING else 0.0
+            if done:
+                break
+        else:
+            damping = max(10.0 * damping, 1e-3)
+            if damping > MOST_DAMPING:
+                break
+    return theta
+
+
+def _weights(study: ForwardModel) -> FloatArray:
+    """Of mean forces and curves; nothing else says anything of the base parameters: (N,)."""
+    weights = np.zeros(study.layout.size)
+    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+        weights[part.trend_rows[part.is_mean]] = 1.0 / FORCE_SIGMA_N
+        weights[part.mode_rows[scene.has_curve]] = 1.0 / MODE_SIGMA_M
+    return weights

@@ -1,0 +1,78 @@
+"""What effects that go with time do to means, to parts of pulses, and to images.
+
+Images may be late; free shapes have no readings, and count as they were when they were taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.effects.interface import BeamProblem
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.model_state import ModelState
+from model.identification.likelihood.row_index import RowBlock
+from model.measurements import FloatArray
+from model.sheet.effect_hooks import Acting, course, image_change, mean_course
+
+Courses = tuple[FloatArray, FloatArray]  # relative change of EIBM and of stiffness
+
+
+def in_means(scene: ConfigurationModel, acting: Sequence[Acting]) -> Courses:
+    """Return the change in the mean of each condition's readings, or in its free shape: (K,)."""
+    clock, of, share = scene.mean_times
+    return mean_course(acting, clock, of, share, scene.K)
+
+
+def in_parts(part: RowBlock, one: Acting) -> tuple[Courses, Courses]:
+    """Return the mean change over the pulses, in each part and at its sampling point: (b,)."""
+    result = []
+    for clock in (part.bin_clock, part.bin_sample):
+        found = course(one, clock) or (np.zeros(clock.run_s.shape),) * 2
+        result.append((part.bin_mean(found[0]), part.bin_mean(found[1])))
+    return result[0], result[1]
+
+
+def of_free_shapes(scene: ConfigurationModel, acting: Sequence[Acting]) -> FloatArray:
+    """Return the relative change of Me/B that courses in time make to the free shapes: (K,)."""
+    found = [course(one, scene.free_clock) for one in acting]
+    changes = [eibm - stiffness for eibm, stiffness in (both for both in found if both is not None)]
+    return _of_free(scene, np.sum([np.zeros(len(scene.free)), *changes], axis=0))
+
+
+def in_images(
+    scene: ConfigurationModel, acting: Sequence[Acting]
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return the relative change of the EIBM in images: of readings (n,), of free shapes (K,)."""
+    readings, shapes = image_change(acting, scene.clock), image_change(acting, scene.free_clock)
+    if readings is None or shapes is None:
+        return None
+    return readings, _of_free(scene, shapes)
+
+
+def _of_free(scene: ConfigurationModel, values: FloatArray) -> FloatArray:
+    """Values of the free shapes among all conditions; 0 elsewhere and at 0 V: (K,)."""
+    result = np.zeros(scene.K)
+    result[scene.free] = np.where(scene.voltage_V[scene.free] != 0.0, values, 0.0)
+    return result
+
+
+def bent(scene: ConfigurationModel, state: ModelState, change: FloatArray) -> FloatArray:
+    """Return the step of the beam by a relative change of each condition's EIBM (K,): (K, Q)."""
+    step = np.zeros((scene.K, scene.columns))
+    step[:, : scene.count] = change[:, None] * state.beam.eibm * state.beam.soft
+    return step
+
+
+def modes_in_images(
+    scene: ConfigurationModel, part: RowBlock, beam: BeamProblem,
+    seen: tuple[FloatArray, FloatArray],
+) -> FloatArray:  # fmt: skip
+    """Return the modes of the distances of the curves in late images, exactly: (K, M).
+
+    `seen` is what `in_images` says of them.
+    """
+    change = part.mean(seen[0]) + seen[1]
+    return scene.modes_of(replace(beam, eibm=beam.eibm * (1.0 + change[:, None])))

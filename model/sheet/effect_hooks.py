@@ -1,0 +1,212 @@
+"""What the hooks of effects do: the one place that interprets them.
+
+Prediction and inference both go through here, the first for the readings of a typical run, the
+second for those that were taken. A further hook is read here, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Protocol, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from model.effects.interface import (
+    AcquisitionTimes,
+    BeamProblem,
+    ContactSolution,
+    Effect,
+    ImagePoints,
+    LoadCellInput,
+    Values,
+)
+from model.effects.roll_friction import slid
+from model.measurements import FloatArray
+from model.sheet.beam_problem import Profile
+
+MOST_LOST = 0.95  # of EIBM and stiffness
+DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
+ALONG_SHEET = ("rest", "eibm", "bend", "soft")
+ALL_FIELDS = (*ALONG_SHEET, "stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
+LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2}  # the size that matters; else 1
+Index = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Acting:
+    """An effect with its numbers for one configuration."""
+
+    effect: Effect
+    values: Values
+    profile: Profile | None = None  # factors on its form, where one was inferred
+
+
+class Solved(Protocol):
+    """Whatever solving a `BeamProblem` gives."""
+
+    @property
+    def contact(self) -> ContactSolution:
+        """Where the sheet touches, and its shape."""
+
+
+AnySolved = TypeVar("AnySolved", bound=Solved)
+
+
+# -- the course in time
+
+
+def course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray, FloatArray] | None:
+    """Return the relative change of EIBM and stiffness at each time; the EIBM's only under voltage.
+
+    None: the effect has no course in time.
+    """
+    found = one.effect.course(clock, one.values)
+    if found is None:
+        return None
+    return np.where(clock.voltage_V != 0.0, found[0], 0.0), np.asarray(found[1], dtype=float)
+
+
+def mean_course(
+    acting: Sequence[Acting], clock: AcquisitionTimes, of: Index, share: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return the relative change of EIBM and stiffness in the mean of each of `count` conditions.
+
+    `of` says of which condition each time is, `share` how much it counts in the mean.
+    """
+    eibm, stiffness = np.zeros(count), np.zeros(count)
+    for one in acting:
+        found = course(one, clock)
+        if found is not None:
+            eibm += np.bincount(of, share * found[0], count)
+            stiffness += np.bincount(of, share * found[1], count)
+    return np.maximum(eibm, -MOST_LOST), np.maximum(stiffness, -MOST_LOST)
+
+
+def in_course(beam: BeamProblem, eibm: FloatArray, stiffness: FloatArray) -> BeamProblem:
+    """Return the problems with EIBM and stiffness as a course in time has them in the mean."""
+    if not (np.any(eibm) or np.any(stiffness)):
+        return beam
+    share = (1.0 + eibm) / (1.0 + stiffness)
+    return replace(
+        beam, eibm=beam.eibm * share[:, None], stiffness=beam.stiffness * (1.0 + stiffness)
+    )
+
+
+def image_change(acting: Sequence[Acting], clock: AcquisitionTimes) -> FloatArray | None:
+    """Return the relative change of the EIBM in the image of a reading; None: it is no older."""
+    found = [one.effect.pictured(clock, one.values) for one in acting]
+    seen = [change for change in found if change is not None]
+    return np.asarray(np.sum(seen, axis=0)) if seen else None
+
+
+# -- the beam problem
+
+
+def applied(beam: BeamProblem, contact: ContactSolution, acting: Sequence[Acting]) -> BeamProblem:
+    """Return the problem with the effects in it, given a solution."""
+    for one in acting:
+        changed = one.effect.beam(beam, contact, one.values)
+        beam = changed if one.profile is None else _formed(beam, changed, one.profile)
+    return beam
+
+
+def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamProblem:
+    """An effect's change times the factors of the form that was inferred."""
+    if profile.along in ("force", "time"):
+        return after
+    by_place = profile.along == "s"
+    factor = profile(before.s_m) if by_place else profile(np.nan_to_num(before.stated_m))
+    changed = {}
+    for name in ALONG_SHEET if by_place else ALL_FIELDS:
+        old, new = getattr(before, name), getattr(after, name)
+        wide = factor if by_place or old.ndim == 1 else factor[:, None]
+        changed[name] = old + (new - old) * wide
+    return replace(after, **changed)
+
+
+def self_consistent(
+    base: BeamProblem,
+    change: Callable[[BeamProblem, ContactSolution], BeamProblem],
+    solve: Callable[[BeamProblem], AnySolved],
+    *,
+    rounds: int,
+    accuracy: float,
+) -> tuple[BeamProblem, AnySolved, bool]:
+    """Solve and `change` the base in turn until nothing moves; whether it came to that.
+
+    Some effects depend on the solution: a clamp that gives way under the load.
+    """
+    beam, found = base, solve(base)
+    for turn in range(rounds):
+        new = change(base, found.contact)
+        if turn >= DAMPED_AFTER:
+            new = _halfway(beam, new)
+        if _same(beam, new, accuracy):
+            return beam, found, True
+        beam, found = new, solve(new)
+    return beam, found, False
+
+
+def _same(one: BeamProblem, other: BeamProblem, accuracy: float) -> bool:
+    """Whether nothing that matters differs."""
+    for name in ALL_FIELDS:
+        a, b = getattr(one, name), getattr(other, name)
+        if a is b:
+            continue
+        size = float(np.max(np.abs(b), initial=0.0))
+        if np.max(np.abs(a - b), initial=0.0) > accuracy * max(size, LEAST.get(name, 1.0)):
+            return False
+    return True
+
+
+def _halfway(one: BeamProblem, other: BeamProblem) -> BeamProblem:
+    return replace(
+        one, **{name: 0.5 * (getattr(one, name) + getattr(other, name)) for name in ALL_FIELDS}
+    )
+
+
+# -- load cell and camera
+
+
+def load_cell_input(
+    beam: BeamProblem, contact: ContactSolution, clock: AcquisitionTimes, of: Index
+) -> LoadCellInput:
+    """Return what the load cell is given at readings, each of the condition that `of` says."""
+    return LoadCellInput(
+        force_N=np.nan_to_num(contact.force_N[of]), normal_N=np.nan_to_num(contact.normal_N[of]),
+        gamma_rad=np.nan_to_num(contact.gamma_rad[of]), position_m=beam.stated_m[of],
+        session=clock.session, touching=np.isfinite(contact.force_N[of]).astype(float),
+        wetted_s=np.broadcast_to(clock.wetted_s, of.shape), slid=slid(beam, contact)[of],
+    )  # fmt: skip
+
+
+def added_force_N(acting: Sequence[Acting], weighed: LoadCellInput, in_time: Index) -> FloatArray:
+    """Return what the load cell adds to each reading, (n,); `in_time` is the order of time."""
+    result = np.zeros(len(in_time))
+    hooked = [one for one in acting if type(one.effect).force is not Effect.force]
+    if not hooked:
+        return result
+    ordered = LoadCellInput(*(getattr(weighed, f.name)[in_time] for f in fields(LoadCellInput)))
+    for one in hooked:
+        added = one.effect.force(ordered, one.values)
+        if added is not None:
+            along = one.profile if one.profile and one.profile.along == "position" else None
+            factor = 1.0 if along is None else along(np.nan_to_num(ordered.position_m))
+            result[in_time] += factor * np.asarray(added)
+    return result
+
+
+def image_displacement_m(
+    acting: Sequence[Acting], points: ImagePoints, s_m: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what the camera adds to the points' x and y, which are at s_m on the sheet: (K, S)."""
+    dx, dy = np.zeros_like(points.x_m), np.zeros_like(points.y_m)
+    for one in acting:
+        added = one.effect.curve(points, one.values)
+        if added is not None:
+            along = one.profile if one.profile and one.profile.along == "s" else None
+            share = 1.0 if along is None else along(s_m)
+            dx, dy = dx + share * added[0], dy + share * added[1]
+    return dx, dy

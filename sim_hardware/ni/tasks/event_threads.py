@@ -1,0 +1,84 @@
+"""Threads of the clock that send a running task's events to its listeners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nidaqmx._stubs import nidaqmx_pb2 as pb
+
+from drivers.interfaces import Clock
+from sim_hardware.clock import VirtualClock
+from sim_hardware.ni.errors import Code
+from sim_hardware.ni.rpc import Message
+from sim_hardware.ni.signals.acquisition import Acquisition
+from sim_hardware.ni.tasks.events import EveryNSamples, Stream
+from sim_hardware.ni.tasks.task import Task
+
+ACQUIRED_INTO_BUFFER = 1  # nidaqmx.constants.EveryNSamplesEventType
+_WAIT_PIECE_S = 0.1  # a thread notices so soon that its task has been stopped
+
+
+def start_event_threads(clock: Clock, task: Task, acquisition: Acquisition) -> None:
+    """Start a thread for each registration of a task that has just started."""
+    events = _Events(clock, task, acquisition)
+    every_n, done = task.events.every_n, task.events.done
+    if every_n is not None:
+        clock.start_thread(lambda: events.every_n_samples(every_n), f"events of {task.name}")
+    if done is not None:
+        clock.start_thread(lambda: events.done(done), f"end of {task.name}")
+
+
+@dataclass(frozen=True)
+class _Events:
+    """The events of one acquisition of a task."""
+
+    clock: Clock
+    task: Task
+    acquisition: Acquisition
+
+    def every_n_samples(self, registration: EveryNSamples) -> None:
+        """Send an event whenever so many samples have been acquired."""
+        event = pb.RegisterEveryNSamplesEventResponse(
+            every_n_samples_event_type_raw=ACQUIRED_INTO_BUFFER, n_samples=registration.samples
+        )
+        count = registration.samples
+        total = self.acquisition.plan.total
+        while total is None or count <= total:
+            self._wait(self.acquisition.time_of(count))
+            if not self._send(registration.stream, event):
+                return
+            count += registration.samples
+
+    def done(self, stream: Stream) -> None:
+        """Send the end: a finite acquisition's with its last sample, any other's by an overflow."""
+        total = self.acquisition.plan.total
+        while total is None:
+            overflow_s = self.acquisition.overflow_s()
+            self._wait(overflow_s)
+            if self._over or stream.closed:
+                return
+            if self.acquisition.overflow_s() <= overflow_s:
+                self._send(stream, pb.RegisterDoneEventResponse(status=int(Code.OVERWRITTEN)))
+                return
+        self._wait(self.acquisition.time_of(total))
+        self._send(stream, pb.RegisterDoneEventResponse(status=0))
+
+    @property
+    def _over(self) -> bool:
+        """Whether the task has been stopped, or started again."""
+        return self.task.acquisition is not self.acquisition
+
+    def _wait(self, when: float) -> None:
+        """Wait until `when`, or until the acquisition is over."""
+        while not self._over and self.clock.now() < when:
+            self.clock.sleep_until(min(when, self.clock.now() + _WAIT_PIECE_S))
+
+    def _send(self, stream: Stream, event: Message) -> bool:
+        """Send an event of an acquisition that is still the task's; False when it is not."""
+        if self._over or stream.closed:
+            return False
+        if isinstance(self.clock, VirtualClock):
+            stream.send_and_wait(event)  # virtual time stands still while a listener works
+        else:
+            stream.send(event)
+        return True

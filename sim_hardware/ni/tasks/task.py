@@ -1,0 +1,153 @@
+"""A task: its channels, its timing, and the states it goes through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
+from sim_hardware.ni.names import split_list
+from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
+from sim_hardware.ni.signals.timing import InputPlan, TaskTiming, TimingType, plan_input
+from sim_hardware.ni.tasks.channels import (
+    AnalogInputChannel,
+    AnalogOutputChannel,
+    Channel,
+    ChannelType,
+    DigitalChannel,
+)
+from sim_hardware.ni.tasks.events import TaskEvents
+
+
+class TaskState(IntEnum):
+    """How far a task has got; each state includes those before it."""
+
+    UNVERIFIED = 0
+    VERIFIED = 1
+    RESERVED = 2
+    COMMITTED = 3
+    RUNNING = 4
+
+
+@dataclass(eq=False, kw_only=True)
+class Task:
+    """What a client configures and runs. The engine moves it from state to state."""
+
+    name: str
+    owner: str  # a connection where tasks are not shared; else empty
+    number: int  # counts the server's tasks; seeds their noise
+    channels: list[Channel] = field(default_factory=list)
+    timing: TaskTiming = field(default_factory=TaskTiming)
+    state: TaskState = TaskState.UNVERIFIED
+    auto_start: bool = True  # a read starts the task
+    read_all_available: bool = False
+    channels_to_read: str = ""
+    started_by_read: bool = False
+    held: bool = False  # the client has reserved it: a stop then leaves it reserved
+    starts: int = 0  # seeds the noise of each acquisition
+    acquisition: Acquisition | None = None  # while it runs by a sample clock
+    on_demand: Sampler | None = None  # while it runs without
+    events: TaskEvents = field(default_factory=TaskEvents)
+
+    @property
+    def running(self) -> bool:
+        """Started and not stopped; a finite acquisition that is done still runs in this sense."""
+        return self.state is TaskState.RUNNING
+
+    @property
+    def type(self) -> ChannelType | None:
+        """The type that all its channels have."""
+        return self.channels[0].type if self.channels else None
+
+    @property
+    def inputs(self) -> list[AnalogInputChannel]:
+        """Its channels, if they are analog inputs."""
+        return [c for c in self.channels if isinstance(c, AnalogInputChannel)]
+
+    @property
+    def outputs(self) -> list[AnalogOutputChannel]:
+        """Its channels, if they are analog outputs."""
+        return [c for c in self.channels if isinstance(c, AnalogOutputChannel)]
+
+    @property
+    def digital(self) -> list[DigitalChannel]:
+        """Its channels, if they are digital."""
+        return [c for c in self.channels if isinstance(c, DigitalChannel)]
+
+    @property
+    def device_names(self) -> list[str]:
+        """The boards it uses."""
+        return list(dict.fromkeys(channel.device.name for channel in self.channels))
+
+    def add(self, channel: Channel) -> None:
+        """One more channel, of the type the others have."""
+        self.refuse_while_running(Code.TASK_RUNNING)
+        if self.type not in (None, channel.type):
+            raise StatusError(Code.MIXED_CHANNELS, task=self.name)
+        if any(channel.name.lower() == other.name.lower() for other in self.channels):
+            raise StatusError(Code.CHANNEL_TWICE, f"Channel Name: {channel.name}", self.name)
+        self.channels.append(channel)
+        self.changed()
+
+    def changed(self) -> None:
+        """A setting has changed: it will be verified again."""
+        if self.state is TaskState.VERIFIED:
+            self.state = TaskState.UNVERIFIED
+
+    def refuse_while_running(self, code: Code = Code.PROPERTY_WHILE_RUNNING) -> None:
+        """Raise when the task runs."""
+        if self.running:
+            raise StatusError(code, task=self.name)
+
+    def select(self, names: str) -> Iterator[Channel]:
+        """The channels in a list of names; all for an empty one."""
+        wanted = {name.lower() for name in split_list(names)}
+        found = [c for c in self.channels if not wanted or c.name.lower() in wanted]
+        if len(found) < max(1, len(wanted)):
+            raise StatusError(Code.NO_SUCH_CHANNEL, f"Channel Name: {names}", self.name)
+        return iter(found)
+
+    def verify(self) -> InputPlan | None:
+        """Check every setting against the boards; the plan of a clocked acquisition."""
+        if not self.channels:
+            raise StatusError(Code.NO_CHANNELS, task=self.name)
+        if self.inputs and len(self.device_names) > 1:
+            raise NotSimulatedError("a task of inputs of several boards is not simulated")
+        for output in self.outputs:
+            output.verified_range()
+        for channel in self.inputs:
+            channel.verified_range()
+        if self.timing.kind is TimingType.ON_DEMAND:
+            if self.events.every_n is not None:
+                raise StatusError(Code.EVENT_NOT_BUFFERED, task=self.name)
+            return None
+        return self._plan()
+
+    def _plan(self) -> InputPlan:
+        board = self.channels[0].device.board
+        if self.inputs:
+            return plan_input(self.timing, self.inputs[0].side, len(self.inputs))
+        if any(output.side.clocked for output in self.outputs):
+            raise NotSimulatedError("the simulated boards write on demand only")
+        if all(channel.buffered for channel in self.digital) and self.digital:
+            raise NotSimulatedError("the simulated lines are read and written on demand only")
+        raise StatusError(
+            Code.INVALID_VALUE,
+            f"Property: DAQmx_SampTimingType\nRequested: Sample Clock\n{board.product_type} has "
+            "static channels: On Demand only",
+            self.name,
+        )
+
+    def resources(self) -> list[str]:
+        """What must be reserved for it."""
+        found: list[str] = []
+        for channel in self.channels:
+            device = channel.device.name
+            if isinstance(channel, AnalogInputChannel):
+                found.append(f"{device}/ai")  # the board has one converter
+            elif isinstance(channel, AnalogOutputChannel):
+                found.append(f"{device}/{channel.physical}")
+            else:
+                found.extend(f"{device}/{line}" for line in channel.lines)
+        return found

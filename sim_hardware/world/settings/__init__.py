@@ -1,0 +1,20 @@
+"""The settings of a simulated world."""
+
+from sim_hardware.world.settings.faults import FaultKind, FaultSettings
+from sim_hardware.world.settings.rig import (
+    AmplifierSettings,
+    LoadCellSettings,
+    Signal,
+    WiringSettings,
+)
+from sim_hardware.world.settings.world import WorldSettings
+
+__all__ = [
+    "AmplifierSettings",
+    "FaultKind",
+    "FaultSettings",
+    "LoadCellSettings",
+    "Signal",
+    "WiringSettings",
+    "WorldSettings",
+]

@@ -1,0 +1,1 @@
+"""The signals around the sheet: amplifier, its supply relay, load cell, noise."""

@@ -1,0 +1,131 @@
+"""The pages of the panel: each a plug-in, ours and those of other distributions."""
+
+from __future__ import annotations
+
+import http.client
+import sys
+from pathlib import Path
+
+import pytest
+
+from drivers.plugins import PluginWarning
+from labrig.panel.pages.conformance import faults
+from labrig.panel.pages.interface import PAGES, PanelPage, listing
+from tests.labrig.panel.page import Page
+from tests.labrig.panel.plugin_pages import install, panel_with_plugins
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A panel of sessions, where another distribution has pages."""
+    with panel_with_plugins(tmp_path_factory.mktemp("site")) as server:
+        yield server
+
+
+@pytest.mark.parametrize("name", PAGES.parts())
+def test_each_of_our_pages_keeps_the_contract(name):
+    assert faults(PAGES.get(name)) == []
+
+
+def test_each_fault_of_a_page_is_named():
+    class Odd:
+        title, order, modes, opens, script, data, router = "", "1", {"rig"}, None, "x.js", 1, 2
+
+    assert len(faults(Odd())) == 7
+    assert "neither a script nor data" in " ".join(faults("no page"))
+
+
+def test_the_menu_is_that_of_the_mode_and_the_other_pages_are_reached_by_links():
+    def menu(mode):
+        return [page["name"] for page in listing(mode)["pages"] if page["menu"]]
+
+    assert {"run", "load-cell", "library"} <= set(menu("rig"))
+    assert "run" not in menu("sessions")
+    assert "session" not in menu("rig")
+    assert [listing(mode)["first"] for mode in ("rig", "sessions", "replay")] == [
+        "run", "library", "replay",
+    ]  # fmt: skip
+
+
+def test_every_listed_script_is_in_the_package():
+    static = Path(sys.modules["labrig.panel"].__path__[0]) / "static"
+    for page in listing("rig")["pages"]:
+        assert (static / page["script"].removeprefix("/static/")).is_file()
+
+
+def test_a_faulty_page_of_another_distribution_is_left_out(tmp_path, monkeypatch):
+    install(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    try:
+        with pytest.warns(PluginWarning, match=r"page of the panel 'bad'.*missing\.js"):
+            known = PAGES.parts()
+        assert isinstance(known["notes"].part, PanelPage)
+        assert "bad" not in known
+        assert PAGES.origins()["plain_notes"] == "labrig-notes 0.3"
+    finally:
+        sys.modules.pop("labrig_notes", None)
+
+
+@pytest.mark.slow
+def test_pages_of_another_distribution_are_listed_among_ours(installed):
+    found = installed.ask("GET", "/api/status")[1]["pages"]
+    own = {page["name"]: page for page in found}
+    assert own["notes"]["script"] == "/plugins/notes/page.js"
+    assert own["plain-notes"]["script"] == "/static/js/data_page.js"
+    names = [page["name"] for page in found]
+    assert names.index("new") < names.index("notes") < names.index("load-cell")
+    assert Page(installed).hello["status"]["pages"] == found
+
+
+@pytest.mark.slow
+def test_their_files_need_the_token_and_have_the_headers_of_all_others(installed):
+    assert installed.ask("GET", "/plugins/notes/page.js", as_browser=False)[0] == 401
+    connection = http.client.HTTPConnection(installed.netloc, timeout=20)
+    for path in ("/plugins/notes/page.js", "/static/js/main.js"):
+        connection.request("GET", path, headers={"Cookie": f"labrig_token={installed.token}"})
+        answer = connection.getresponse()
+        answer.read()
+        assert answer.status == 200
+        assert "javascript" in answer.headers["Content-Type"]
+        assert answer.headers["X-Content-Type-Options"] == "nosniff"
+        assert "script-src 'self'" in answer.headers["Content-Security-Policy"]
+    connection.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "path",
+    [
+        "notes/secret.toml", "notes/../labrig_notes.py", "notes/%2e%2e/labrig_notes.py",
+        "notes/..%2flabrig_notes.py", "notes//etc/passwd", "notes/", "notes/page.js%00",
+        "plain-notes/page.js", "nobody/page.js", "run/run.js",
+    ],
+)  # fmt: skip
+def test_nothing_but_a_pages_own_files_is_served(installed, path):
+    status, answer = installed.ask("GET", f"/plugins/{path}")
+    assert status == 404
+    assert set(answer) == {"error"}
+
+
+@pytest.mark.slow
+def test_their_data_and_routes_stand_below_their_name(installed):
+    status, data = installed.ask("GET", "/api/pages/notes")
+    assert (status, data["sentences"]) == (200, ["All is noted."])
+    assert installed.ask("GET", "/api/pages/notes", as_browser=False)[0] == 401
+    page = Page(installed)
+    assert page.ask("POST", "/api/pages/notes/note")[0] == 403
+    page.take_control("Ann")
+    assert page.do("/api/pages/notes/note")["who"].startswith("Ann")
+    actions = installed.ask("GET", "/api/log")[1]["actions"]
+    assert actions[-1]["what"] == "wrote a note"
+    page.close()
+
+
+@pytest.mark.slow
+def test_a_page_that_fails_answers_with_a_sentence(installed):
+    assert installed.ask("GET", "/api/pages/notes/refused") == (
+        400, {"error": "there are no notes."}
+    )  # fmt: skip
+    status, answer = installed.ask("GET", "/api/pages/failing")
+    assert status == 500
+    assert answer["error"] == "the page failing has no data: KeyError: 'ink'."
