@@ -225,7 +225,9 @@ def _rms_gap(rows: list[ErrorRow], when: str) -> Gap:
     curves = [getattr(row, f"{when}_off_m") for row in rows]
     means = np.array([np.mean(off**2) for off in curves if len(off)])
     return Gap(
-        1e3 * _rms(force), 1e3 * float(np.sqrt(np.mean(means))) if len(means) else np.nan, 1.0
+        force_rmse_mN=1e3 * _rms(force),
+        curve_rmse_mm=1e3 * float(np.sqrt(np.mean(means))) if len(means) else np.nan,
+        chi2_per_dof=1.0,
     )
 
 
