@@ -37,7 +37,7 @@ class ClosedModel(BaseModel):
 
 
 def _kinds(annotation: Any) -> frozenset[type]:
-    """Yield the plain types that an annotation is made of, at any depth."""
+    """Return the plain types that an annotation is made of, at any depth."""
     parts = get_args(annotation)
     if get_origin(annotation) is Literal:
         return frozenset(type(part) for part in parts)
@@ -63,7 +63,7 @@ Model = TypeVar("Model", bound=ClosedModel)
 
 
 def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """The content of a text file, or one sentence about why there is none.
+    """Return the content of a text file; BadInputError of one sentence if there is none.
 
     Only an ordinary file is opened: a pipe would be waited for, a device read without end.
     """

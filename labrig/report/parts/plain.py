@@ -20,7 +20,7 @@ Made = TypeVar("Made")
 
 
 def to_plain(value: Any) -> Any:
-    """Return lists, dictionaries, texts and numbers; objects with `to_dict` choose their own form."""
+    """Return plain lists, dictionaries, texts, numbers; `to_dict` of an object chooses its form."""
     if hasattr(value, "to_dict"):
         return finite(value.to_dict())
     if is_dataclass(value) and not isinstance(value, type):
@@ -33,7 +33,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(kind: type[Made], plain: Any) -> Made:
-    """Return the object. Raises ValueError, TypeError or KeyError for what `to_plain` never wrote."""
+    """Return the object. ValueError, TypeError or KeyError for what `to_plain` never wrote."""
     made: Made = _made(kind, plain)
     return made
 
