@@ -62,7 +62,7 @@ def look(rig: Rig, plan: Plan) -> list[Check]:
     """The checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
-        checks += _camera(rig, rig.camera, plan)
+        checks += camera_checks(rig, rig.camera, plan)
     return checks
 
 
@@ -151,7 +151,8 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
     return [float(np.mean(part)) for part in np.array_split(values, parts)]
 
 
-def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+    """Yield what a camera's images show: their size, their rate, and that they are not blank."""
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(
