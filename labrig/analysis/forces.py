@@ -18,7 +18,7 @@ from protocols.planning.schedule import PlannedReading, ReadingKind
 FORCE, DRIVE = "force", "drive"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceReading:
     """One reading, measured anew."""
 

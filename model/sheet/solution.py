@@ -125,7 +125,13 @@ class SolvedProblems:
                 x[i], y[i], phi[i], k[i] = _hanging(setup, s_m)
         tilt = np.array([s.clamp_rad for s in self.setups])[:, None]
         cos, sin = np.cos(tilt), np.sin(tilt)
-        return Shapes(s_m, cos * x - sin * y, sin * x + cos * y, phi + tilt, k)
+        return Shapes(
+            s_m=s_m,
+            x_m=cos * x - sin * y,
+            y_m=sin * x + cos * y,
+            phi_rad=phi + tilt,
+            curvature_per_m=k,
+        )
 
 
 def _hanging(

@@ -35,7 +35,7 @@ class Order:
 
     @classmethod
     def from_json(cls, text: str) -> Order:
-        """The reverse. Raises BadInputError."""
+        """Return the reverse. Raises BadInputError."""
         try:
             values = json.loads(text)
             values["loads_mN"] = tuple(values.get("loads_mN", ()))

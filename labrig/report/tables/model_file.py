@@ -1,4 +1,4 @@
-"""A model file beside the models that are fitted: how far it is from the measurements as it is."""
+"""The errors of a model file as it is, compared with the models that are fitted."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SAME = 1e-6
 def model_rows(
     measurements: Measurements, model: SheetModel, label: str, names: list[str]
 ) -> Iterator[BaselineRow]:
-    """A row for each configuration that the model has; BadInputError for another sheet."""
+    """Yield a row for each configuration that the model has; BadInputError for another sheet."""
     for name in names:
         if name not in model.sheets:
             continue

@@ -1,4 +1,4 @@
-"""B and EIBM of each set-up beside the common ones, as a table."""
+"""B and EIBM of each set-up compared with the common ones, as a table."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def sessions_of_runs(
 def by_run_table(
     fit: Fit, found: Sequence[MountingParameters], sessions: Mapping[Run, str]
 ) -> Table:
-    """A row for each set-up, below the common values of its configuration."""
+    """Return a row for each set-up, below the common values of its configuration."""
     driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
     columns = ["set-up", "B, µN·m²", "off, %"]
     for voltage in driven:

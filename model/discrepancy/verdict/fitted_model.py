@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.locations.nonparametric import unknown_effect
 from model.discrepancy.prepare import Options
+from model.discrepancy.verdict.inferred_form import unknown_effect
 from model.discrepancy.verdict.result import Gap, Unknown
 from model.effects.interface import EffectParameter
 from model.identification.likelihood.form_error import Found

@@ -101,8 +101,9 @@ class ReadingTimes:
         before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
         opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
         return AcquisitionTimes(
-            np.full(shape, self.voltage_V), np.full(shape, SAMPLE_S), pulse, run_s, session,
-            wetted, dried, opposite, np.full(shape, self.rise_s), self.worked_s + driven,
+            voltage_V=np.full(shape, self.voltage_V), pulse_s=np.full(shape, SAMPLE_S), pulse=pulse,
+            run_s=run_s, session=session, wetted_s=wetted, driven_s=dried, opposite=opposite,
+            rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
         )  # fmt: skip
 
 

@@ -163,10 +163,11 @@ class ConfigurationModel:
         none = np.zeros(K)
         change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
         return BeamProblem(
-            self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
-            change, bent, np.zeros((K, G)), np.ones((K, G)),
-            none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
-            self.share, self.upright,
+            sheet=self.sheet, s_m=self.s_m, voltage_V=self.voltage_V, stated_m=self.stated_m,
+            up=self.up, stiffness=np.full(K, stiffness), rest=change, eibm=bent,
+            bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none, shift_m=none.copy(),
+            tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m, clock=self.clock,
+            reading_of=self.reading_of, share=self.share, upright=self.upright,
         )  # fmt: skip
 
     # -- solving
@@ -273,7 +274,17 @@ class ConfigurationModel:
     ) -> Equilibria:
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        found = solve(Problems(self.breaks, kappa, soft, radius_m, reach, angle), start)
+        found = solve(
+            Problems(
+                breaks_m=self.breaks,
+                kappa=kappa,
+                softness=soft,
+                radius_m=radius_m,
+                reach_m=reach,
+                angle_rad=angle,
+            ),
+            start,
+        )
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
@@ -390,8 +401,9 @@ class ConfigurationModel:
 def _nothing_held(K: int, G: int) -> ContactSolution:
     nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
     return ContactSolution(
-        nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
-        along.copy(), along.copy(), zero,
+        force_N=nan, normal_N=nan.copy(), gamma_rad=nan.copy(), s_hat_m=nan.copy(), lever=along,
+        offset=along.copy(), x_m=along.copy(), y_m=along.copy(), phi_rad=along.copy(),
+        curvature=along.copy(), end_phi_rad=zero,
     )  # fmt: skip
 
 

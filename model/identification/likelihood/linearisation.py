@@ -19,7 +19,6 @@ from model.identification.likelihood.model_state import (
     AppliedEffect,
     ModelState,
     Mounting,
-    Perturbation,
 )
 from model.identification.likelihood.random_effects import (
     Added,
@@ -30,6 +29,7 @@ from model.identification.likelihood.random_effects import (
     scatter_columns,
 )
 from model.identification.likelihood.row_noise import RowNoise, width_of
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
