@@ -151,7 +151,7 @@ class BumpSettings(ClosedSettings):
     """A place along the sheet where it is not like its neighbours."""
 
     of: BumpOf
-    """The property: rest_curvature, eibm, even_moment (1/m; moments at 2 V), stiffness (relative)."""
+    """The property: rest_curvature, eibm, even_moment (1/m, at 2 V), stiffness (relative)."""
     at_mm: Annotated[float, Field(ge=0)]
     width_mm: Positive
     """Standard deviation of the bell curve."""
