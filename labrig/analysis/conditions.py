@@ -72,6 +72,7 @@ def _readings(
             valid=reading.valid,
             why=reading.why,
             curve=None if curves is None else curves.by_reading.get(reading.index),
+            other_values=reading.other_values,
         )
 
 

@@ -11,14 +11,13 @@ from drivers.interfaces import FloatArray
 from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.edges import VoltageEdge, find_edges
 from labrig.session import RunRecord
+from protocols.execution.channels import CURRENT, DRIVE, FORCE
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.rules import Rules, bad_samples, wrong_drive
 from protocols.planning.schedule import PlannedReading, ReadingKind
 
-FORCE, DRIVE = "force", "drive"
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceReading:
     """One reading, measured anew."""
 
@@ -32,6 +31,7 @@ class ForceReading:
     sample_index: float
     valid: bool
     why: str
+    other_values: dict[str, float]  # of further channels, by column
 
 
 def measure_forces(
@@ -80,6 +80,7 @@ class _ReadingMaker:
         drive_V = float(row["drive_V"])
         reasons = [str(row["why"])] if not row["valid"] else []
         first, last = window(centre, half)
+        filtered_V = None
         if first < 0 or last >= self._volts.shape[1]:
             reasons.append("the samples of its window were not recorded")
         else:
@@ -89,6 +90,7 @@ class _ReadingMaker:
                 force_N = float(self._calibration.newtons(volts[self._force]))
                 drive_V = float(volts[self._drive])
                 noise_N = noise_factor * self._scatter_N(first, last)
+                filtered_V = volts
         return ForceReading(
             index=planned.index,
             kind=planned.kind,
@@ -100,7 +102,18 @@ class _ReadingMaker:
             sample_index=centre,
             valid=not reasons,
             why="; ".join(_once(reasons)),
+            other_values=self._other_values(row, filtered_V),
         )
+
+    def _other_values(self, row: np.void, volts: FloatArray | None) -> dict[str, float]:
+        """Return the values from the filtered volts; as recorded where these are not to be had."""
+        found = self._run.values(row)
+        for at, channel in enumerate(self._run.signals):
+            if channel.name in (FORCE, DRIVE, CURRENT):
+                del found[channel.column]
+            elif volts is not None and np.isfinite(volts[at]) and channel.gain is not None:
+                found[channel.column] = float(channel.convert(volts[at]))
+        return {name: value for name, value in found.items() if np.isfinite(value)}
 
     def _centre(self, planned: PlannedReading, edge: VoltageEdge | None, recorded: float) -> float:
         if edge is None:

@@ -21,6 +21,7 @@ from labrig.experiment.signals import stop_signals
 from labrig.experiment.wiring import wire
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
+from protocols.execution.channels import FORCE_N
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import (
     Event,
@@ -168,7 +169,7 @@ class RunDisplay:
         elif isinstance(event, ReadingTaken) and self._run is not None:
             self._invalid += [event.why] * (not event.valid)
             fraction_s = self._run.time_of(event.planned)
-            self._tell(fraction_s, f"F = {1e3 * event.force_N:+.2f} mN")
+            self._tell(fraction_s, f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
             self._running = False
             self._done_s += self._run.duration_s + self._move_s

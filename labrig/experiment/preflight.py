@@ -15,6 +15,7 @@ from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import NOT_CALIBRATED, template_path
 from labrig.errors import NotReadyError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig import DRIVE, Rig, opened
 
@@ -90,9 +91,9 @@ def _age(name: str, date: dt.date, limit: int) -> Check:
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:
-    """Bytes of the session: raw samples of three channels, and the frames that are kept."""
+    """Bytes of the session: raw samples of all channels, and the frames that are kept."""
     seconds = sum(run.duration_s for run in plan.schedule.runs)
-    samples = 3 * 8 * seconds * plan.rig.boards.sample_rate_hz
+    samples = len(inputs_of(plan.rig)) * 8 * seconds * plan.rig.boards.sample_rate_hz
     readings = sum(len(run.readings) for run in plan.schedule.runs)
     every = plan.protocol.camera.keep_all_frames
     frames = seconds * plan.schedule.frame_rate_hz if every else readings

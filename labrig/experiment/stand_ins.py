@@ -9,14 +9,14 @@ from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import Camera, Operator
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
-from labrig.experiment.networked_rig import SERIAL_DEVICES
 from labrig.experiment.plan import Plan
 from sim_hardware.camera import SimulatedCapture
 from sim_hardware.clock import VirtualClock
 from sim_hardware.faults import FaultyRig
-from sim_hardware.operator import SimulatedPerson
+from sim_hardware.operator import SimulatedOperator
+from sim_hardware.plugins import UnknownPartError
 from sim_hardware.rig_boards import boards_of
-from sim_hardware.serial_devices import FOLDER as SERIAL_FOLDER
+from sim_hardware.serial_devices import FOLDER as SERIAL_DEVICES
 from sim_hardware.serial_devices import InMemorySerial
 from sim_hardware.world import World, WorldError, load_world
 
@@ -36,6 +36,7 @@ class StandIns:
             seed = (settings.seed + _DAY * plan.earlier) % 2**63
             settings = settings.model_copy(update={"seed": seed})
         self.clock = VirtualClock()
+        self._seed = settings.seed
         self._world = World(settings, self.clock)
         try:
             self._server = boards_of(self._world, self.clock)
@@ -43,7 +44,7 @@ class StandIns:
             raise BadInputError(f"{_world_file(plan)}: {error}") from None
         self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._server)
         self._faulty.begin()
-        self.operator: Operator = SimulatedPerson(self._world)
+        self.operator: Operator = SimulatedOperator(self._world)
         self._boards: dict[str, Callable[[], Any]] = {"ni": self._server.in_process_channel}
 
     def boards(self, kind: str) -> Any:
@@ -54,14 +55,15 @@ class StandIns:
 
     def serial(self, table: str, kind: str) -> Callable[..., Any]:
         """Return what opens the serial line of a part, as pyserial's `Serial`."""
-        makers, name = SERIAL_FOLDER.parts(), SERIAL_DEVICES.get(kind, kind)
-        if name not in makers:
-            raise _not_simulated(f'[{table}] kind = "{kind}"', makers)
-        device = makers[name].part(self._world, self.clock)
+        try:
+            device = SERIAL_DEVICES.get(kind)
+        except UnknownPartError as error:
+            raise BadInputError(f'rig.toml: [{table}] kind = "{kind}": {error}.') from None
 
         def opened(port: str, **options: Any) -> InMemorySerial:
+            made = device.make(self._world, self.clock, self._seed)
             return InMemorySerial(
-                device, self.clock, port=port, faults=self._faulty.serial, **options
+                made, self.clock, port=port, faults=self._faulty.serial, **options
             )
 
         return opened

@@ -16,6 +16,7 @@ from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import FORCE, Rig
 from protocols import RecordedOperator
@@ -105,7 +106,7 @@ def _signals(
     config: RigConfig, boards: BoardConnection, clock: Clock, stand_ins: StandIns | None
 ) -> SignalInput:
     """The board's inputs; where a meter reads the force, all but that one, and the meter."""
-    inputs = config.family.inputs(config.boards.settings())
+    inputs = inputs_of(config)
     sensor = config.force_sensor
     make = FORCE_SENSORS.get(sensor.kind).make
     if make is None:

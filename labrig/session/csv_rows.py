@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from labrig.config import read_text
 from labrig.errors import BadInputError
+from labrig.session.decimals import from_plain
 
 MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits
@@ -42,6 +43,14 @@ class CsvRow:
         """Whether the file has a column."""
         return column in self._cells
 
+    def values_after(self, prefix: str) -> dict[str, float]:
+        """Return the numbers in columns that begin with `prefix`, by the rest of their names."""
+        return {
+            name.removeprefix(prefix): self._read(name, text, from_plain, "a number")
+            for name, text in self._cells.items()
+            if name.startswith(prefix) and text
+        }
+
     def fault(self, text: str) -> BadInputError:
         """An error at this line."""
         return BadInputError(f"{self.file}, line {self.line}: {text}.")
@@ -53,15 +62,17 @@ class CsvRow:
             raise self.fault(f"column {column}: {text!r} is not {wanted}") from None
 
 
-def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> Iterator[CsvRow]:
-    """The rows of a file with these columns, in any order.
+def read_rows(
+    path: Path, required: Sequence[str], optional: Sequence[str], prefix: str | None = None
+) -> Iterator[CsvRow]:
+    """Yield the rows of a file with these columns, in any order, and those named by the prefix.
 
     Accepts a byte order mark and any line ending; lines without a value are passed over.
     """
     reader = csv.reader(io.StringIO(read_text(path, MOST_BYTES), newline=""), strict=True)
     try:
         header = [name.strip() for name in next(reader, [])]
-        _check_header(path, header, required, optional)
+        _check_header(path, header, required, optional, prefix)
         for cells in reader:
             if not any(cell.strip() for cell in cells):
                 continue
@@ -77,7 +88,11 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> I
 
 
 def _check_header(
-    path: Path, header: Sequence[str], required: Sequence[str], optional: Sequence[str]
+    path: Path,
+    header: Sequence[str],
+    required: Sequence[str],
+    optional: Sequence[str],
+    prefix: str | None,
 ) -> None:
     known = [*required, *optional]
     if not header or header == [""]:
@@ -88,7 +103,7 @@ def _check_header(
             "for their decimals)."
         )
     for name in header:
-        if name not in known:
+        if name not in known and not (prefix and name.startswith(prefix) and name != prefix):
             raise BadInputError(
                 f"{path}: column {name!r} is not known; the columns are {', '.join(known)}."
             )

@@ -94,10 +94,10 @@ def check_format(file: Any, path: Path) -> None:
     found = file.attrs.get("labrig_format")
     if found is None or not isinstance(found, (int, np.integer)):
         raise BadInputError(f"{path}: this HDF5 file is no labrig session.")
-    if int(found) != layout.FORMAT:
+    if int(found) not in layout.READABLE:
         raise BadInputError(
-            f"{path}: the session has format {int(found)} and this labrig reads format "
-            f"{layout.FORMAT}; use a labrig that fits."
+            f"{path}: the session has format {int(found)} and this labrig reads formats "
+            f"{' and '.join(map(str, layout.READABLE))}; use a labrig that fits."
         )
 
 

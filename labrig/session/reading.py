@@ -12,11 +12,14 @@ import numpy as np
 
 from labrig.config import parse_json
 from labrig.errors import BadInputError
+from labrig.serialise import from_plain
 from labrig.session import layout
+from labrig.session.channels import channels_of
 from labrig.session.disk import is_of_writing
 from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup, schedule_back
+from labrig.session.setup import SessionSetup, check_recorded
 from protocols.errors import ScheduleError
+from protocols.planning.schedule import Schedule
 
 
 @contextmanager
@@ -108,17 +111,20 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
     def scalar(name: str) -> Any:
         return read_array(read_dataset(file, f"{layout.SETUP}/{name}", path), path)[()]
 
-    signals = read_table(file, f"{layout.SETUP}/signals", layout.SIGNAL_ROW, path)
+    version = int(file.attrs["labrig_format"])
+    signals = read_table(file, f"{layout.SETUP}/signals", layout.SIGNAL_ROWS[version], path)
     has_frames = f"{layout.SETUP}/frame_shape" in file
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
+        schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
+        check_recorded(schedule)
         return SessionSetup(
-            schedule=schedule_back(_json(file, "schedule", path)),
+            schedule=schedule,
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
             resolved=_json(file, "resolved", path),
-            channels=tuple(str(name) for name in signals["name"]),
-            ranges_V=tuple(float(value) for value in signals["range_V"]),
+            version=version,
+            signals=channels_of(signals, version),
             rate_hz=float(scalar("rate_hz")),
             frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
             frame_dtype=frame_dtype,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from labrig.session.create import FRAME_COMPRESSION
 from labrig.session.layout import Array
 from labrig.session.setup import SessionSetup
 from protocols.execution import events as ev
+from protocols.execution.channels import Values
 
 
 @dataclass(frozen=True)
@@ -254,17 +255,26 @@ class Translator:
         if event.frame is not None and self._setup.frame_shape is not None:
             images = self._frame(event.run, event.frame, planned.index)
             frame = self._frames[event.run][event.frame.number]
-        row = np.zeros(1, dtype=layout.READING_ROW)
+        row = np.zeros(1, dtype=self._setup.reading_row)
         row["index"], row["step"], row["kind"] = planned.index, planned.step, planned.kind.encode()
         row["voltage_V"] = planned.voltage_V
         row["planned_s"] = started.run.time_of(planned)
         row["time_s"] = event.sample_time_s - started.time_s
         row["sample_index"] = event.sample_index
-        row["force_N"], row["drive_V"] = event.force_N, event.drive_V
-        row["current_A"] = event.current_A
+        for column, value in self._values(event.values):
+            row[column] = value
         row["frame"], row["frame_offset_s"] = frame, _or_nan(event.frame_offset_s)
         row["valid"], row["why"] = event.valid, layout.cut(event.why, 240)
         return [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
+
+    def _values(self, values: Values) -> Iterator[tuple[str, float]]:
+        """Yield what each column of the channels holds; NaN where the reading has no value."""
+        columns = self._setup.value_columns
+        unknown = sorted(values.keys() - set(columns))
+        if unknown:
+            raise ValueError(f"a reading has a value {unknown[0]}, for which there is no channel")
+        for column in columns:
+            yield column, values.get(column, math.nan)
 
     def _marked(self, event: ev.ReadingMarked) -> list[EventRows]:
         row = np.zeros(1, dtype=layout.MARK_ROW)

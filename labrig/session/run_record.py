@@ -33,7 +33,10 @@ class RunRecord:
     def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: SessionSetup) -> None:
         self.planned = planned
         self.channels = setup.channels
-        self.ranges_V = dict(zip(setup.channels, setup.ranges_V, strict=True))
+        self.signals = setup.signals
+        self.ranges_V = {channel.name: channel.range_V for channel in setup.signals}
+        self._reading_row = setup.reading_row
+        self._value_columns = setup.value_columns
         self._file = file
         self._path = path
         self._has_frames = setup.frame_shape is not None
@@ -128,17 +131,22 @@ class RunRecord:
     @property
     def readings_as_taken(self) -> Array:
         """Each reading, as if none had been marked later."""
-        return self._table("readings", layout.READING_ROW)
+        return self._table("readings", self._reading_row)
 
     @cached_property
     def readings(self) -> Array:
-        """Each reading, columns as in `layout.READING_ROW`; marks are in `valid` and `why`."""
+        """Each reading, columns as in `layout.reading_row`; marks are in `valid` and `why`."""
         rows = self.readings_as_taken
         for mark in self.marks:
             hit = rows["index"] == mark["reading"] if mark["reading"] >= 0 else slice(None)
             rows["valid"][hit] = False
             rows["why"][hit] = mark["why"]
         return rows
+
+    def values(self, row: Any) -> dict[str, float]:
+        """Return the values of a row of the readings, by the columns of the run's channels."""
+        recorded = {channel.column for channel in self.signals}
+        return {name: float(row[name]) for name in self._value_columns if name in recorded}
 
     # ------------------------------------------------------------------------------------- frames
 

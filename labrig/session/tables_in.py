@@ -54,7 +54,7 @@ def read_tables(
 ) -> Measurements:
     """Measurements from CSV files. Raises BadInputError naming file, line and column."""
     gathered: dict[_Key, _Gathered] = {}
-    for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL):
+    for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL, columns.CHANNEL):
         _add_force(gathered, row, sheet)
     unsaid = False
     if curves is not None:
@@ -119,6 +119,7 @@ def _add_force(
         wetted_s=row.optional("wetted_s", from_plain, NUMBER, None),
         valid=row.optional("valid", truth, "true or false", default=True),
         why=row.optional("why", str, "a text", ""),
+        other_values=row.values_after(columns.CHANNEL),
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
+from labrig.session.channels import as_recorded
 from labrig.session.create import create_file
 from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.journal import Journal, journal_path
@@ -25,6 +26,7 @@ from labrig.session.rows import Translator
 from labrig.session.setup import SessionSetup, present_versions
 from labrig.session.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
+from protocols.execution.channels import Channel
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
@@ -65,8 +67,7 @@ class SessionWriter:
         schedule: Schedule,
         texts: Mapping[str, str],
         resolved: Mapping[str, Any],
-        channels: Sequence[str],
-        ranges_V: Sequence[float],
+        channels: Sequence[Channel],
         rate_hz: float,
         frame_shape: tuple[int, int] | None,
         frame_dtype: np.dtype[Any] | str = "uint8",
@@ -84,8 +85,7 @@ class SessionWriter:
             schedule=schedule,
             texts=dict(texts),
             resolved=dict(resolved),
-            channels=tuple(channels),
-            ranges_V=tuple(float(value) for value in ranges_V),
+            signals=tuple(map(as_recorded, channels)),
             rate_hz=float(rate_hz),
             frame_shape=frame_shape,
             frame_dtype=np.dtype(frame_dtype).name,

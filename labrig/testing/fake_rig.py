@@ -31,6 +31,7 @@ from drivers.interfaces import (
 )
 from drivers.safe_shutdown import SafetyReport, make_safe
 from protocols import (
+    Channel,
     Devices,
     Place,
     SafetyLimits,
@@ -42,6 +43,11 @@ from protocols import (
 from protocols.execution.events import Event
 from protocols.kinds.pulse_train import PulseTrain
 
+CHANNELS = (
+    Channel(name="force", quantity="force", unit="N", range_V=0.05),
+    Channel(name="current", quantity="electric current", unit="A", range_V=5.0),
+    Channel(name="drive", quantity="voltage", unit="V", range_V=10.0),
+)
 E = TypeVar("E", bound=Event)
 
 LIMITS = SafetyLimits(sheet_voltage_V=2.5, time_under_voltage_s=30.0)
@@ -353,7 +359,7 @@ class FakeRig:
             camera=self.camera if camera else None,
             stage=self.stage,
             operator=self.operator,
-            newtons=lambda volts: volts * 1.0,
+            channels=CHANNELS,
         )
         self.stop = StopRequest()
         self.events: list[Event] = []

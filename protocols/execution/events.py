@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
+from protocols.execution.channels import Values
 from protocols.planning.schedule import PlannedReading, PlannedRun
 
 
@@ -107,9 +108,7 @@ class ReadingTaken(Event):
     planned: PlannedReading
     sample_index: float  # of the sampling point, from the write of its step
     sample_time_s: float  # clock time of the sampling point
-    force_N: float
-    drive_V: float  # at the sampling point, as read back
-    current_A: float
+    values: Values  # of every channel at the sampling point: force_N, drive_V (as read back), ...
     frame: Frame | None  # the frame nearest to the sampling point
     frame_offset_s: float | None  # its time minus that of the sampling point
     valid: bool

@@ -6,10 +6,9 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from drivers.interfaces import Frame, SampleClock, SignalBlock
-from protocols.execution.devices import Devices, ReadingSinks
+from protocols.execution.channels import DRIVE_V
+from protocols.execution.devices import Devices
 from protocols.execution.events import FramesArrived, ReadingTaken, VoltageSet
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.lateness import lateness_s, written_s
@@ -63,7 +62,7 @@ class ReadingMaker:
     ) -> None:
         self._run = run
         self._devices = devices
-        self._rows = ReadingSinks.of(devices.signals)
+        self._rows = devices.rows()
         self._sample_clock = sample_clock
         self._rules = rules
         self._timing = timing
@@ -141,22 +140,16 @@ class ReadingMaker:
         first, last = window(pending.centre, pending.half_window)
         # One sample more on either side: they carry no weight, whichever way the index rounds.
         volts = self.samples.between(first - 1, last + 1)
-        signals = np.stack(
-            [
-                self._devices.newtons(volts[self._rows.force]),
-                volts[self._rows.drive],
-                self._devices.amperes(self._rows.of_current(volts)),
-            ]
-        )
+        signals = self._rows.converted(volts)
         centre = pending.centre - (first - 1)
-        force_N, drive_V, current_A = symmetric_mean(signals, centre, pending.half_window).value
+        values = self._rows.values(symmetric_mean(signals, centre, pending.half_window).value)
         frame = self._nearest_frame(pending.sample_s)
         inner = volts[:, 1:-1]
         inputs = self._devices.signals
         why = [
             *late_edge(lateness_s(pending.edge), self._rules),
             *bad_samples(inner, inputs.ranges_V, inputs.channels),
-            *wrong_drive(float(drive_V), pending.edge.write.sheet_V, self._rules),
+            *wrong_drive(values[DRIVE_V], pending.edge.write.sheet_V, self._rules),
         ]
         if frame is not None:
             why += bad_frame(frame, self._last_frame, self._reach_s, self._rules)
@@ -169,9 +162,7 @@ class ReadingMaker:
             planned=pending.planned,
             sample_index=pending.centre,
             sample_time_s=pending.sample_s,
-            force_N=float(force_N),
-            drive_V=float(drive_V),
-            current_A=float(current_A),
+            values=values,
             frame=frame,
             frame_offset_s=None if frame is None else frame.time_s - pending.sample_s,
             valid=not why,

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.devices import Devices, ReadingSinks
+from protocols.execution.devices import Devices
 from protocols.execution.events import (
     Event,
     RunStarted,
@@ -84,7 +84,7 @@ class RunLoop:
         self._frame_rate_hz = frame_rate_hz
         self._stage_position_m = stage_position_m
         self._wetted_at_s = wetted_at_s
-        self._rows = ReadingSinks.of(loop.devices.signals)
+        self._rows = loop.devices.rows()
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0

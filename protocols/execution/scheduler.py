@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
 from protocols.errors import ScheduleError
-from protocols.execution.devices import Devices, ReadingSinks
+from protocols.execution.devices import Devices
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
     Event,
@@ -165,7 +165,7 @@ class Scheduler:
     def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:
         self._enter(RunState.PREPARING)
         self._emit(SessionStarted(self._clock.now(), self._wall()))
-        ReadingSinks.of(self._devices.signals)
+        self._devices.rows()
         self._output.write(0.0)
         self._output.tell("the session begins at 0 V")
         for run in schedule.runs:

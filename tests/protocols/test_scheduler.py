@@ -238,7 +238,7 @@ def test_lost_samples_are_counted_and_spoil_the_readings_they_belong_to(rig):
     assert sorted(r.valid for r in readings) == [False, True, True, True, True]
     spoilt = next(r for r in readings if not r.valid)
     assert "samples were lost in its window" in spoilt.why
-    assert np.isnan(spoilt.force_N)
+    assert np.isnan(spoilt.values["force_N"])
 
 
 def test_wetting_is_timed_from_the_operators_answer(rig):
@@ -357,7 +357,7 @@ def _comparable(event):
     if isinstance(event, SignalsArrived):
         return (event.run, event.block.first_index, event.block.volts.tobytes())
     if isinstance(event, ReadingTaken):
-        return (event.time_s, event.planned, event.force_N, event.frame.number)
+        return (event.time_s, event.planned, event.values["force_N"], event.frame.number)
     return event
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 import threading
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError
 from labrig.files import not_written
+from labrig.serialise import from_json, to_json
 
 HIDDEN = ".labrig"
 GOING = "going"
@@ -22,7 +22,7 @@ _AGAIN_S = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class JobAddress:
-    """A job, and how to speak with it. `key` must be told first; nobody else knows it."""
+    """A job, and how to connect to it. A client sends `key` first; nobody else knows it."""
 
     id: str
     kind: str  # run | preflight | weighing | camera
@@ -38,17 +38,17 @@ class JobAddress:
     text: str = ""
 
     def message(self) -> dict[str, Any]:
-        """What pages may know of it."""
+        """Return what pages may know of it."""
         shown = ("id", "kind", "state", "by", "wall", "session", "code", "text")
         return {"type": "job", **{name: getattr(self, name) for name in shown}}
 
     def ended(self, code: int | None, text: str, state: str = ENDED) -> JobAddress:
-        """The same, over."""
+        """Return the same, over."""
         return replace(self, state=state, code=code, text=text)
 
 
 def hidden_folder(data: Path) -> Path:
-    """The panel's own folder within the data folder, made when it is not there."""
+    """Return the panel's own folder within the data folder, made when it is not there."""
     folder = data / HIDDEN
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -69,7 +69,7 @@ def write_address(data: Path, address: JobAddress) -> None:
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
-            json.dump(asdict(address), file)
+            file.write(to_json(address))
         _put(beside, path)
     except OSError as error:
         raise not_written(path, error) from None
@@ -87,9 +87,9 @@ def _put(beside: Path, path: Path) -> None:
 
 
 def read_address(data: Path) -> JobAddress | None:
-    """The last job; None when there was none, or the file is no such file."""
+    """Return the last job; None when there was none, or the file is no such file."""
     try:
         with address_path(data).open("rb") as file:
-            return JobAddress(**json.loads(file.read(65536)))
-    except (OSError, ValueError, TypeError):
+            return from_json(JobAddress, file.read(65536))
+    except (OSError, ValueError):
         return None

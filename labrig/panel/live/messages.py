@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from math import degrees
+from math import degrees, nan
 from typing import Any
 
 from drivers.interfaces import Prompt
 from protocols import describe
 from protocols.execution import events as ev
+from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N
 from protocols.planning.schedule import PlannedRun, Schedule
 
 Message = dict[str, Any]
 
 
 class MessageEncoder:
-    """Writes down one session. Not thread-safe: one thread tells it of the events in order."""
+    """Encode the events of one session. Not thread-safe; events come in order."""
 
     def __init__(self) -> None:
         self._begun_s: float | None = None
@@ -37,12 +38,12 @@ class MessageEncoder:
         }
 
     def message(self, event: ev.Event) -> Message | None:
-        """What is told of an event; None: it shows elsewhere (signals, pictures) or not at all."""
+        """Return an event's message; None: it shows elsewhere (signals, images) or not at all."""
         way = self._ways.get(type(event))
         return None if way is None else way(event)
 
     def asked(self, time_s: float, prompt: Prompt) -> tuple[int, Message]:
-        """A prompt, and the number by which it is answered."""
+        """Return a prompt, and the number by which it is answered."""
         self._asked += 1
         return self._asked, {
             "type": "prompt",
@@ -57,7 +58,7 @@ class MessageEncoder:
         }
 
     def answered(self, time_s: float, done: bool) -> Message:
-        """The last prompt was answered."""
+        """Return the last prompt was answered."""
         said = "done" if done else "stop the session"
         return {
             "type": "answered",
@@ -118,9 +119,10 @@ class MessageEncoder:
             "step": planned.step,
             "kind": planned.kind.value,
             "voltage_V": planned.voltage_V,
-            "force_mN": 1e3 * event.force_N,
-            "drive_V": event.drive_V,
-            "current_mA": 1e3 * event.current_A,
+            "force_mN": 1e3 * event.values[FORCE_N],
+            "drive_V": event.values[DRIVE_V],
+            "current_mA": 1e3 * event.values.get(CURRENT_A, nan),
+            "values": dict(event.values),
             "frame": None if frame is None else frame.number,
             "frame_offset_ms": None if offset_s is None else round(1e3 * offset_s, 3),
             "valid": event.valid,
@@ -201,7 +203,7 @@ def plan_message(
     picture: Message | None,
     done: Collection[int] = (),
 ) -> Message:
-    """What is going to be done, for the timeline."""
+    """Return what is going to be done, for the timeline."""
     found = describe(schedule)
     rows = {row.run: row for row in found.rows}
     return {

@@ -7,10 +7,11 @@ Between processes each of these has its whole length before it, once more as `u3
 from __future__ import annotations
 
 import json
-import math
 import socket
 import struct
 from typing import IO, Any
+
+from labrig.serialise import finite
 
 Header = dict[str, Any]
 
@@ -30,7 +31,7 @@ def pack(header: Header, payload: bytes | memoryview = b"") -> bytes:
 
 
 def unpack(packed: bytes) -> tuple[Header, memoryview]:
-    """The reverse of `pack`. Raises BrokenConnectionError."""
+    """Return the reverse of `pack`. Raises BrokenConnectionError."""
     if len(packed) < 4:
         raise BrokenConnectionError("a message is shorter than its own beginning")
     end = 4 + _U32.unpack_from(packed)[0]
@@ -50,17 +51,7 @@ def dumps(value: Any) -> str:
     try:
         return json.dumps(value, allow_nan=False, separators=(",", ":"))
     except ValueError:
-        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+        return json.dumps(finite(value), allow_nan=False, separators=(",", ":"))
 
 
 def send(connection: socket.socket, packed: bytes) -> None:
@@ -69,7 +60,7 @@ def send(connection: socket.socket, packed: bytes) -> None:
 
 
 def receive(connection: socket.socket, most_bytes: int = MOST_BYTES) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenConnectionError at the end, OSError (also TimeoutError)."""
+    """Return the next message. Raises BrokenConnectionError at the end, OSError or TimeoutError."""
     size = _U32.unpack(_exactly(connection, 4))[0]
     if size > most_bytes:
         raise BrokenConnectionError(f"a message of {size} bytes is more than {most_bytes}")
@@ -83,7 +74,7 @@ def write(pipe: IO[bytes], packed: bytes) -> None:
 
 
 def read(pipe: IO[bytes]) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenConnectionError at the end, OSError."""
+    """Return the next message. Raises BrokenConnectionError at the end, OSError."""
     begin = pipe.read(4)
     size = _U32.unpack(begin)[0] if len(begin) == 4 else 0
     packed = pipe.read(min(size, MOST_BYTES))

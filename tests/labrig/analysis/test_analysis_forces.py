@@ -65,7 +65,10 @@ def test_forces_are_those_of_the_samples_at_the_sampling_points(tmp_path):
 
 def test_live_readings_do_not_matter(tmp_path):
     wrong = change(
-        ev.ReadingTaken, lambda e: replace(e, force_N=99.0, sample_index=0.0, drive_V=9.0)
+        ev.ReadingTaken,
+        lambda e: replace(
+            e, sample_index=0.0, values=dict(e.values) | {"force_N": 99.0, "drive_V": 9.0}
+        ),
     )
     plain = record_with(tmp_path / "a.h5", ONE_RUN)
     other = record_with(tmp_path / "b.h5", ONE_RUN, wrong)

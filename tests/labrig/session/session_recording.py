@@ -11,12 +11,19 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
+from labrig.session.channels import as_recorded
+from labrig.session.setup import SessionSetup
 from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
+from protocols.execution.channels import current_channel, drive_channel, force_channel
 from protocols.kinds.pulse_train import PulseTrain
 
-CHANNELS = ("force", "current", "drive")
-RANGES_V = (0.05, 0.5, 5.0)
+CHANNELS = (
+    force_channel(range_V=0.05, conversion=lambda volts: (volts - OFFSET_V) / SENSITIVITY_V_PER_N),
+    current_channel(range_V=0.5, shunt_ohm=2.0),
+    drive_channel(range_V=5.0),
+)
+NAMES = tuple(channel.name for channel in CHANNELS)
 RATE_HZ = 1000.0
 FRAME_SHAPE = (24, 32)
 SENSITIVITY_V_PER_N = 0.15
@@ -49,11 +56,16 @@ def settings(schedule: Schedule) -> dict[str, object]:
         "texts": TEXTS,
         "resolved": {"current_sense": {"shunt_ohm": 2.0}},
         "channels": CHANNELS,
-        "ranges_V": RANGES_V,
         "rate_hz": RATE_HZ,
         "frame_shape": FRAME_SHAPE,
         "simulated": True,
     }
+
+
+def setup_of(plan: dict[str, object]) -> SessionSetup:
+    """What a writer with these settings creates its file from."""
+    rest = {key: value for key, value in plan.items() if key != "channels"}
+    return SessionSetup(signals=tuple(map(as_recorded, plan["channels"])), **rest)
 
 
 def session_events(schedule: Schedule, block: int = 50, seed: int = 1) -> Iterator[ev.Event]:
@@ -117,16 +129,18 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
             reading,
             index,
             sample_s,
-            float(force_N(run, sample_s - start_s)),
-            reading.voltage_V,
-            0.01 * reading.voltage_V,
+            {
+                "force_N": float(force_N(run, sample_s - start_s)),
+                "drive_V": reading.voltage_V,
+                "current_A": 0.01 * reading.voltage_V,
+            },
             frame,
             4e-3,
             valid=True,
             why="",
         )
         at(sample_s + 0.1, taken)
-    yield ev.RunStarted(start_s, run, clock, CHANNELS, FRAME_SHAPE, None, 12.5)
+    yield ev.RunStarted(start_s, run, clock, NAMES, FRAME_SHAPE, None, 12.5)
     yield ev.OutputChanged(start_s, ev.OutputState.ENERGISED, "the first step")
     # Among events of one moment the blocks of samples may fall anywhere; the rest keep their order.
     yield from (event for _, _, event in sorted(happenings, key=lambda each: each[:2]))
