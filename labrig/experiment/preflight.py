@@ -37,7 +37,7 @@ def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None
 
 
 def plan_of(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> Plan:
-    """A plan for what needs the rig but no particular experiment."""
+    """Return a plan for what needs the rig but no particular experiment."""
     return load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
 
 
@@ -59,7 +59,7 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
 
 
 def look(rig: Rig, plan: Plan) -> list[Check]:
-    """The checks that need the open devices."""
+    """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
         checks += camera_checks(rig, rig.camera, plan)

@@ -52,7 +52,7 @@ def replay_plan(session: RecordedSession) -> Plan:
 
 
 def _on_simulated_boards(rig: RigConfig) -> RigConfig:
-    """Return the default family of boards: it plays the recording of any boards."""
+    """Replace the boards by the default family, through which recordings are played."""
     tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
     if rig.boards_kind != DEFAULT:
         tables[DEFAULT]["sample_rate_hz"] = rig.boards.sample_rate_hz
@@ -93,7 +93,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
 
 
 def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
-    """Return the channels as wired; the range of a force read by a meter holds all of it."""
+    """Return the channels as wired; a force that a meter has read gets a range for it."""
     wired = inputs_of(rig)
     if session.resolved.get(FORCE_UNIT) != "N":
         return list(wired)

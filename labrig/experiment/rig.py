@@ -71,7 +71,7 @@ class Rig:
 
 @contextmanager
 def opened(rig: Rig) -> Iterator[Rig]:
-    """The same rig with every device open; they are closed in reverse order, whatever happens.
+    """Open every device of a rig; they are closed in reverse order, whatever happens.
 
     A device that cannot be opened raises NotReadyError with the driver's sentence: nothing has been
     energised. The output is opened first and closed last, and both write 0 V; OutputUnknownError

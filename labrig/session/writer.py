@@ -23,7 +23,7 @@ from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_fold
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
-from labrig.session.setup import SessionSetup
+from labrig.session.setup import SessionSetup, present_versions
 from labrig.session.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
 from protocols.execution.channels import Channel
@@ -73,9 +73,13 @@ class SessionWriter:
         frame_dtype: np.dtype[Any] | str = "uint8",
         keep_all_frames: bool = False,
         simulated: bool = False,
+        parts: Mapping[str, str] | None = None,
         patience_s: float = PATIENCE_S,
     ) -> None:
-        """Create the file. Raises BadInputError when it exists or its folder cannot be used."""
+        """Create the file. Raises BadInputError when it exists or its folder cannot be used.
+
+        `parts`: other distributions' parts that the rig is made of, with their versions.
+        """
         self.path = Path(path)
         self._setup = SessionSetup(
             schedule=schedule,
@@ -87,6 +91,7 @@ class SessionWriter:
             frame_dtype=np.dtype(frame_dtype).name,
             keep_all_frames=keep_all_frames,
             simulated=simulated,
+            versions=present_versions() | dict(parts or {}),
         )
         self._journal = _begin(self.path, self._setup)
         self._translator = Translator(self._setup)
