@@ -129,7 +129,7 @@ def _rows(head: dict[str, Any], blob: bytes) -> EventRows | None:
     match head:
         case {"path": str(path), "at": None | int() as at, "count": int(count), "packed": bool(p)}:
             if 0 <= count < _MOST_ROWS and 0 <= (at or 0) < _MOST_ROWS:
-                return EventRows(path, at, count, blob, p)
+                return EventRows(path=path, at=at, count=count, blob=blob, packed=p)
     return None
 
 

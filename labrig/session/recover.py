@@ -34,7 +34,7 @@ from protocols.execution.events import Outcome, OutputState
 _CRASHED = "The recording was cut short; this was recovered from what had reached the disk."
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RecoverReport:
     """What was found, and what was made of it."""
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
+from labrig.plausibility import unit_warnings
 from labrig.session import columns
 from labrig.session.csv_rows import CsvRow, integer, one_of, read_rows, truth
 from labrig.session.curve_points import CurvePoints
 from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
-from labrig.session.plausibility import doubts
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
 
 NUMBER = "a number"
@@ -69,7 +69,7 @@ def read_tables(
         source=forces.name,
         warnings=(*_without_force(gathered), *([_UNSAID.format(curves)] if unsaid else [])),
     )
-    return replace(found, warnings=(*found.warnings, *doubts(found)))
+    return replace(found, warnings=(*found.warnings, *unit_warnings(found)))
 
 
 # -------------------------------------------------------------------------------------- conditions

@@ -26,7 +26,7 @@ from protocols.planning.schedule import PlannedReading, PlannedRun
 CENTRE_DECIMALS = 6  # of a sample
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Pending:
     """A reading whose edge has been written."""
 
@@ -124,7 +124,15 @@ class ReadingMaker:
         # replayed has the same readings to the last bit.
         centre = round(self._sample_clock.index_at(sample_s), CENTRE_DECIMALS)
         half_window = planned.half_window_s * self._sample_clock.rate_hz
-        self._pending.append(_Pending(planned, event, sample_s, centre, half_window))
+        self._pending.append(
+            _Pending(
+                planned=planned,
+                edge=event,
+                sample_s=sample_s,
+                centre=centre,
+                half_window=half_window,
+            )
+        )
         if self._devices.camera is not None and not self._keep_all:
             self._devices.camera.want(sample_s - self._reach_s, sample_s + self._reach_s)
 

@@ -13,7 +13,7 @@ _COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether the
 AT_THE_RAIL = 0.999  # of the input's range: the last counts of the converter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Rules:
     """Thresholds beyond which a reading is invalid."""
 
@@ -24,7 +24,7 @@ class Rules:
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoopTiming:
     """Times of the loop, s."""
 

@@ -25,7 +25,7 @@ MOVE_TAKES_S = 10.0
 OTHER_TAKES_S = 10.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanRow:
     """One run, as `labrig plan` shows it."""
 
@@ -53,7 +53,7 @@ class ScheduleDescription:
     under_voltage_s: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Timeline:
     """A run as a line: `voltage_V[i]` from `time_s[i]` to `time_s[i + 1]`, drawn with corners."""
 

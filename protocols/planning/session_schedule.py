@@ -35,7 +35,7 @@ class Place:
             raise ScheduleError(f"places: a position of {self.configuration} is there twice")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Extras:
     """Minutes at the rig that decide what can be known afterwards. As made here: none of them."""
 
