@@ -90,10 +90,13 @@ def _sheet(picture, recipe, ideal, s, K, dist, base, contrast):
     fine = 0.02 * recipe.px_per_mm
     dense_s = np.arange(0, s[-1] * recipe.px_per_mm, fine) / recipe.px_per_mm
     dense = np.stack([np.interp(dense_s, s, ideal[:, i]) for i in range(2)], axis=1)
-    distance, index = cKDTree(dense).query(flat, workers=1)
     half = np.where(dense_s <= recipe.free_mm, recipe.thickness_mm, recipe.elongation_thickness_mm)
-    half = half[index] / 2 * recipe.px_per_mm
+    half = np.append(half, 0.0) / 2 * recipe.px_per_mm  # one more for places far from the sheet
+    # a search that ends at the sheet's edge is many times faster, but a face needs every place's
+    farthest = np.inf if recipe.face else half.max()
+    distance, index = cKDTree(dense).query(flat, workers=1, distance_upper_bound=farthest)
     ends = (index > 0) & (index < len(dense) - 1)
+    half = half[index]
     inside = (distance < half) & ends
     level = np.where(inside, 1.0, 0.0)
     if recipe.face:
@@ -101,9 +104,10 @@ def _sheet(picture, recipe, ideal, s, K, dist, base, contrast):
         far = centre + (dense - centre) * (1 - 0.0021 * 11)
         for share in np.linspace(0.05, 1, 14):
             mid = dense + (far - dense) * share
-            d, j = cKDTree(mid).query(flat, workers=1)
-            face = (d < half) & ~inside & (j > 0) & (j < len(mid) - 1)
-            level = np.where(face, recipe.face, level)
+            left = np.flatnonzero(level == 0)
+            d, j = cKDTree(mid).query(flat[left], workers=1, distance_upper_bound=half.max())
+            face = (d < half[left]) & (j > 0) & (j < len(mid) - 1)
+            level[left[face]] = recipe.face
     cover = level.reshape(-1, SUB * SUB).mean(axis=1)
     out = picture.copy()
     out[rows, columns] += cover * (base + contrast - out[rows, columns])

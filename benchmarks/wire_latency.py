@@ -19,7 +19,7 @@ from nidaqmx.stream_readers import AnalogMultiChannelReader
 from nidaqmx.stream_writers import AnalogSingleChannelWriter
 
 from drivers.interfaces import RealClock
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
 CALLS = 300
 FAST_HZ = 100_000
@@ -89,7 +89,7 @@ def fetch_hz(task: nidaqmx.Task) -> float:
 
 def wire_latency() -> dict[str, Wire]:
     """Both ways to the same kind of server."""
-    bench = LoopbackBench({"ao0": "ai0"})
+    bench = LoopbackWires({"ao0": "ai0"})
     server = NiDeviceServer(bench, RealClock())
     inside = measure(server.in_process_channel())
     port = server.listen()

@@ -1,6 +1,8 @@
 """Run, record and understand force and shape experiments on ionic-polymer actuator sheets.
 
-The names below are what other people's code may rely on. Each is loaded when it is first used.
+The names below are what other people's code may rely on: what evaluates a session, and the contract
+of each kind of part that can be added. Each is loaded when it is first used; `labrig.testing` has
+what tests of such parts need.
 """
 
 from __future__ import annotations
@@ -11,10 +13,28 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
+    from drivers.boards.contract import BoardConnection as BoardConnection
+    from drivers.boards.contract import BoardFamily as BoardFamily
+    from drivers.cameras.contract import CameraKind as CameraKind
+    from drivers.force_sensors.contract import ForceSensorKind as ForceSensorKind
+    from drivers.interfaces import Camera as Camera
+    from drivers.interfaces import ForceSensor as ForceSensor
+    from drivers.interfaces import Positioner as Positioner
+    from drivers.interfaces import SignalInput as SignalInput
+    from drivers.interfaces import VoltageOutput as VoltageOutput
+    from drivers.plugins import Part as Part
+    from drivers.plugins import PluginFolder as PluginFolder
+    from drivers.plugins import PluginWarning as PluginWarning
+    from drivers.plugins import UnknownPartError as UnknownPartError
+    from drivers.positioners.contract import PositionerKind as PositionerKind
     from labrig.analysis import analyze as analyze
     from labrig.cli.command import Command as Command
+    from labrig.errors import LabrigError as LabrigError
+    from labrig.extractors.contract import CurveExtractor as CurveExtractor
     from labrig.model_file import load_model as load_model
     from labrig.model_file import save_model as save_model
+    from labrig.panel.pages.interface import PanelPage as PanelPage
+    from labrig.report.sections.interface import ReportSection as ReportSection
     from labrig.session import load_measurements as load_measurements
     from labrig.session import open_session as open_session
     from labrig.session import read_tables as read_tables
@@ -28,13 +48,74 @@ if TYPE_CHECKING:
     from model import SheetModel as SheetModel
     from model import fit as fit
     from model import predict as predict
+    from model.discrepancy import DiagnoseOptions as DiagnoseOptions
+    from model.discrepancy import Diagnosis as Diagnosis
+    from model.discrepancy import diagnose as diagnose
+    from model.effects import Effect as Effect
+    from model.effects import EffectParameter as EffectParameter
+    from protocols import ProtocolKind as ProtocolKind
+    from sim_hardware.ni.boards import BoardModel as BoardModel
 
 _HOMES = {
+    "drivers.boards.contract": (
+        "BoardConnection",
+        "BoardFamily",
+    ),
+    "drivers.cameras.contract": ("CameraKind",),
+    "drivers.force_sensors.contract": ("ForceSensorKind",),
+    "drivers.interfaces": (
+        "Camera",
+        "ForceSensor",
+        "Positioner",
+        "SignalInput",
+        "VoltageOutput",
+    ),
+    "drivers.plugins": (
+        "Part",
+        "PluginFolder",
+        "PluginWarning",
+        "UnknownPartError",
+    ),
+    "drivers.positioners.contract": ("PositionerKind",),
     "labrig.analysis": ("analyze",),
     "labrig.cli.command": ("Command",),
-    "labrig.model_file": ("load_model", "save_model"),
-    "labrig.session": ("load_measurements", "open_session", "read_tables"),
-    "labrig.vision": ("NeutralCurve", "Optics", "StripGeometry", "Tracker", "neutral_curve"),
-    "model": ("FitOptions", "Measurements", "SheetModel", "fit", "predict"),
+    "labrig.errors": ("LabrigError",),
+    "labrig.extractors.contract": ("CurveExtractor",),
+    "labrig.model_file": (
+        "load_model",
+        "save_model",
+    ),
+    "labrig.panel.pages.interface": ("PanelPage",),
+    "labrig.report.sections.interface": ("ReportSection",),
+    "labrig.session": (
+        "load_measurements",
+        "open_session",
+        "read_tables",
+    ),
+    "labrig.vision": (
+        "NeutralCurve",
+        "Optics",
+        "StripGeometry",
+        "Tracker",
+        "neutral_curve",
+    ),
+    "model": (
+        "FitOptions",
+        "Measurements",
+        "SheetModel",
+        "fit",
+        "predict",
+    ),
+    "model.discrepancy": (
+        "DiagnoseOptions",
+        "Diagnosis",
+        "diagnose",
+    ),
+    "model.effects": (
+        "Effect",
+        "EffectParameter",
+    ),
+    "protocols": ("ProtocolKind",),
+    "sim_hardware.ni.boards": ("BoardModel",),
 }
 __getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)

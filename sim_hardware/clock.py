@@ -35,7 +35,7 @@ class VirtualThread:
         self._seat = seat
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait, in virtual time, for the thread's end; tell whether it has ended."""
+        """Wait, in virtual time, for the thread's end; return whether it has ended."""
         return self._clock._join(self._seat, timeout)
 
 
@@ -70,7 +70,7 @@ class VirtualClock:
         self._wait(me)
 
     def jump(self, seconds: float) -> None:
-        """Time has passed and nobody woke: the computer was suspended."""
+        """Let time pass without waking a thread: the computer was suspended."""
         with self._guard:
             self._now += seconds
 
@@ -129,7 +129,7 @@ class VirtualClock:
             heapq.heappush(self._alarms, (when, next(self._order), seat, wait))
 
     def _next(self) -> _Waiter | None:
-        """Move time on to the next alarm and tell whose it is."""
+        """Move time on to the next alarm and return whose it is."""
         with self._guard:
             while self._alarms:
                 when, _, seat, wait = heapq.heappop(self._alarms)
@@ -145,7 +145,9 @@ class VirtualClock:
         if successor is me:
             return
         if successor is None:
-            raise RuntimeError(f"the thread {me.name} waits, and nobody is left to wake it")
+            raise RuntimeError(
+                f"the thread {me.name} waits, and no other thread is left to wake it"
+            )
         wait = me.waits
         successor.turn.release()
         try:

@@ -137,4 +137,4 @@ def _attribute(
 
 
 def _nothing() -> None:
-    """It ends by itself."""
+    """Do nothing: the fault ends by itself."""

@@ -1,4 +1,4 @@
-"""The simulated person at the rig: does in the simulated world what the program asks for."""
+"""The simulated operator of the rig: does in the simulated world what the program asks for."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from drivers.interfaces import Prompt
 from sim_hardware.world import World
 
 
-class SimulatedPerson:
+class SimulatedOperator:
     """An `Operator` who never declines."""
 
     def __init__(self, world: World) -> None:
         self._world = world
 
     def ask(self, prompt: Prompt) -> bool:
-        """Do it. A kind of request that this person does not know is an error."""
+        """Do it. A kind of request that this operator does not know is an error."""
         match prompt.kind:
             case "move" | "touch":
                 self._place(prompt.position_m)
@@ -23,7 +23,7 @@ class SimulatedPerson:
                 self._world.moisten()
             case "mount":
                 if prompt.configuration is None:
-                    raise ValueError("asked to mount a sheet without being told which")
+                    raise ValueError("asked to mount a sheet, but not which configuration")
                 self._world.mount(prompt.configuration)
             case "remount":
                 self._world.remount()
@@ -34,7 +34,7 @@ class SimulatedPerson:
             case "confirm":
                 pass
             case other:
-                raise ValueError(f"the simulated person does not know how to {other}")
+                raise ValueError(f"the simulated operator does not know how to {other}")
         return True
 
     def _place(self, position_m: float | None) -> None:

@@ -94,7 +94,8 @@ def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Par
     parts = _own(folder)
     for entry in sorted(entry_points(group=folder.group), key=lambda e: (e.name, e.value)):
         if entry.name in parts:
-            _leave_out(folder, entry, f"there is a {folder.what} of that name already")
+            article = "an" if folder.what[0] in "aeiou" else "a"
+            _leave_out(folder, entry, f"there is {article} {folder.what} of that name already")
             continue
         part = _loaded(folder, entry)
         if part is not None:

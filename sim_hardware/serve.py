@@ -1,7 +1,7 @@
-"""`python -m sim_hardware serve`: a whole simulated rig on this computer, until it is told to end.
+"""`python -m sim_hardware serve`: a whole simulated rig on this computer, until a signal ends it.
 
-Prints one line for each thing that can be connected to, then `ready`. Exit codes: 0 told to end,
-2 bad arguments or a bad world, 3 a port is taken.
+Prints one line for each address, then `ready`. Exit codes: 0 ended by a signal, 2 bad arguments or
+a bad world, 3 a port is taken.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
 from drivers.interfaces import Clock, RealClock
-from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
+from sim_hardware.ni import LoopbackWires, NiDeviceServer, PortTakenError
 
 if TYPE_CHECKING:
     from sim_hardware.faults import FaultyRig
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
-_LOOK_S = 0.2  # Windows wakes no thread for Ctrl-C: look now and then
+_POLL_S = 0.2  # Windows wakes no thread for Ctrl-C: poll
 
 
 class ArgumentFaultError(Exception):
-    """Arguments that cannot be followed; one sentence."""
+    """Arguments that make no sense; one sentence."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str]) -> int:
             for line in _start(options, RealClock(), stack):
                 _say(line)
             _say("ready")
-            while not end.wait(_LOOK_S):
+            while not end.wait(_POLL_S):
                 pass
     except ArgumentFaultError as fault:
         return _complain(str(fault), BAD_ARGUMENTS)
@@ -85,8 +85,8 @@ def _parser() -> argparse.ArgumentParser:
     add(
         "--serial",
         action="append",
-        metavar="NAME",
-        help="a serial device, such as stage (repeatable; default: all)",
+        metavar="KIND",
+        help="a serial device, such as zaber (repeatable; default: all)",
     )
     add("--driver-version", default="26.0", help="that the server reports (default: 26.0)")
     add(
@@ -140,7 +140,7 @@ def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[
 def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDeviceServer:
     try:
         return NiDeviceServer(
-            LoopbackBench(options.wire),
+            LoopbackWires(options.wire),
             clock,
             _devices(options),
             options.driver_version,
@@ -206,17 +206,18 @@ def _serve_serial(rig: FaultyRig, names: Sequence[str] | None, stack: ExitStack)
 
     lines = []
     try:
-        makers = {name: FOLDER.get(name) for name in names or FOLDER.parts()}
+        kinds = [FOLDER.get(name) for name in names or FOLDER.parts()]
     except UnknownPartError as fault:
         raise ArgumentFaultError(f"--serial: {fault}") from fault
-    for name, make in makers.items():
+    for kind in kinds:
         try:
-            port = PtyPort(make(rig.world, rig.clock), rig.serial)
+            device = kind.make(rig.world, rig.clock, rig.world.settings.seed)
+            port = PtyPort(device, rig.serial)
         except OSError as fault:
-            sys.stderr.write(f"no {name}: {fault}\n")
+            sys.stderr.write(f"no {kind.role}: {fault}\n")
             continue
         stack.callback(port.stop)
-        lines.append(f"{name}={port.path}")
+        lines.append(f"{kind.role}={port.path}")
     return lines
 
 

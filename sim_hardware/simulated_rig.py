@@ -16,17 +16,17 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class AnalogSide(Protocol):
-    """The analog side of the bench: what board terminals see."""
+    """The analog side of a simulated rig: what board terminals see."""
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
-        """A board's output changes to `volts` at clock time `when` (channel such as `ao0`)."""
+        """Change a board's output to `volts` at clock time `when` (channel such as `ao0`)."""
 
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:
         """Volts at an input (channel such as `ai0`) at each clock time; before range and ADC."""
 
 
 class OpticalSide(Protocol):
-    """The optical side of the bench: what a camera sees."""
+    """The optical side of a simulated rig: what a camera sees."""
 
     @property
     def frame_shape(self) -> tuple[int, int]:
@@ -36,5 +36,5 @@ class OpticalSide(Protocol):
     def frame_rate_hz(self) -> float:
         """Frames per second."""
 
-    def picture(self, when: float, number: int) -> npt.NDArray[np.uint8]:
-        """The frame with this number, its exposure ending at clock time `when`."""
+    def image(self, when: float, number: int) -> npt.NDArray[np.uint8]:
+        """Return the frame with this number, its exposure ending at clock time `when`."""

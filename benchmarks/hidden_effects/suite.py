@@ -167,7 +167,7 @@ def _outside(i: int) -> Task:
 
 def _excluded(i: int) -> Task:
     turn, j = divmod(i, len(CATALOGUE))
-    name = CATALOGUE[5 * j % len(CATALOGUE)]  # 5 has no divisor in common with 28
+    name = CATALOGUE[5 * j % len(CATALOGUE)]  # a step that meets all of them
     own = forms_of(name)
     form = own[turn % len(own)]
     return Task("", "", _of((form,)), "d", (_spread(i, 36.0, 150.0),), exclude=(name,))

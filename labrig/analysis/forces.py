@@ -17,7 +17,7 @@ from protocols.execution.rules import Rules, bad_samples, wrong_drive
 from protocols.planning.schedule import PlannedReading, ReadingKind
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceReading:
     """One reading, measured anew."""
 

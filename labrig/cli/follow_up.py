@@ -15,7 +15,7 @@ from labrig.errors import ExitCode
 from labrig.experiment.next_measurement.closed_loop import closed_loop
 from labrig.experiment.next_measurement.next_protocol import protocol_text
 from labrig.files import write_text
-from labrig.report.diagnosis.tables import next_told
+from labrig.report.diagnosis.tables import next_sentence
 from labrig.session import open_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 
@@ -48,7 +48,7 @@ class _AtTheRig:
         if self.yes:
             return True
         try:
-            return typer.confirm(f"{next_told(proposed)} Do it now?", default=False)
+            return typer.confirm(f"{next_sentence(proposed)} Do it now?", default=False)
         except typer.Abort:  # nobody there to be asked
             return False
 

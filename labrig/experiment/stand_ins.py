@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from drivers.cameras.capture_camera import CaptureCamera
@@ -13,14 +13,11 @@ from labrig.experiment.plan import Plan
 from sim_hardware.camera import SimulatedCapture
 from sim_hardware.clock import VirtualClock
 from sim_hardware.faults import FaultyRig
-from sim_hardware.operator import SimulatedPerson
+from sim_hardware.operator import SimulatedOperator
+from sim_hardware.plugins import UnknownPartError
 from sim_hardware.rig_boards import boards_of
-from sim_hardware.serial_devices import (
-    InMemorySerial,
-    SerialDevice,
-    SimulatedDpm3Meter,
-    SimulatedZaberStage,
-)
+from sim_hardware.serial_devices import FOLDER as SERIAL_DEVICES
+from sim_hardware.serial_devices import InMemorySerial
 from sim_hardware.world import World, WorldError, load_world
 
 _DAY = 1_000_003  # from the seed of one session to that of the next
@@ -47,24 +44,26 @@ class StandIns:
             raise BadInputError(f"{_world_file(plan)}: {error}") from None
         self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._server)
         self._faulty.begin()
-        self.operator: Operator = SimulatedPerson(self._world)
+        self.operator: Operator = SimulatedOperator(self._world)
         self._boards: dict[str, Callable[[], Any]] = {"ni": self._server.in_process_channel}
-        self._serial: dict[str, Callable[[], SerialDevice]] = {
-            "zaber": lambda: SimulatedZaberStage(self._world, self.clock, homed=True),
-            "dpm3": lambda: SimulatedDpm3Meter(self._world, self.clock, seed=self._seed),
-        }
 
     def boards(self, kind: str) -> Any:
         """Return the transport of a family of boards."""
-        return _chosen(self._boards, kind, f"[{kind}]")()
+        if kind not in self._boards:
+            raise _not_simulated(f"[{kind}]", self._boards)
+        return self._boards[kind]()
 
     def serial(self, table: str, kind: str) -> Callable[..., Any]:
         """Return what opens the serial line of a part, as pyserial's `Serial`."""
-        make = _chosen(self._serial, kind, f'[{table}] kind = "{kind}"')
+        try:
+            device = SERIAL_DEVICES.get(kind)
+        except UnknownPartError as error:
+            raise BadInputError(f'rig.toml: [{table}] kind = "{kind}": {error}.') from None
 
         def opened(port: str, **options: Any) -> InMemorySerial:
+            made = device.make(self._world, self.clock, self._seed)
             return InMemorySerial(
-                make(), self.clock, port=port, faults=self._faulty.serial, **options
+                made, self.clock, port=port, faults=self._faulty.serial, **options
             )
 
         return opened
@@ -78,12 +77,10 @@ class StandIns:
         )
 
 
-def _chosen(table: dict[str, Callable[[], Any]], kind: str, where: str) -> Callable[[], Any]:
-    if kind not in table:
-        raise BadInputError(
-            f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(table))}."
-        )
-    return table[kind]
+def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
+    return BadInputError(
+        f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(there))}."
+    )
 
 
 def _world_file(plan: Plan) -> str:

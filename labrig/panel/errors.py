@@ -36,7 +36,7 @@ class UnreachableError(PanelError):
 
 
 def status_of(error: LabrigError) -> int:
-    """The HTTP status of any of our errors."""
+    """Return the HTTP status of any of our errors."""
     if isinstance(error, PanelError):
         return error.status
     if isinstance(error, BadInputError):

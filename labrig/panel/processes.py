@@ -19,13 +19,13 @@ class Detached(TypedDict):
 
 
 def module_environment() -> dict[str, str]:
-    """An environment in which a process finds our packages, wherever it is started."""
+    """Return an environment in which a process finds our packages, wherever it is started."""
     path = os.pathsep.join(filter(None, [str(_ROOT), os.environ.get("PYTHONPATH")]))
     return {**os.environ, "PYTHONPATH": path}
 
 
 def detached() -> Detached:
-    """A process that neither Ctrl-C at the panel's terminal nor the panel's end reaches."""
+    """Return a process that neither Ctrl-C at the panel's terminal nor the panel's end reaches."""
     flags = 0
     if sys.platform == "win32":
         flags = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW

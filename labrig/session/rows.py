@@ -33,7 +33,7 @@ class EventRows:
     packed: bool = False  # deflated: one image, ready to be a chunk
 
     def array(self, dtype: np.dtype[np.void], row_shape: tuple[int, ...]) -> Array:
-        """The content as an array of the dataset's type. Raises ValueError when it does not fit."""
+        """Return the content as an array of the dataset's type. ValueError when it does not fit."""
         shape = () if self.at is None else (self.count, *row_shape)
         size = dtype.itemsize * math.prod(shape)
         raw = _unpacked(self.blob, size) if self.packed else self.blob
@@ -77,7 +77,7 @@ class Translator:
         }
 
     def rows(self, event: ev.Event) -> list[EventRows]:
-        """The rows that record an event, in the order in which they are to be written."""
+        """Return the rows that record an event, in the order in which they are to be written."""
         way = self._ways.get(type(event))
         if way is None:  # an event of a later version: the log at least knows of it
             return self._log(event, type(event).__name__)
@@ -296,7 +296,7 @@ class Translator:
 
 
 def _deflated(image: Array) -> bytes:
-    """A zlib stream of an image, as any HDF5 reader unpacks it.
+    """Return a zlib stream of an image, as any HDF5 reader unpacks it.
 
     Camera noise has no strings that come again: not to look for any but runs of one value takes
     two thirds of the time, and the result is a tenth smaller.

@@ -14,8 +14,8 @@ from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optic
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.image.files import (
-    PICTURES,
-    VIDEOS,
+    IMAGE_SUFFIXES,
+    VIDEO_SUFFIXES,
     load_strip,
     read_image,
     read_video,
@@ -31,7 +31,7 @@ NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
 
 @dataclass(frozen=True, kw_only=True)
 class BatchOptions:
-    """What `extract_curves` uses where a image has no files of its own beside it."""
+    """What `extract_curves` uses where an image has no files of its own beside it."""
 
     optics: Path | None = None
     sheet: Path | None = None
@@ -62,9 +62,9 @@ def extract_curves(
 ) -> BatchResult:
     """Curves of all images and videos in `sources`, written into the folder `output`.
 
-    A image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
+    An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each image (NAME_000012 for a video's frame), and curves.csv. A image that cannot be
+    for each image (NAME_000012 for a video's frame), and curves.csv. An image that cannot be
     read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
@@ -92,7 +92,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedC
     if not files:
         raise BadInputError(
             "no image or video was found; give files or a folder with "
-            f"{', '.join(PICTURES)} files in it."
+            f"{', '.join(IMAGE_SUFFIXES)} files in it."
         )
     _refuse_twins(files)
     _refuse_common_faults(files, options)
@@ -102,7 +102,9 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedC
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
     for source in sources:
         if source.is_dir():
-            inside = sorted(p for p in source.iterdir() if p.suffix.lower() in PICTURES + VIDEOS)
+            inside = sorted(
+                p for p in source.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES + VIDEO_SUFFIXES
+            )
             yield from (p for p in inside if not p.stem.endswith("_curve"))
         elif source.exists():
             yield source
@@ -122,7 +124,7 @@ def _refuse_twins(files: list[Path]) -> None:
 
 
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
-    """A fault in a image's own files costs that image; one in what serves several, the run."""
+    """A fault in an image's own files costs that image; one in what serves several, the run."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
         ("optics.json", options.optics, load_optics),
         ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
@@ -140,7 +142,7 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
     image = None
     try:
         optics, strip = _known(path, options)
-        if path.suffix.lower() in VIDEOS:
+        if path.suffix.lower() in VIDEO_SUFFIXES:
             tracker = Tracker(optics, strip, options.find)
             for number, frame in enumerate(read_video(path)):
                 yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
@@ -153,7 +155,7 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
 
 
 def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    """What is known of a image from the files beside it, or those for all."""
+    """What is known of an image from the files beside it, or those for all."""
     optics = _beside(path, "optics.json", options.optics)
     sheet = _beside(path, "sheet.toml", options.sheet)
     if optics is None or sheet is None:
@@ -165,7 +167,7 @@ def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
 
 
 def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
-    """The file of a kind that a image uses; None where there is none."""
+    """The file of a kind that an image uses; None where there is none."""
     for candidate in (_own(path, kind), given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate

@@ -16,7 +16,7 @@ from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 from model.sheet.solution import SolvedProblems, solved
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ForceMap:
     """Over positions (P,) and voltages (V,); NaN where the place is not reachable."""
 
@@ -50,8 +50,9 @@ def force_map(
     # along the sheet's normal N; the arc's outward normal is its tangent turned back by 90 degrees
     normal = -found.normal_N * np.sin(found.gamma_rad)
     return ForceMap(
-        p, V, found.force_N.reshape(shape), normal.reshape(shape), found.s_hat_m.reshape(shape),
-        (found.status == SolverStatus.SOLVED).reshape(shape), setups, found,
+        position_m=p, voltage_V=V, tangential_N=found.force_N.reshape(shape),
+        normal_N=normal.reshape(shape), s_hat_m=found.s_hat_m.reshape(shape),
+        reachable=(found.status == SolverStatus.SOLVED).reshape(shape), setups=setups, solved=found,
     )  # fmt: skip
 
 

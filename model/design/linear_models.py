@@ -18,7 +18,7 @@ from model.sheet.sheet_model import SheetModel
 STEP_M, STEP_V = 1e-5, 1e-3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LinearModel:
     """F near an operating point."""
 
@@ -63,7 +63,14 @@ def linearise(
         ]
 
     force, stiffness, gain = propagate(model, configuration, question, ("N", "N/m", "N/V"))
-    return LinearModel(configuration, position_m, voltage_V, force, stiffness, gain)
+    return LinearModel(
+        configuration=configuration,
+        position_m=position_m,
+        voltage_V=voltage_V,
+        force_N=force,
+        stiffness_N_per_m=stiffness,
+        gain_N_per_V=gain,
+    )
 
 
 def fit_linear(
@@ -85,7 +92,14 @@ def fit_linear(
     force, stiffness, gain, error = propagate(
         model, configuration, question, ("N", "N/m", "N/V", "N")
     )
-    return LinearModel(configuration, middle, 0.0, force, stiffness, gain), error.value
+    return LinearModel(
+        configuration=configuration,
+        position_m=middle,
+        voltage_V=0.0,
+        force_N=force,
+        stiffness_N_per_m=stiffness,
+        gain_N_per_V=gain,
+    ), error.value
 
 
 @dataclass(frozen=True)
@@ -116,7 +130,7 @@ def validity(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StateSpace:
     """x' = A x + B (V - V0), y = C x: x = position and speed of the object, delayed voltage."""
 
@@ -141,12 +155,12 @@ def state_space(
         np.array([[0.0], [g]]),
     )
     if lag_s == 0.0:
-        return StateSpace(A, B, C, D, ("position_m", "speed_m_per_s"))
+        return StateSpace(A=A, B=B, C=C, D=D, states=("position_m", "speed_m_per_s"))
     A = np.block([[A, B], [np.zeros((1, 2)), np.array([[-1.0 / lag_s]])]])
     C = np.block([C, D])
     return StateSpace(
-        A, np.array([[0.0], [0.0], [1.0 / lag_s]]), C, np.zeros((2, 1)),
-        ("position_m", "speed_m_per_s", "voltage_V"),
+        A=A, B=np.array([[0.0], [0.0], [1.0 / lag_s]]), C=C, D=np.zeros((2, 1)),
+        states=("position_m", "speed_m_per_s", "voltage_V"),
     )  # fmt: skip
 
 

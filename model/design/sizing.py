@@ -18,7 +18,7 @@ Direction = Literal["both", "positive", "negative"]
 LENGTHS = 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Size:
     """6: the sheet of least area that gives a force everywhere in the section."""
 
@@ -74,7 +74,12 @@ def least_area(
 
     width, need = propagate(model, configuration, question, ("m", "m^2"))
     return Size(
-        best, width, need, _elongation(model, configuration, best, extra, p), lengths, areas
+        length_m=best,
+        width_m=width,
+        area_m2=need,
+        elongation_m=_elongation(model, configuration, best, extra, p),
+        lengths_m=lengths,
+        areas_m2=areas,
     )
 
 

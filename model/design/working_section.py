@@ -25,7 +25,7 @@ from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import sampled_s
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StraightLine:
     """1: the best line F = at_zero_N + slope p through F(p) at one voltage."""
 
@@ -56,7 +56,14 @@ def best_line(
     slope, start, error = propagate(model, configuration, question, ("N/m", "N", "N"))
     force = force_map(model, configuration, p, voltage_V).tangential_N[:, 0]
     off = float(np.max(np.abs(slope.value * p + start.value - force)))
-    return StraightLine(voltage_V, slope, start, error, off, float(np.ptp(force)))
+    return StraightLine(
+        voltage_V=voltage_V,
+        slope_N_per_m=slope,
+        at_zero_N=start,
+        rms_error_N=error,
+        largest_error_N=off,
+        range_N=float(np.ptp(force)),
+    )
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement as from_menu
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, prepare, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import DEFAULT, null_gains, threshold
 from model.discrepancy.search.signatures import forms, signatures
 from model.discrepancy.verdict.finding import Finding
@@ -49,7 +49,15 @@ def diagnose(
             ready.problem, ready.theta, effects, limit, options.most_effects, ready.found
         )
     say("judging", 0.8)
-    finding = Finding(measurements, options, ready, outcome, effects, limit, limit_from)
+    finding = Finding(
+        measurements=measurements,
+        options=options,
+        ready=ready,
+        outcome=outcome,
+        effects=effects,
+        threshold=limit,
+        threshold_from=limit_from,
+    )
     result = finding.diagnosis
     say("done", 1.0)
     return replace(result, seconds=time.perf_counter() - began)

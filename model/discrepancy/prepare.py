@@ -24,7 +24,7 @@ NEAR_LN_B = 0.07
 SHORTEST, LONGEST = 0.1, 1.5  # a curve's length over that of sheet and elongation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Options:
     """Options of `diagnose`."""
 

@@ -11,13 +11,23 @@ from model.measurements import FloatArray
 # is stated, however often the sheet was moistened.
 RUN_DRIVEN_S = 13.2
 SINCE = EffectParameter(
-    "since_wetting", "0: over the whole session; 1: under voltage, since the last wetting", "",
-    0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
-)  # fmt: skip
+    name="since_wetting",
+    meaning="0: over the whole session; 1: under voltage, since the last wetting",
+    unit="",
+    prior_scale=0.0,
+    low=0.0,
+    high=1.0,
+    starting_values=(0.0, 1.0),
+)
 SETTLES = EffectParameter(
-    "settles", "0: goes on evenly; 1: slows down, 95 % of it is over at the end", "",
-    0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
-)  # fmt: skip
+    name="settles",
+    meaning="0: goes on evenly; 1: slows down, 95 % of it is over at the end",
+    unit="",
+    prior_scale=0.0,
+    low=0.0,
+    high=1.0,
+    starting_values=(0.0, 1.0),
+)
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 
 

@@ -9,9 +9,14 @@ from model.measurements import FloatArray
 
 PULSE_S = 0.6  # of the paper's pulses
 SPREAD = EffectParameter(
-    "spread", "1: one time constant; more: three of them, apart by this factor", "",
-    1.0, 1.0, 100.0, starting_values=(1.0, 5.0),
-)  # fmt: skip
+    name="spread",
+    meaning="1: one time constant; more: three of them, apart by this factor",
+    unit="",
+    prior_scale=1.0,
+    low=1.0,
+    high=100.0,
+    starting_values=(1.0, 5.0),
+)
 
 
 def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:

@@ -41,12 +41,24 @@ EFFECT = CameraPerspective(
         " IEEE Trans. Pattern Anal. Mach. Intell. 22, 1330"
     ),
     parameters=(
-        EffectParameter("relative_error", "change of scale over 50 mm", "", 0.01, -0.5, 0.5),
         EffectParameter(
-            "direction_rad", "in which the scale grows: 0 along x, pi/2 along y", "rad", 0.0,
-            -np.pi, np.pi, starting_values=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
+            name="relative_error",
+            meaning="change of scale over 50 mm",
+            unit="",
+            prior_scale=0.01,
+            low=-0.5,
+            high=0.5,
+        ),
+        EffectParameter(
+            name="direction_rad",
+            meaning="in which the scale grows: 0 along x, pi/2 along y",
+            unit="rad",
+            prior_scale=0.0,
+            low=-np.pi,
+            high=np.pi,
+            starting_values=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
         ),
     ),
     form_error_along=("place",),
     of_the_rig=True,
-)  # fmt: skip
+)

@@ -32,12 +32,23 @@ EFFECT = CameraScale(
     source="Hartley and Zisserman 2004, Multiple View Geometry in Computer Vision, ch. 6",
     parameters=(
         EffectParameter(
-            "relative_error", "length seen over true length, less 1", "", 0.01, -0.5, 0.5),
+            name="relative_error",
+            meaning="length seen over true length, less 1",
+            unit="",
+            prior_scale=0.01,
+            low=-0.5,
+            high=0.5,
+        ),
         EffectParameter(
-            "axis", "0: both alike; -1: x alone; 1: y alone; between: the other one less", "",
-            0.0, -1.0, 1.0, starting_values=(0.0, -1.0, -0.5, 0.5, 1.0),
+            name="axis",
+            meaning="0: both alike; -1: x alone; 1: y alone; between: the other one less",
+            unit="",
+            prior_scale=0.0,
+            low=-1.0,
+            high=1.0,
+            starting_values=(0.0, -1.0, -0.5, 0.5, 1.0),
         ),
     ),
     form_error_along=("place",),
     of_the_rig=True,
-)  # fmt: skip
+)

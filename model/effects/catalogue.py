@@ -1,97 +1,77 @@
-"""Finds the effects: one per module of this package, and those of other people's packages.
+"""Find the effects: one a file of this folder, and those of other distributions.
 
-A module of this package is an effect's when it has an `EFFECT`. Another distribution adds one by an
-entry point of the group `labrig.effects` that leads to an `Effect`.
+A file of this folder adds one by its constant `EFFECT`; another distribution by an entry point of
+the group `labrig.effects`.
 """
 
 from __future__ import annotations
 
-import pkgutil
 import sys
 import warnings
 from functools import lru_cache
-from importlib import import_module
-from typing import TYPE_CHECKING
 
-from model.effects.interface import LOCATIONS, Effect
+from model.effects.interface import Effect
+from model.locations import locations
 from model.measurements import ModelError
+from model.plugins import OWN, Part, PluginFolder, PluginWarning, UnknownPartError
 
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
 
-GROUP = "labrig.effects"
+def _faults(part: object) -> list[str]:
+    from model.effects.conformance import faults
+
+    return faults(part)
+
+
+FOLDER: PluginFolder[Effect] = PluginFolder(
+    "effect", "model.effects", "EFFECT", "labrig.effects", _faults
+)
 
 
 def catalogue() -> dict[str, Effect]:
-    """All effects by name: by location, then by name; those of other distributions after our own.
+    """Return all effects by name: ours by location, then by name, then other people's.
 
     One that cannot be used is left out with a warning.
     """
-    return dict(_found(tuple(sys.path)))
+    return {name: part.part for name, part in _found(tuple(sys.path)).items()}
 
 
 def effect(name: str) -> Effect:
-    """The effect of this name; a `ModelError` when there is none."""
+    """Return the effect of this name; a `ModelError` lists those there are."""
     known = catalogue()
-    if name not in known:
-        raise ModelError(
-            f"there is no effect '{name}'; choose one of: {', '.join(sorted(known))}"
-            f"{_meant(name, known)}"
-        )
-    return known[name]
+    if name in known:
+        return known[name]
+    try:
+        return FOLDER.get(name)
+    except UnknownPartError as error:
+        raise ModelError(str(error)) from None
 
 
-def _meant(name: str, known: dict[str, Effect]) -> str:
-    from difflib import get_close_matches
-
-    close = get_close_matches(name, known, n=1)
-    return f" (did you mean '{close[0]}'?)" if close else ""
+def origins() -> dict[str, str]:
+    """Return "distribution version" by name of the effects of other distributions."""
+    return {
+        name: f"{part.distribution} {part.version}"
+        for name, part in _found(tuple(sys.path)).items()
+        if part.distribution != OWN
+    }
 
 
 @lru_cache(maxsize=4)
-def _found(path: tuple[str, ...]) -> dict[str, Effect]:
-    """The catalogue as seen from these places; what is installed there is read once."""
-    from importlib.metadata import entry_points  # slow to import
-
+def _found(path: tuple[str, ...]) -> dict[str, Part[Effect]]:
+    """Return the parts by the names of their effects, as seen from these places."""
     del path
-    effects = {
-        e.name: e for e in sorted(_own(), key=lambda e: (LOCATIONS.index(e.location), e.name))
-    }
-    for entry in sorted(entry_points(group=GROUP), key=lambda e: (e.name, e.value)):
-        found = _loaded(entry)
-        if isinstance(found, str):
-            _warn(entry, found)
-        elif found.name in effects:
-            _warn(entry, f"there is an effect '{found.name}' already: give it another name")
-        else:
-            effects[found.name] = found
-    return effects
-
-
-def _own() -> list[Effect]:
-    """Those of this package."""
-    package = import_module(__package__)
-    names = sorted(module.name for module in pkgutil.iter_modules(package.__path__))
-    modules = [import_module(f"{__package__}.{name}") for name in names]
-    return [module.EFFECT for module in modules if hasattr(module, "EFFECT")]
-
-
-def _loaded(entry: EntryPoint) -> Effect | str:
-    """The effect an entry point leads to, or what is wrong with it."""
-    from model.effects.conformance import faults_of_form
-
-    try:
-        found = entry.load()
-        if not isinstance(found, Effect):
-            return f"it is of type {type(found).__name__}, not a model.effects.Effect"
-        return "; ".join(faults_of_form(found)) or found
-    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
-        return f"loading it failed with {type(error).__name__}: {error}"
-
-
-def _warn(entry: EntryPoint, why: str) -> None:
-    origin = f" of {entry.dist.name}" if entry.dist else ""
-    text = " ".join(why.split())
-    warnings.warn(
-        f"the effect '{entry.name}'{origin} ({entry.value}) is left out: {text}.", stacklevel=5
+    order = list(locations())
+    parts = sorted(
+        FOLDER.parts().values(),
+        key=lambda p: (p.distribution != OWN, order.index(p.part.location), p.part.name),
     )
+    result: dict[str, Part[Effect]] = {}
+    for part in parts:
+        name = part.part.name
+        if name in result:
+            warnings.warn(
+                f"the effect '{part.name}' of {part.distribution} is left out: there is an effect"
+                f" '{name}' already; give it another name.", PluginWarning, stacklevel=3,
+            )  # fmt: skip
+        else:
+            result[name] = part
+    return result

@@ -67,18 +67,35 @@ EFFECT = ChargingLag(
     ),
     parameters=(
         EffectParameter(
-            "time_constant_s", "time in which the EIBM does 63 % of its way", "s", 0.12,
-            low=0.003, high=3.0, log=True,
+            name="time_constant_s",
+            meaning="time in which the EIBM does 63 % of its way",
+            unit="s",
+            prior_scale=0.12,
+            low=0.003,
+            high=3.0,
+            log=True,
             starting_values=(0.015, 0.03, 0.05, 0.08, 0.12, 0.18, 0.27, 0.4),
         ),
         EffectParameter(
-            "slow_share", "of the EIBM, that comes so; the rest comes with the voltage", "",
-            1.0, low=0.05, high=1.0, log=True, starting_values=(1.0,),
+            name="slow_share",
+            meaning="of the EIBM, that comes so; the rest comes with the voltage",
+            unit="",
+            prior_scale=1.0,
+            low=0.05,
+            high=1.0,
+            log=True,
+            starting_values=(1.0,),
         ),
         EffectParameter(
-            "remembers", "1: a pulse begins where the one before came to; 0: where it would have"
-            " settled", "", 1.0, 0.0, 1.0, starting_values=(1.0, 0.0),
+            name="remembers",
+            meaning="1: a pulse begins where the one before came to; 0: where it would have"
+            " settled",
+            unit="",
+            prior_scale=1.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(1.0, 0.0),
         ),
     ),
     form_error_along=("time", "voltage"),
-)  # fmt: skip
+)

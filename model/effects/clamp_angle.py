@@ -31,6 +31,15 @@ EFFECT = ClampAngle(
     ),
     isolates="A free shape, its first millimetres in the picture.",
     source="Bisshopp and Drucker 1945, Quart. Appl. Math. 3, 272 (the clamped end's condition)",
-    parameters=(EffectParameter("angle_rad", "direction at the clamp", "rad", 0.01, -0.5, 0.5),),
+    parameters=(
+        EffectParameter(
+            name="angle_rad",
+            meaning="direction at the clamp",
+            unit="rad",
+            prior_scale=0.01,
+            low=-0.5,
+            high=0.5,
+        ),
+    ),
     form_error_along=("position",),
 )

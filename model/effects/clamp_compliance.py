@@ -43,9 +43,13 @@ EFFECT = ClampCompliance(
     ),
     parameters=(
         EffectParameter(
-            "rotation_rad_per_Nm", "turn of the clamped end per moment of the load", "rad/(N m)",
-            20.0, low=0.0, high=2e4,
+            name="rotation_rad_per_Nm",
+            meaning="turn of the clamped end per moment of the load",
+            unit="rad/(N m)",
+            prior_scale=20.0,
+            low=0.0,
+            high=2e4,
         ),
     ),
     form_error_along=("position", "voltage"),
-)  # fmt: skip
+)

@@ -12,14 +12,15 @@ from typing import get_args, get_type_hints
 
 import numpy as np
 
-from model.effects.examples import (
+from model.effects.interface import BeamProblem, Effect, EffectParameter
+from model.locations import locations
+from model.locations.examples import (
     example_beam,
     example_clock,
     example_points,
     example_pulse,
     example_weighed,
 )
-from model.effects.interface import LOCATIONS, BeamProblem, Effect, EffectParameter
 from model.measurements import FloatArray
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
@@ -29,11 +30,13 @@ RISE_S = 0.1  # of the voltage, where pictures are taken
 _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"])[0])
 
 
-def faults(effect: Effect) -> list[str]:
-    """What is wrong with an effect, one sentence each without its full stop; none: it is good.
+def faults(effect: object) -> list[str]:
+    """Return what is wrong with an effect, a sentence each without its full stop; none: it is good.
 
     What is checked later may rest on what was checked before, so the first faults end it.
     """
+    if not isinstance(effect, Effect):
+        return [f"it is of type {type(effect).__name__}, not a model.effects.Effect"]
     for check in (faults_of_form, *_CHECKS):
         if found := list(check(effect)):
             return found
@@ -78,8 +81,8 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
         text = getattr(effect, name)
         if not (isinstance(text, str) and text.strip()):
             yield f"its {name} is empty"
-    if effect.location not in LOCATIONS:
-        yield f"its location {effect.location!r} is none of {', '.join(LOCATIONS)}"
+    if effect.location not in locations():
+        yield f"its location {effect.location!r} is none of {', '.join(locations())}"
     if unknown := sorted(set(effect.form_error_along) - set(_FORM_COORDINATES)):
         yield (
             f"its form differs along {', '.join(unknown)}, which is none of"

@@ -48,15 +48,26 @@ EFFECT = EibmAsymmetry(
     source="the paper, section 4.2, observation 4: the asymmetry of the material",
     parameters=(
         EffectParameter(
-            "ratio", "|EIBM| at negative over that at positive voltage", "", 0.8,
-            low=0.1, high=10.0, neutral=1.0, log=True,
+            name="ratio",
+            meaning="|EIBM| at negative over that at positive voltage",
+            unit="",
+            prior_scale=0.8,
+            low=0.1,
+            high=10.0,
+            neutral=1.0,
+            log=True,
         ),
         EffectParameter(
-            "fall_mm", "length in which it falls to 1/e from the clamp; 0: it does not", "mm",
-            0.0, 0.0, 1e3, starting_values=(0.0, 25.0),
+            name="fall_mm",
+            meaning="length in which it falls to 1/e from the clamp; 0: it does not",
+            unit="mm",
+            prior_scale=0.0,
+            low=0.0,
+            high=1e3,
+            starting_values=(0.0, 25.0),
         ),
     ),
     form_error_along=("s",),
     waves=7,
     by_configuration=True,
-)  # fmt: skip
+)

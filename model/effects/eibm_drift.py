@@ -46,7 +46,14 @@ EFFECT = EibmDrift(
         " ed., ch. 6 (response against hydration); the paper, section 3.2"
     ),
     parameters=(
-        EffectParameter("relative_change", "of the EIBM over the data", "", 0.1, -1.5, 3.0),
+        EffectParameter(
+            name="relative_change",
+            meaning="of the EIBM over the data",
+            unit="",
+            prior_scale=0.1,
+            low=-1.5,
+            high=3.0,
+        ),
         SINCE,
         SETTLES,
     ),

@@ -54,13 +54,22 @@ EFFECT = ElongationFlexibility(
     ),
     parameters=(
         EffectParameter(
-            "relative_compliance", "the sheet's stiffness over the elongation's", "", 0.02,
-            low=0.0, high=2.0,
+            name="relative_compliance",
+            meaning="the sheet's stiffness over the elongation's",
+            unit="",
+            prior_scale=0.02,
+            low=0.0,
+            high=2.0,
         ),
         EffectParameter(
-            "in_the_joint", "0: all of it is soft; 1: only the joint, and goes as far", "",
-            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="in_the_joint",
+            meaning="0: all of it is soft; 1: only the joint, and goes as far",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
         ),
     ),
     form_error_along=("position",),
-)  # fmt: skip
+)

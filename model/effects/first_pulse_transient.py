@@ -44,13 +44,24 @@ EFFECT = FirstPulseTransient(
     parameters=(
         # a first pulse that exceeds the others is what a lag makes of it, which begins from 0 V
         EffectParameter(
-            "relative_deficit", "of the EIBM in the first pulse", "", 0.15, -1.0, 1.0,
+            name="relative_deficit",
+            meaning="of the EIBM in the first pulse",
+            unit="",
+            prior_scale=0.15,
+            low=-1.0,
+            high=1.0,
             expected_sign=1.0,
         ),
         EffectParameter(
-            "ratio", "of each pulse's deficit to that before", "", 0.5,
-            low=0.05, high=0.75, log=True, starting_values=(0.3, 0.5, 0.7),
+            name="ratio",
+            meaning="of each pulse's deficit to that before",
+            unit="",
+            prior_scale=0.5,
+            low=0.05,
+            high=0.75,
+            log=True,
+            starting_values=(0.3, 0.5, 0.7),
         ),
     ),
     form_error_along=("time", "voltage"),
-)  # fmt: skip
+)

@@ -39,7 +39,12 @@ EFFECT = ForceDrift(
     needs_session=True,
     parameters=(
         EffectParameter(
-            "force_mN", "zero at the session's end less that at its start", "mN", 0.1, -20, 20
+            name="force_mN",
+            meaning="zero at the session's end less that at its start",
+            unit="mN",
+            prior_scale=0.1,
+            low=-20,
+            high=20,
         ),
         SETTLES,
     ),

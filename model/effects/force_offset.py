@@ -32,7 +32,14 @@ EFFECT = ForceOffset(
     isolates="A zero taken without touching the sheet.",
     source="Doebelin, Measurement Systems: Application and Design (zero drift of a force cell)",
     parameters=(
-        EffectParameter("force_mN", "what the cell shows without a load", "mN", 0.05, -20.0, 20.0),
+        EffectParameter(
+            name="force_mN",
+            meaning="what the cell shows without a load",
+            unit="mN",
+            prior_scale=0.05,
+            low=-20.0,
+            high=20.0,
+        ),
     ),
     form_error_along=("time",),
 )

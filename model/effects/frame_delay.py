@@ -33,15 +33,25 @@ EFFECT = FrameDelay(
     source="the paper, section 3.1: 25 frames a second, so that a frame may be 20 ms off",
     parameters=(
         EffectParameter(
-            "delay_s", "age of the picture at the time of the reading", "s", 0.1, -0.2, 1.0,
+            name="delay_s",
+            meaning="age of the picture at the time of the reading",
+            unit="s",
+            prior_scale=0.1,
+            low=-0.2,
+            high=1.0,
             starting_values=(0.02, 0.1, 0.2, 0.3, 0.35, 0.4, 0.43, 0.46),
         ),
         EffectParameter(
-            "through_zero", "0: the EIBM goes straight from one settled value to the other; 1: it"
-            " follows the voltage through 0, each polarity at its own slope", "",
-            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="through_zero",
+            meaning="0: the EIBM goes straight from one settled value to the other; 1: it"
+            " follows the voltage through 0, each polarity at its own slope",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
         ),
     ),
     form_error_along=("time", "run"),
     of_the_rig=True,
-)  # fmt: skip
+)

@@ -60,7 +60,13 @@ EFFECT = Gravity(
     ),
     parameters=(
         EffectParameter(
-            "load_N_per_m", "weight per length that acts along -y", "N/m", 0.005, -0.5, 0.5),
+            name="load_N_per_m",
+            meaning="weight per length that acts along -y",
+            unit="N/m",
+            prior_scale=0.005,
+            low=-0.5,
+            high=0.5,
+        ),
     ),
     form_error_along=("s",),
-)  # fmt: skip
+)

@@ -48,15 +48,25 @@ EFFECT = InitialCurvature(
     source="the paper, table 3: the sheets have an initial curvature, measured once per sheet",
     parameters=(
         EffectParameter(
-            "curvature_error_per_m", "curvature at rest less that stated", "1/m", 1.0,
-            low=-60.0, high=60.0,
+            name="curvature_error_per_m",
+            meaning="curvature at rest less that stated",
+            unit="1/m",
+            prior_scale=1.0,
+            low=-60.0,
+            high=60.0,
         ),
         EffectParameter(
-            "like_stated", "0: the same everywhere; 1: in proportion to the stated one, whose mean"
-            " is off by it", "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="like_stated",
+            meaning="0: the same everywhere; 1: in proportion to the stated one, whose mean"
+            " is off by it",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
         ),
     ),
     form_error_along=("s",),
     waves=7,
     by_configuration=True,
-)  # fmt: skip
+)

@@ -16,34 +16,44 @@ sheet are values at its G nodes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from model.locations.quantities import (
+    AcquisitionTimes,
+    BeamProblem,
+    ContactSolution,
+    ImagePoints,
+    LoadCellInput,
+    Values,
+)
 from model.measurements import FloatArray, SheetGeometry
 
-Location = Literal[
-    "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
+__all__ = [
+    "AcquisitionTimes",
+    "Along",
+    "BeamProblem",
+    "ContactSolution",
+    "Effect",
+    "EffectParameter",
+    "ImagePoints",
+    "LoadCellInput",
+    "Values",
 ]
-LOCATIONS: tuple[Location, ...] = (
-    "rest_curvature", "eibm", "even_moment", "compliance", "position", "load_cell", "camera", "time"
-)  # fmt: skip
+
 Along = Literal["s", "curvature", "position", "voltage", "time", "place", "run"]
-Values = Mapping[str, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectParameter:
     """A parameter of an effect, in the unit of its name."""
 
     name: str
     meaning: str
     unit: str
-    prior_scale: (
-        float  # a size that would surprise nobody; the scale of what is believed beforehand
-    )
+    prior_scale: float  # an amplitude that would surprise nobody; the width of its prior
     low: float = -np.inf
     high: float = np.inf
     neutral: float = 0.0  # the value at which the effect is absent
@@ -53,118 +63,14 @@ class EffectParameter:
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
 
 
-@dataclass
-class AcquisitionTimes:
-    """When something was taken: arrays of one shape."""
-
-    voltage_V: FloatArray
-    pulse_s: FloatArray  # since this voltage was set
-    pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
-    run_s: FloatArray  # since the run began
-    session: FloatArray  # 0 .. 1 over the data
-    wetted_s: FloatArray  # since the sheet was last wetted
-    driven_s: FloatArray  # under voltage since then
-    opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
-    rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
-    worked_s: FloatArray | float = 0.0  # under voltage in the whole session
-
-    def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
-        """Some of these times."""
-        shape = self.voltage_V.shape
-        return AcquisitionTimes(
-            *(np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(AcquisitionTimes))
-        )
-
-    @staticmethod
-    def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
-        """One after the other."""
-        all_of_it = [clock.of(np.ones(clock.voltage_V.shape, dtype=bool)) for clock in clocks]
-        return AcquisitionTimes(
-            *(
-                np.concatenate([np.zeros(0), *(getattr(clock, f.name) for clock in all_of_it)])
-                for f in fields(AcquisitionTimes)
-            )
-        )
-
-
-@dataclass
-class BeamProblem:
-    """K conditions of one configuration before they are solved.
-
-    Their curvature will be k0 + rest + soft (eibm + bend - (N/B) lever).
-    """
-
-    sheet: SheetGeometry
-    s_m: FloatArray  # (G,) nodes along the free length
-    voltage_V: FloatArray  # (K,)
-    stated_m: FloatArray  # (K,) position on the arc as stated; NaN: free
-    up: FloatArray  # (K,) +1: the position was approached from below, -1: from above
-    stiffness: FloatArray  # (K,) B in N m^2
-    rest: FloatArray  # (K, G) change of the rest curvature, 1/m
-    eibm: FloatArray  # (K, G) Me/B, 1/m
-    bend: FloatArray  # (K, G) moments other than EIBM and contact, over B, 1/m
-    soft: FloatArray  # (K, G) B/B(s)
-    elongation_soft: FloatArray  # (K,) B over the elongation's stiffness; 0: rigid
-    shift_m: FloatArray  # (K,) of the contact along the arc
-    tilt_rad: FloatArray  # (K,) direction in which the sheet leaves the clamp
-    offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
-    piece_m: FloatArray  # (G,) of the sheet that each node stands for; their sum is its length
-    # when the readings of each condition were taken (n,), and of which condition each is (n,)
-    clock: AcquisitionTimes
-    reading_of: npt.NDArray[np.int64]
-    share: FloatArray  # (n,) of each reading in the mean of its condition; 0: it is in none
-    # (K,) share of the weight's push towards -y: -1 where the rig is turned over
-    upright: FloatArray | float = 1.0
-
-
-@dataclass
-class ContactSolution:
-    """What solving a `BeamProblem` gave; NaN where there is no contact."""
-
-    force_N: FloatArray  # (K,) along the arc's tangent
-    normal_N: FloatArray  # (K,) N
-    gamma_rad: FloatArray  # (K,)
-    s_hat_m: FloatArray  # (K,) contact's place along the sheet
-    lever: FloatArray  # (K, G) p_hat - r along the contact's tangent, m; 0 beyond the contact
-    offset: FloatArray  # (K, G) p_hat - r along the contact's normal, m; 0 beyond the contact
-    x_m: FloatArray  # (K, G) the nodes' places
-    y_m: FloatArray
-    phi_rad: FloatArray  # (K, G)
-    curvature: FloatArray  # (K, G) 1/m
-    end_phi_rad: FloatArray  # (K,) at the end of the free length
-
-
-@dataclass
-class LoadCellInput:
-    """What the load cell is given: arrays of one shape; the last axis is in the order of time."""
-
-    force_N: FloatArray  # along the arc's tangent
-    normal_N: FloatArray
-    gamma_rad: FloatArray
-    position_m: FloatArray
-    session: FloatArray  # 0 .. 1 over the data
-    touching: FloatArray  # 1, or 0 without contact
-    wetted_s: FloatArray | float = 0.0  # since the sheet was last wetted
-    slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
-
-
-@dataclass
-class ImagePoints:
-    """Points of curves as the camera should see them, (K, S), metres from the clamp."""
-
-    x_m: FloatArray
-    y_m: FloatArray
-    scale_m: float  # half the width of the picture of the sheet
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Effect:
     """An entry of the catalogue."""
 
     name: str
     meaning: str
     form: str
-    location: Location
+    location: str  # the name of a location of discrepancy
     signature: str
     isolates: str
     source: str

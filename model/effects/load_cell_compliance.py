@@ -31,8 +31,15 @@ EFFECT = LoadCellCompliance(
     isolates="The contact in the picture beside the force; the cell pushed with a known weight.",
     source="Doebelin, Measurement Systems: Application and Design (stiffness of force cells)",
     parameters=(
-        EffectParameter("compliance_mm_per_mN", "way per force", "mm/mN", 0.005, 0.0, 5.0),
+        EffectParameter(
+            name="compliance_mm_per_mN",
+            meaning="way per force",
+            unit="mm/mN",
+            prior_scale=0.005,
+            low=0.0,
+            high=5.0,
+        ),
     ),
     form_error_along=("position",),
     of_the_rig=True,
-)  # fmt: skip
+)

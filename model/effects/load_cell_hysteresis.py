@@ -33,7 +33,7 @@ EFFECT = LoadCellHysteresis(
     meaning="The load cell hangs behind its load: it shows too little as the load grows, too much"
     " as it falls.",
     form="F measured = F - c sign(last change of F), once F has changed by more than c;"
-        " or by more than the loop's reach",
+    " or by more than the loop's reach",
     location="load_cell",
     signature=(
         "The forces of the two polarities lie closer together by twice the half height, alike at"
@@ -45,16 +45,33 @@ EFFECT = LoadCellHysteresis(
         " Hysteresis (play and stop)"
     ),
     parameters=(
-        EffectParameter("force_mN", "half the height of the loop", "mN", 0.05, 0.0, 5.0),
         EffectParameter(
-            "from_no_load", "0: a run begins in the middle of the loop; 1: at no load",
-            "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="force_mN",
+            meaning="half the height of the loop",
+            unit="mN",
+            prior_scale=0.05,
+            low=0.0,
+            high=5.0,
         ),
         EffectParameter(
-            "reach_mN", "change of load that turns the loop over; 0: half its height", "mN",
-            0.0, 0.0, 20.0, starting_values=(0.0, 0.3, 4.0),
+            name="from_no_load",
+            meaning="0: a run begins in the middle of the loop; 1: at no load",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
+        ),
+        EffectParameter(
+            name="reach_mN",
+            meaning="change of load that turns the loop over; 0: half its height",
+            unit="mN",
+            prior_scale=0.0,
+            low=0.0,
+            high=20.0,
+            starting_values=(0.0, 0.3, 4.0),
         ),
     ),
     form_error_along=("position", "voltage"),
     of_the_rig=True,
-)  # fmt: skip
+)

@@ -38,7 +38,12 @@ EFFECT = LoadCellMisalignment(
     source="the paper, section 3.2: the cell has to stand square to the tangent of the trajectory",
     parameters=(
         EffectParameter(
-            "angle_rad", "from the arc's tangent to the cell's axis", "rad", 0.05, -0.8, 0.8
+            name="angle_rad",
+            meaning="from the arc's tangent to the cell's axis",
+            unit="rad",
+            prior_scale=0.05,
+            low=-0.8,
+            high=0.8,
         ),
     ),
     form_error_along=("position",),

@@ -122,13 +122,22 @@ EFFECT = NonlinearStiffness(
     ),
     parameters=(
         EffectParameter(
-            "relative_change_at_10_per_m", "of the stiffness where bent by 10 per m", "", 0.05,
-            low=-0.22, high=1.0,
+            name="relative_change_at_10_per_m",
+            meaning="of the stiffness where bent by 10 per m",
+            unit="",
+            prior_scale=0.05,
+            low=-0.22,
+            high=1.0,
         ),
         EffectParameter(
-            "power", "0: Ludwick's law; else of the bending, with which the stiffness changes", "",
-            0.0, 0.0, 2.0, starting_values=(0.0, 1.0, 2.0),
+            name="power",
+            meaning="0: Ludwick's law; else of the bending, with which the stiffness changes",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=2.0,
+            starting_values=(0.0, 1.0, 2.0),
         ),
     ),
     form_error_along=("curvature", "voltage"),
-)  # fmt: skip
+)

@@ -54,11 +54,17 @@ EFFECT = NonuniformEibm(
     ),
     parameters=(
         EffectParameter(
-            "decay_length_mm", "length over which the EIBM falls to 1/e", "mm", 30.0,
-            low=3.0, high=1000.0, neutral=np.inf, log=True,
+            name="decay_length_mm",
+            meaning="length over which the EIBM falls to 1/e",
+            unit="mm",
+            prior_scale=30.0,
+            low=3.0,
+            high=1000.0,
+            neutral=np.inf,
+            log=True,
             starting_values=(5, 8, 12, 20, 35, 60, 120),
         ),
     ),
     form_error_along=("s", "voltage"),
     extra={"end_to_root_ratio": ""},
-)  # fmt: skip
+)

@@ -37,9 +37,16 @@ EFFECT = NonuniformStiffness(
         " 2004, in Bar-Cohen (ed.), Electroactive Polymer Actuators, 2nd ed., ch. 6"
     ),
     parameters=(
-        EffectParameter("relative_change", "of the stiffness, end to root", "", 0.15, -0.9, 9.0),
+        EffectParameter(
+            name="relative_change",
+            meaning="of the stiffness, end to root",
+            unit="",
+            prior_scale=0.15,
+            low=-0.9,
+            high=9.0,
+        ),
     ),
     form_error_along=("s",),
     waves=7,  # a step is as likely as a line
     by_configuration=True,
-)  # fmt: skip
+)

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterable
 
 from model.effects.catalogue import catalogue
-from model.effects.interface import LOCATIONS, Effect, EffectParameter
+from model.effects.interface import Effect, EffectParameter
+from model.locations import locations
 
 HEAD = """\
 # The catalogue of effects
@@ -27,16 +28,6 @@ moonlight = "my_package.moonlight:EFFECT"
 `model.effects.conformance.faults(EFFECT)` says what is wrong with it; `[]` is what its tests want.
 One that cannot be used, or has a name that exists already, is left out with a warning.
 """
-LOCATION_MEANINGS = {
-    "rest_curvature": "the curvature at rest",
-    "eibm": "the EIBM along the sheet",
-    "even_moment": "a moment that does not change its sign with the voltage",
-    "compliance": "what gives way",
-    "position": "where and how the sheet is touched",
-    "load_cell": "the load cell",
-    "camera": "the camera",
-    "time": "time",
-}
 
 
 def page() -> str:
@@ -55,10 +46,10 @@ def _overview(effects: list[Effect]) -> Iterable[str]:
 
 
 def _sections(effects: list[Effect]) -> Iterable[str]:
-    for location in LOCATIONS:
-        yield f"## {location}: {LOCATION_MEANINGS[location]}\n"
+    for location in locations().values():
+        yield f"## {location.name}: {location.meaning}\n"
         for e in effects:
-            if e.location == location:
+            if e.location == location.name:
                 yield from _section(e)
 
 

@@ -117,14 +117,21 @@ EFFECT = RollFriction(
         " TOR-0158(3107-18); the paper takes the contact as frictionless"
     ),
     parameters=(
-        EffectParameter("coefficient", "tangential over normal force", "", 0.1, 0.0, 1.0),
         EffectParameter(
-            "force_alone",
-            "1: it is felt by the load cell and does not bend the sheet",
-            "",
-            0.0,
-            0.0,
-            1.0,
+            name="coefficient",
+            meaning="tangential over normal force",
+            unit="",
+            prior_scale=0.1,
+            low=0.0,
+            high=1.0,
+        ),
+        EffectParameter(
+            name="force_alone",
+            meaning="1: it is felt by the load cell and does not bend the sheet",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
             starting_values=(0.0, 1.0),
         ),
     ),

@@ -39,12 +39,22 @@ EFFECT = RollOffset(
     source="the paper, section 3.1: the sheet is held between two rolls of finite size",
     parameters=(
         EffectParameter(
-            "offset_mm", "from the neutral curve to the arc's point, along the normal", "mm", 0.3,
-             -5.0, 5.0),
+            name="offset_mm",
+            meaning="from the neutral curve to the arc's point, along the normal",
+            unit="mm",
+            prior_scale=0.3,
+            low=-5.0,
+            high=5.0,
+        ),
         EffectParameter(
-            "at_the_pressed", "0: always on the same side; 1: on that of the roll that is pressed",
-            "", 0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="at_the_pressed",
+            meaning="0: always on the same side; 1: on that of the roll that is pressed",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
         ),
     ),
     form_error_along=("position",),
-)  # fmt: skip
+)

@@ -26,11 +26,11 @@ class RollSticking(Effect):
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        ahead = self._contact_solution(weighed, p["force_mN"] * MILLI, round(p["kind"]))
+        ahead = self._kept_back_N(weighed, p["force_mN"] * MILLI, round(p["kind"]))
         sticks = weighed.position_m >= p["from_position_mm"] * MILLI - _SAME_M
         return np.where(sticks & (weighed.touching > 0.0), -ahead, 0.0)
 
-    def _contact_solution(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
+    def _kept_back_N(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
         if kind == ONE_WAY:
@@ -57,16 +57,31 @@ EFFECT = RollSticking(
     source="the paper, section 3.3: at 30 mm the sheet systematically got stuck between the rolls",
     parameters=(
         EffectParameter(
-            "force_mN", "change of force that it takes to get it loose", "mN", 0.2, -5.0, 5.0),
-        EffectParameter(
-            "from_position_mm", "the first position at which it sticks", "mm", 25.0,
-            neutral=np.inf, starting_values=(10.0, 15.0, 20.0, 25.0, 30.0),
+            name="force_mN",
+            meaning="change of force that it takes to get it loose",
+            unit="mN",
+            prior_scale=0.2,
+            low=-5.0,
+            high=5.0,
         ),
         EffectParameter(
-            "kind", "0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
-            " held against the force whatever came before; 3: pulled one way", "",
-            0.0, 0.0, 3.0, starting_values=(0.0, 1.0, 2.0, 3.0),
+            name="from_position_mm",
+            meaning="the first position at which it sticks",
+            unit="mm",
+            prior_scale=25.0,
+            neutral=np.inf,
+            starting_values=(10.0, 15.0, 20.0, 25.0, 30.0),
+        ),
+        EffectParameter(
+            name="kind",
+            meaning="0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
+            " held against the force whatever came before; 3: pulled one way",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=3.0,
+            starting_values=(0.0, 1.0, 2.0, 3.0),
         ),
     ),
     form_error_along=("position", "voltage"),
-)  # fmt: skip
+)

@@ -46,7 +46,14 @@ EFFECT = StiffnessDrift(
         " ed., ch. 6 (stiffness against hydration); the paper, section 3.2"
     ),
     parameters=(
-        EffectParameter("relative_change", "of the stiffness over the data", "", 0.1, -1.0, 1.2),
+        EffectParameter(
+            name="relative_change",
+            meaning="of the stiffness over the data",
+            unit="",
+            prior_scale=0.1,
+            low=-1.0,
+            high=1.2,
+        ),
         SINCE,
         SETTLES,
     ),

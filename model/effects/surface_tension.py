@@ -47,12 +47,24 @@ EFFECT = SurfaceTension(
         " section 4.2, observation 1"
     ),
     parameters=(
-        EffectParameter("force_mN", "pull along the sheet's normal", "mN", 0.1, -5.0, 5.0),
         EffectParameter(
-            "dries_s", "time constant with which the water goes; 0: it stays", "s",
-            0.0, 0.0, 1e4, starting_values=(0.0, 15.0, 60.0),
+            name="force_mN",
+            meaning="pull along the sheet's normal",
+            unit="mN",
+            prior_scale=0.1,
+            low=-5.0,
+            high=5.0,
+        ),
+        EffectParameter(
+            name="dries_s",
+            meaning="time constant with which the water goes; 0: it stays",
+            unit="s",
+            prior_scale=0.0,
+            low=0.0,
+            high=1e4,
+            starting_values=(0.0, 15.0, 60.0),
         ),
     ),
     form_error_along=("position", "voltage", "time"),
     by_configuration=True,
-)  # fmt: skip
+)

@@ -132,19 +132,33 @@ EFFECT = ViscoelasticCreep(
     ),
     parameters=(
         EffectParameter(
-            "relative_change_per_decade", "of the stiffness in each tenfold of time", "", -0.03,
-            low=-0.4, high=0.0,
+            name="relative_change_per_decade",
+            meaning="of the stiffness in each tenfold of time",
+            unit="",
+            prior_scale=-0.03,
+            low=-0.4,
+            high=0.0,
         ),
         EffectParameter(
-            "time_s", "its time constant, where only the strain that stays relaxes; 0: the"
-            " stiffness as a whole, with the logarithm of time", "s",
-            0.0, 0.0, 1e4, starting_values=(0.0, 2.0, 8.0, 30.0),
+            name="time_s",
+            meaning="its time constant, where only the strain that stays relaxes; 0: the"
+            " stiffness as a whole, with the logarithm of time",
+            unit="s",
+            prior_scale=0.0,
+            low=0.0,
+            high=1e4,
+            starting_values=(0.0, 2.0, 8.0, 30.0),
         ),
         SPREAD,
         EffectParameter(
-            "from_run", "0: held since it was wetted; 1: since the run began", "",
-            0.0, 0.0, 1.0, starting_values=(0.0, 1.0),
+            name="from_run",
+            meaning="0: held since it was wetted; 1: since the run began",
+            unit="",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
         ),
     ),
     form_error_along=("time", "position"),
-)  # fmt: skip
+)

@@ -134,8 +134,8 @@ def other_solutions(found: Equilibria) -> list[float]:
     many = _at(p, np.full(len(starts), p.angle_rad[0]))
     psi = np.repeat(found.psi[:1], len(starts), axis=0)
     begin = Equilibria(
-        many, np.zeros(len(starts), dtype=np.int64), starts[:, 0], starts[:, 1],
-        np.zeros(len(starts)), psi, found.nodes,
+        problems=many, status=np.zeros(len(starts), dtype=np.int64), nu=starts[:, 0],
+        s_hat_m=starts[:, 1], phi_hat_rad=np.zeros(len(starts)), psi=psi, nodes=found.nodes,
     )  # fmt: skip
     again = solve(many, begin)
     known = [float(found.nu[0])]

@@ -46,7 +46,7 @@ class SolverStatus(IntEnum):
     FAILED = 2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Problems:
     """A batch of K problems on the same panels."""
 
@@ -96,7 +96,15 @@ def problems(
     if len(rows) < len(angles):
         rows = np.repeat(rows, len(angles), axis=0)
     turn = largest * _widest(breaks)
-    return Problems(breaks, rows, soft[None], radius_m, length + elongation_m, angles, turn)
+    return Problems(
+        breaks_m=breaks,
+        kappa=rows,
+        softness=soft[None],
+        radius_m=radius_m,
+        reach_m=length + elongation_m,
+        angle_rad=angles,
+        turn_rad=turn,
+    )
 
 
 def _widest(breaks_m: FloatArray) -> float:
@@ -128,7 +136,7 @@ def nodes_for(batch: Problems, accuracy: Accuracy = "normal") -> int:
     return next(nodes for most, nodes in _NODES[accuracy] if measure < most)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Shapes:
     """Curves of a batch at points s."""
 
@@ -166,7 +174,7 @@ class Directions(NamedTuple):
         return Directions(np.ascontiguousarray(kappa), soft, *others)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EquilibriumSensitivities:
     """Derivatives of a batch with respect to Q parameters."""
 
@@ -177,7 +185,7 @@ class EquilibriumSensitivities:
     y: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Equilibria:
     """Solutions of a batch. Where `status` is not SOLVED the numbers are NaN."""
 
@@ -234,9 +242,12 @@ class Equilibria:
             p.breaks_m, p.kappa, p.softness, rule(self.nodes), p.radius_m, p.angle_rad,
             self.psi, state, good, s, to, out, lever, dx, dout,
         )  # fmt: skip
-        shapes = Shapes(np.asarray(s_m, dtype=float), *(out[:, :, i] for i in range(4)))
+        shapes = Shapes(
+            s_m=np.asarray(s_m, dtype=float), x_m=out[:, :, 0], y_m=out[:, :, 1],
+            phi_rad=out[:, :, 2], curvature_per_m=out[:, :, 3],
+        )  # fmt: skip
         answers = EquilibriumSensitivities(
-            dx[:, :, 0], dx[:, :, 1], dx[:, :, 2], dout[..., 0], dout[..., 1]
+            nu=dx[:, :, 0], s_hat=dx[:, :, 1], phi_hat=dx[:, :, 2], x=dout[..., 0], y=dout[..., 1]
         )
         return shapes, lever / self.l_hat_m, answers
 
@@ -266,7 +277,15 @@ def solve(
         if _share(by.solve_many, workers, batch, nodes, warm, psi, state, status):
             _share(by.rescue_many, workers, batch, nodes, psi, state, status)
             state[status != SolverStatus.SOLVED] = np.nan
-    return Equilibria(batch, status, state[:, 0], state[:, 1], state[:, 2], psi, nodes)
+    return Equilibria(
+        problems=batch,
+        status=status,
+        nu=state[:, 0],
+        s_hat_m=state[:, 1],
+        phi_hat_rad=state[:, 2],
+        psi=psi,
+        nodes=nodes,
+    )
 
 
 def _share(

@@ -24,7 +24,7 @@ WAY = 60  # steps of a continuation
 TINY = 1e-40  # of a complex step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Case:
     """A batch of K problems, any of its numbers complex."""
 
@@ -37,14 +37,17 @@ class Case:
 
     def pick(self, rows: Numbers) -> Case:
         """Some problems of the batch, or the same ones several times."""
-        parts = (self.kappa, self.soft, self.R, self.length, self.angle)
-        return Case(self.breaks, *(part[rows] for part in parts))
+        names = ("kappa", "soft", "R", "length", "angle")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 def _case(breaks: Numbers, kappa: Numbers, soft: Numbers, R: float, angles: Numbers) -> Case:
     K = len(angles)
     soft = np.broadcast_to(soft, (K, *soft.shape[1:]))
-    return Case(breaks, kappa, soft, np.full(K, R), np.full(K, breaks[-1]), angles)
+    return Case(
+        breaks=breaks, kappa=kappa, soft=soft, R=np.full(K, R), length=np.full(K, breaks[-1]),
+        angle=angles,
+    )  # fmt: skip
 
 
 def _polynomial(
@@ -63,7 +66,7 @@ def _polynomial(
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Loaded:
     """The loaded part, nodes counted from the contact in each panel: arrays (K, P, n) and (K,)."""
 
@@ -103,8 +106,9 @@ def _loaded(case: Case, psi: Numbers, nu: Numbers, s_hat: Numbers, r: Rule) -> L
     residual = psi + (turned_top[:, None, None] - turned) - nu[:, None, None] * moment
     residual = np.where((every <= panel[:, None])[:, :, None], residual, psi)
     return Loaded(
-        h, top, panel, psi, a, c * a, residual, nu * moment_end - turned_top,
-        s_hat - top + run_end, _integrals(h, np.sin(psi), r)[1],
+        h=h, top=top, panel=panel, psi=psi, a=a, push=c * a, residual=residual,
+        psi_end=nu * moment_end - turned_top, a_end=s_hat - top + run_end,
+        b_end=_integrals(h, np.sin(psi), r)[1],
     )  # fmt: skip
 
 
@@ -327,7 +331,7 @@ def _moved(case: Case, to: Any, g: int, q: int) -> Case:
     """The problem with parameter q moved by an imaginary step."""
     i = 1j * TINY
     soft = case.soft + i * to.softness[g, q] if to.softness.shape[3] else case.soft
-    return Case(
-        case.breaks, case.kappa + i * to.kappa[g, q], soft, case.R + i * to.radius[g, q],
-        case.length + i * to.length[g, q], case.angle + i * to.angle[g, q],
+    return replace(
+        case, kappa=case.kappa + i * to.kappa[g, q], soft=soft, R=case.R + i * to.radius[g, q],
+        length=case.length + i * to.length[g, q], angle=case.angle + i * to.angle[g, q],
     )  # fmt: skip

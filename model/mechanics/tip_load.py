@@ -22,7 +22,7 @@ STEP = 4.0  # of force times length^2 over B, to begin with
 LARGEST = 200.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TipLoaded:
     """The shape under a tip load; angles at the clamp are 0."""
 
@@ -78,4 +78,12 @@ def tip_load(
     fx, fy = along, across
     if follows:
         fx, fy = cos(tip) * fx - sin(tip) * fy, sin(tip) * fx + cos(tip) * fy
-    return TipLoaded(s, x, y, tip_x, tip_y, tip, tip_x * fy - tip_y * fx)
+    return TipLoaded(
+        s_m=s,
+        x_m=x,
+        y_m=y,
+        tip_x_m=tip_x,
+        tip_y_m=tip_y,
+        tip_rad=tip,
+        root_moment_per_m=tip_x * fy - tip_y * fx,
+    )

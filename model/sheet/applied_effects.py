@@ -13,10 +13,11 @@ import numpy as np
 
 from model.effects import Effect, catalogue
 from model.effects.interface import BeamProblem, ContactSolution
+from model.locations import Location, location
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
-from model.sheet.beam_problem import ActiveEffect, ConditionProblem
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
 from model.sheet.effect_hooks import Acting, applied, in_course, mean_course, self_consistent
 from model.sheet.solution import SolvedProblems, solved
 from model.sheet.typical_run import kept_readings, typical_run
@@ -42,10 +43,10 @@ def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
     return result
 
 
-def unknowns(effects: Sequence[ActiveEffect], configuration: str) -> list[ActiveEffect]:
-    """What is in no catalogue but in the model."""
+def terms(effects: Sequence[ActiveEffect], configuration: str) -> list[tuple[Location, Profile]]:
+    """Return the nonparametric terms of a configuration, each with its location."""
     return [
-        one for one in effects
+        (location(one.location), one.profile) for one in effects
         if one.name == UNKNOWN and one.values(configuration) is not None and one.profile is not None
     ]  # fmt: skip
 
@@ -76,15 +77,15 @@ def with_effects(
     Friction and the like look at the other voltages of the same position among the setups.
     """
     name = setups[0].sheet.configuration
-    named, strange = acting(effects, name), unknowns(effects, name)
+    named, free = acting(effects, name), terms(effects, name)
     plain = beam_problem(setups, positions_m)
     # an unknown course in time is a matter of single readings, not of their mean
     course = mean_course(named, plain.clock, plain.reading_of, plain.share, len(setups))
 
     def change(base: BeamProblem, contact: ContactSolution) -> BeamProblem:
         beam = applied(base, contact, named)
-        for one in strange:
-            beam = _with_unknown(beam, one)
+        for where, term in free:
+            beam = where.beam(beam, term)
         return beam
 
     def solve(beam: BeamProblem) -> _Solved:
@@ -197,30 +198,3 @@ def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolutio
         phi_rad=phi - tilt, curvature=shapes.curvature_per_m[:, :-1],
         end_phi_rad=shapes.phi_rad[:, -1] - beam.tilt_rad,
     )  # fmt: skip
-
-
-def _with_unknown(beam: BeamProblem, one: ActiveEffect) -> BeamProblem:
-    """The term of an unknown effect, added at its location."""
-    profile = one.profile
-    assert profile is not None  # noqa: S101 - see `unknowns`
-    share = profile.share(beam.voltage_V)
-    if profile.along == "position":
-        on_arc = share * profile(np.nan_to_num(beam.stated_m))
-        if one.location == "position":
-            return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
-        if one.location == "eibm":
-            return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
-    if profile.along != "s":
-        return beam
-    term = share[:, None] * profile(beam.s_m)
-    if one.location == "rest_curvature":
-        return replace(beam, rest=beam.rest + term)
-    if one.location == "eibm":
-        return replace(beam, eibm=beam.eibm * (1.0 + term))
-    if one.location == "compliance":
-        return replace(beam, soft=beam.soft * (1.0 + term))
-    if one.location == "even_moment":
-        driven = beam.voltage_V != 0.0
-        typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
-        return replace(beam, bend=beam.bend + typical * driven[:, None] * term)
-    return beam

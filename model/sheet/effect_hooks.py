@@ -177,7 +177,8 @@ def load_cell_input(
     return LoadCellInput(
         force_N=np.nan_to_num(contact.force_N[of]), normal_N=np.nan_to_num(contact.normal_N[of]),
         gamma_rad=np.nan_to_num(contact.gamma_rad[of]), position_m=beam.stated_m[of],
-        session=clock.session, touching=np.isfinite(contact.force_N[of]).astype(float),
+        voltage_V=clock.voltage_V, session=clock.session,
+        touching=np.isfinite(contact.force_N[of]).astype(float),
         wetted_s=np.broadcast_to(clock.wetted_s, of.shape), slid=slid(beam, contact)[of],
     )  # fmt: skip
 
@@ -188,7 +189,7 @@ def added_force_N(acting: Sequence[Acting], weighed: LoadCellInput, in_time: Ind
     hooked = [one for one in acting if type(one.effect).force is not Effect.force]
     if not hooked:
         return result
-    ordered = LoadCellInput(*(getattr(weighed, f.name)[in_time] for f in fields(LoadCellInput)))
+    ordered = LoadCellInput(**{f.name: getattr(weighed, f.name)[in_time] for f in fields(weighed)})
     for one in hooked:
         added = one.effect.force(ordered, one.values)
         if added is not None:
@@ -199,14 +200,14 @@ def added_force_N(acting: Sequence[Acting], weighed: LoadCellInput, in_time: Ind
 
 
 def image_displacement_m(
-    acting: Sequence[Acting], points: ImagePoints, s_m: FloatArray
+    acting: Sequence[Acting], points: ImagePoints
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what the camera adds to the points' x and y, which are at s_m on the sheet: (K, S)."""
+    """Return what the camera adds to the points' x and y, (K, S)."""
     dx, dy = np.zeros_like(points.x_m), np.zeros_like(points.y_m)
     for one in acting:
         added = one.effect.curve(points, one.values)
         if added is not None:
             along = one.profile if one.profile and one.profile.along == "s" else None
-            share = 1.0 if along is None else along(s_m)
+            share = 1.0 if along is None else along(points.s_m)
             dx, dy = dx + share * added[0], dy + share * added[1]
     return dx, dy

@@ -14,8 +14,8 @@ import numpy as np
 from model.effects.interface import ImagePoints
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
-from model.sheet.applied_effects import acting, beam_problem, contact_solution, unknowns
-from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.applied_effects import acting, beam_problem, contact_solution, terms
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.effect_hooks import (
     added_force_N,
     image_change,
@@ -46,26 +46,11 @@ def load_cell_N(
     weighed = load_cell_input(beam, contact_solution(found, beam), run.clock, of)
     added_N = added_force_N(acting(effects, name), weighed, np.arange(len(of)))
     total = mean_over(added_N, run.at(voltage_V))
-    for other in unknowns(effects, name):
-        if other.location == "load_cell" and other.profile is not None:
-            total += _strange_N(
-                other.profile, position_m, found.force_N[rows[voltage_V]], voltage_V
-            )
+    for where, term in terms(effects, name):
+        added = where.force(weighed, term)
+        if added is not None:
+            total += mean_over(added, run.at(voltage_V))
     return total
-
-
-def _strange_N(profile: Profile, position_m: float, force_N: float, voltage_V: float) -> float:
-    """What an unknown effect of the load cell adds; what goes with time is not known here."""
-    if profile.along not in ("position", "force"):
-        return 0.0
-    at = np.array([position_m if profile.along == "position" else force_N])
-    return 1e-3 * float(profile(at)[0] * profile.share(np.array([voltage_V]))[0])
-
-
-def _factor(profile: Profile | None, position_m: float) -> float:
-    if profile is None or profile.along != "position":
-        return 1.0
-    return float(profile(np.array([position_m]))[0])
 
 
 def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> ConditionProblem:
@@ -78,11 +63,11 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
     seen, use = image_change(inner, run.clock), run.at(setup.voltage_V)
     more = 0.0 if seen is None else mean_over(seen, use)
     at_m = (setup.angle_rad - setup.sheet.arc_origin_rad) * setup.sheet.arc_radius_m
-    on_its_way = 0.5 * (1.0 - mean_over(run.clock.opposite, use))
-    for other in unknowns(effects, name):
-        along = None if other.profile is None else other.profile.along
-        if other.location == "camera" and along == "position" and setup.touches:
-            more += on_its_way * _factor(other.profile, at_m)
+    position_m = np.full(len(run.clock.voltage_V), at_m)
+    for where, term in terms(effects, name) if setup.touches else ():
+        changed = where.pictured(run.clock, position_m, term)
+        if changed is not None:
+            more += mean_over(changed, use)
     return replace(setup, eibm=setup.eibm * (1.0 + more))
 
 
@@ -92,10 +77,13 @@ def camera_m(
     """What the camera adds to the points of one curve, the first of `curve`."""
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
     name = setup.sheet.configuration
-    points = ImagePoints(x_m[None], y_m[None], setup.sheet.free_length_m)
-    (dx,), (dy,) = image_displacement_m(acting(effects, name), points, s_m)
-    for other in unknowns(effects, name):
-        if other.location == "camera" and other.profile is not None and other.profile.along == "s":
-            off = 1e-3 * other.profile(s_m)
-            dx, dy = dx - off * np.sin(phi_rad), dy + off * np.cos(phi_rad)
+    points = ImagePoints(
+        s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
+        normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
+    )  # fmt: skip
+    (dx,), (dy,) = image_displacement_m(acting(effects, name), points)
+    for where, term in terms(effects, name):
+        added = where.curve(points, term)
+        if added is not None:
+            dx, dy = dx + added[0][0], dy + added[1][0]
     return dx, dy

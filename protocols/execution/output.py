@@ -85,7 +85,7 @@ class GuardedOutput:
             self._emit(OutputChanged(self._clock.now(), self.state, why))
 
     def settle(self, make_safe: MakeSafe) -> str:
-        """The end: make safe, and settle on SAFE or UNKNOWN; how it went in words."""
+        """Make safe at the end, settle on SAFE or UNKNOWN, and return how it went in words."""
         self.state = OutputState.UNKNOWN
         made = make_safe()
         if made.is_safe:

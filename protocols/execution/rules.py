@@ -38,7 +38,7 @@ class LoopTiming:
 
 
 def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:
-    """A reason when the reading's own edge came late."""
+    """Yield a reason when the reading's own edge came late."""
     if lateness_s > rules.late_edge_s:
         yield (
             f"its edge came {lateness_s * 1e3:.1f} ms late (limit {rules.late_edge_s * 1e3:g} ms)"
@@ -57,7 +57,7 @@ def bad_samples(
 
 
 def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]:
-    """A reason when the sheet did not get what was written."""
+    """Yield a reason when the sheet did not get what was written."""
     if abs(drive_V - written_V) > rules.drive_tolerance_V:
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
 

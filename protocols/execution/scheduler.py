@@ -89,7 +89,7 @@ class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while as
 
 
 def utc_now() -> str:
-    """The time of day as ISO 8601, UTC."""
+    """Return the time of day as ISO 8601, UTC."""
     return dt.datetime.now(dt.UTC).isoformat(timespec="milliseconds")
 
 
@@ -319,7 +319,7 @@ class Scheduler:
 
 
 def _reason(error: BaseException) -> tuple[FinishReason, str]:
-    """What an exception means for the session, and the sentence for the operator."""
+    """Return what an exception means for the session, and the sentence for the operator."""
     text = str(error) or type(error).__name__
     if isinstance(error, Stopped):
         return FinishReason.STOP_REQUESTED, text

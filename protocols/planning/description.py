@@ -65,7 +65,7 @@ class Timeline:
 
 
 def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDescription:
-    """Times, voltages and readings of every run, and an estimate of the whole session's time."""
+    """Return times, voltages and readings of every run, and an estimate of the session's time."""
     timing = timing or LoopTiming()
     situation, clock_s, rows = Situation(), 0.0, []
     for run in schedule.runs:
@@ -82,7 +82,7 @@ def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDe
 
 
 def timeline(run: PlannedRun) -> Timeline:
-    """What to draw of a run: corners of the voltage, and the readings."""
+    """Return what to draw of a run: corners of the voltage, and the readings."""
     time_s, voltage_V = [0.0], [0.0]
     for step in run.steps:
         time_s += [step.time_s, step.time_s]

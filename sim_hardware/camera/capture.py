@@ -50,14 +50,14 @@ class SimulatedCapture:
         self.open()
 
     def open(self, *_source: Any) -> bool:
-        """Start the camera anew, from frame 0; what OpenCV would be told to open is ignored."""
+        """Restart the camera, from frame 0; the source that OpenCV would open is ignored."""
         self._stream = FrameStream(self._scene, self._clock.now(), self.faults, self._jitter_s)
         self._next = 0
         self._number = None
         return True
 
     def isOpened(self) -> bool:
-        """Tell whether the camera was opened and not released."""
+        """Return whether the camera was opened and not released."""
         return self._stream is not None
 
     def release(self) -> None:
@@ -95,7 +95,7 @@ class SimulatedCapture:
         return True
 
     def retrieve(self) -> tuple[bool, npt.NDArray[np.uint8] | None]:
-        """The frame that was grabbed last."""
+        """Return whether there is a frame, and the one that was grabbed last."""
         if self._stream is None or self._number is None:
             return False, None
         grey = self._stream.image(self._number)
@@ -108,7 +108,7 @@ class SimulatedCapture:
         return self.retrieve() if self.grab() else (False, None)
 
     def get(self, propId: int) -> float:
-        """A property; 0 for those that are not known, as OpenCV does."""
+        """Return a property; 0 for those that are not known, as OpenCV does."""
         rows, columns = self._scene.frame_shape
         if propId == POS_MSEC:
             if self._stream is None or self._number is None:

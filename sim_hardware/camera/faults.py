@@ -27,7 +27,7 @@ class CameraFaults:
     """Arrive `late_s` after their time."""
     late_s: float = 0.1
     freeze: Container[int] = ()
-    """Show again the last picture that was not frozen."""
+    """Show again the last image that was not frozen."""
     black: Container[int] = ()
     """Show nothing at all."""
     wrong_size: Container[int] = ()

@@ -29,7 +29,7 @@ class _Client:
         self.thread: threading.Thread | None = None
 
     def receive_request(self) -> str:
-        """The method of the HTTP request; empty when none came."""
+        """Return the method of the HTTP request; empty when none came."""
         self.connection.settimeout(5)
         received = b""
         while b"\r\n\r\n" not in received and len(received) < 65536:
@@ -44,7 +44,7 @@ class _Client:
 class CameraServer:
     """Serves http://127.0.0.1:PORT/ in real time to any number of clients.
 
-    A frame is rendered once, and only while somebody watches. A client that reads slowly misses
+    A frame is rendered once, and only while a client reads. A client that reads slowly misses
     frames; nothing piles up. Each frame's header carries its number (`Xnumber=`).
     """
 
@@ -156,7 +156,7 @@ class CameraServer:
                 shape = image.shape
                 client.connection.sendall(self._stream_header(*image.shape))
             if image.shape != shape:
-                return  # a stream has one size; whoever opens it anew gets the new one
+                return  # a stream has one size; a client that opens it again gets the new one
             client.connection.sendall(b"FRAME Xnumber=%d\n" % number + image.tobytes())
 
     def _next_frame(self, client: _Client) -> tuple[int, Image] | None:

@@ -44,19 +44,19 @@ class FrameStream:
         return self.faults.strike(what, number, self.time_of(number))
 
     def latest_at(self, when_s: float) -> int:
-        """Number of the last frame whose nominal time has passed; -1 before the first."""
-        # A frame whose time is just now counts, whatever the last bit of the division says.
+        """Return the number of the last frame whose nominal time has passed; -1 before it."""
+        # A frame whose time is just now counts, whatever the last bit of the division is.
         return int((when_s - self.start_s) / self.period_s + 1e-6) - 1
 
     def image(self, number: int) -> Image:
-        """The frame (rows, columns) as it arrives."""
+        """Return the frame (rows, columns) as it arrives."""
         if self.suffers("black", number):
             return np.zeros(self.scene.frame_shape, dtype=np.uint8)
         with self._lock:
             if self.suffers("freeze", number) and self._last_good is not None:
                 image = self._last_good
             else:
-                image = self.scene.picture(self.time_of(number), number)
+                image = self.scene.image(self.time_of(number), number)
                 self._last_good = image
         if self.suffers("wrong_size", number):
             image = image[::2, ::2]

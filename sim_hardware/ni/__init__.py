@@ -3,13 +3,13 @@
 from sim_hardware.ni.boards import BoardModel, board_models
 from sim_hardware.ni.faults import Faults
 from sim_hardware.ni.transport.device_server import NiDeviceServer
-from sim_hardware.ni.transport.loopback import LoopbackBench
+from sim_hardware.ni.transport.loopback import LoopbackWires
 from sim_hardware.ni.transport.server import PortTakenError
 
 __all__ = [
     "BoardModel",
     "Faults",
-    "LoopbackBench",
+    "LoopbackWires",
     "NiDeviceServer",
     "PortTakenError",
     "board_models",

@@ -75,7 +75,7 @@ class DeviceRegistry:
         return iter(self._devices.values())
 
     def find(self, name: str) -> Device:
-        """The device of that name; -200220 when there is none."""
+        """Return the device of that name; -200220 when there is none."""
         device = self._devices.get(name.strip().lstrip("/").lower())
         if device is None:
             raise StatusError(Code.NO_SUCH_DEVICE, f"Device Specified: {name}")

@@ -138,5 +138,5 @@ class SessionError(Exception):
 
 
 def error_string(code: int) -> str:
-    """The text of a status code; empty for a code that is not known."""
+    """Return the text of a status code; empty for a code that is not known."""
     return TEXTS.get(code, "")

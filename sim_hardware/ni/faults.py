@@ -11,7 +11,7 @@ class Faults:
 
     delay_s: float = 0.0  # every call takes this much longer
     hang: set[str] = field(default_factory=set)  # calls that never answer; "*": all
-    unavailable: bool = False  # nobody answers at all
+    unavailable: bool = False  # the server does not answer
     refuse: dict[str, int] = field(default_factory=dict)  # call: the status code it fails with
     lose_after_reads: int | None = None  # so many more reads, and samples are lost (-200279)
     nan: set[str] = field(default_factory=set)  # inputs that read NaN, such as PCI6034E/ai0

@@ -12,7 +12,7 @@ _MOST = 15000
 
 
 def split_list(text: str) -> list[str]:
-    """The single names in a list, ranges written out."""
+    """Return the single names in a list, ranges written out."""
     names: list[str] = []
     for part in (part.strip() for part in text.split(",")):
         if part:
@@ -21,7 +21,7 @@ def split_list(text: str) -> list[str]:
 
 
 def split_some(text: str) -> list[str]:
-    """The same for a list that must not be empty; -200170 when it is."""
+    """Return the same for a list that must not be empty; -200170 when it is."""
     names = split_list(text)
     if not names:
         raise StatusError(Code.NO_SUCH_CHANNEL, "No channel is named.")
@@ -29,7 +29,7 @@ def split_some(text: str) -> list[str]:
 
 
 def join_list(names: Sequence[str]) -> str:
-    """The list of these names, as the driver answers it."""
+    """Return the list of these names, as the driver answers it."""
     return ", ".join(names)
 
 

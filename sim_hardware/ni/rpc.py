@@ -18,7 +18,7 @@ class Call(Protocol):
         """Who calls: one name for each connection."""
 
     def is_active(self) -> bool:
-        """False once the caller has gone or cancelled."""
+        """Return False once the caller has gone or cancelled."""
 
 
 class CallError(Exception):
@@ -34,7 +34,7 @@ class CallError(Exception):
 
 
 def raw_enum(request: Message, field: str) -> int:
-    """The number that a client gave for an enum; clients send `field_raw`, others `field`."""
+    """Return a client's number for an enum; clients send `field_raw`, others `field`."""
     if request.HasField(f"{field}_raw"):
         return int(getattr(request, f"{field}_raw"))
     return int(getattr(request, field))

@@ -1,4 +1,4 @@
-"""The simulated optics: from the sheet's shape to the picture a camera takes of it."""
+"""The simulated optics: from the sheet's shape to the image a camera takes of it."""
 
 from sim_hardware.optics.marker import read_marker, write_marker
 from sim_hardware.optics.renderer import Contact, Renderer

@@ -37,7 +37,7 @@ def glare(settings: OpticsSettings) -> Picture:
 
 @dataclass(frozen=True)
 class Patch:
-    """A part of one grey level that lies over the picture."""
+    """A part of one grey level that lies over the image."""
 
     where: tuple[slice, slice]
     coverage: Picture
@@ -49,7 +49,7 @@ class Patch:
 
 
 def jaws(settings: OpticsSettings, geometry: Geometry) -> Patch | None:
-    """The clamp; None where there is none to be seen."""
+    """Return the image of the clamp; None where it is not visible."""
     clamp = settings.jaws
     if not clamp.visible:
         return None

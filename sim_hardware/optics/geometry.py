@@ -19,7 +19,7 @@ class Geometry:
         self.px_per_m = settings.px_per_mm * 1000
         self._origin_px = np.array(settings.origin_px)
         cos, sin = math.cos(settings.roll_rad), math.sin(settings.roll_rad)
-        # R(roll) acts on (x, -y): the picture's v runs down.
+        # R(roll) acts on (x, -y): the image's v runs down.
         self._matrix = self.px_per_m * np.array([[cos, sin], [sin, -cos]])
         self._lens = settings.lens
         columns, rows = settings.image_size
@@ -40,13 +40,13 @@ class Geometry:
         return points_px if self._lens is None else self._lens.distort(points_px)
 
     def turned(self, angle_rad: float) -> FloatArray:
-        """Unit vector in pixels of a world direction, counter-clockwise from x."""
+        """Return the unit vector in pixels of a world direction, counter-clockwise from x."""
         direction = self._matrix @ np.array([math.cos(angle_rad), math.sin(angle_rad)])
         return np.asarray(direction / self.px_per_m, dtype=np.float64)
 
 
 def smooth_polyline(shape_m: npt.ArrayLike, spacing_m: float) -> tuple[FloatArray, FloatArray]:
-    """A curve given by samples (n, 2), resampled by a cubic spline: points (m, 2), arc length (m).
+    """Resample a curve (n, 2) by a cubic spline: points (m, 2) and their arc length (m).
 
     The samples may be as coarse as the links of a chain; the spacing wanted is about a pixel, so
     that straight pieces between the points are good to a thousandth of one.

@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Image = npt.NDArray[np.float32]
 
 
-class Band(NamedTuple):
+class PixelBand(NamedTuple):
     """A band along a polyline, at each of its points."""
 
     points: Floats  # (n, 2), in pixels
@@ -62,7 +62,7 @@ def edge(depth: float, softness: float) -> float:
 
 
 @strict_jit
-def draw_band(band: Band, into: Layer, count: int) -> int:
+def draw_band(band: PixelBand, into: Layer, count: int) -> int:
     """Draw a band, cut off square at both ends; `count` pixels are touched already.
 
     The layer's pixels hold of the piece of polyline nearest to each: squared distance (infinite:
@@ -154,7 +154,7 @@ def draw_disc(image: Image, columns: int, disc: Disc) -> None:
 
 @strict_jit
 def mixed(key: np.uint64) -> np.uint64:
-    """A 64-bit hash (the finaliser of splitmix64), to turn counters into random bits."""
+    """Hash 64 bits (the finaliser of splitmix64), to turn counters into random bits."""
     z = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return z ^ (z >> np.uint64(31))

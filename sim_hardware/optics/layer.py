@@ -36,7 +36,7 @@ class BandLayer:
 
     def draw(self, points_px: FloatArray, half_width_px: FloatArray, level: FloatArray) -> None:
         """Draw a band along raw pixels (n, 2) with half widths (n) and grey levels (n)."""
-        band = self._kernels.Band(points_px, half_width_px, level)
+        band = self._kernels.PixelBand(points_px, half_width_px, level)
         self._count = self._kernels.draw_band(band, self._layer, self._count)
 
     def add(self, share: float) -> None:

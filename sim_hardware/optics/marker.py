@@ -1,4 +1,4 @@
-"""The frame number and the time written into the picture, so that a test can measure true latency.
+"""The frame number and the time written into the image, so that a test can measure true latency.
 
 A row of square blocks at the top left, white for 1 and black for 0: 32 bits of number, 48 bits of
 time in microseconds (all ones: not known), 8 bits of check sum.
@@ -21,7 +21,7 @@ def _check_sum(payload: int) -> int:
 
 
 def write_marker(image: npt.NDArray[np.uint8], number: int, time_s: float | None = None) -> None:
-    """Write the marker into a picture of at least `MARKER_COLUMNS` columns."""
+    """Write the marker into a image of at least `MARKER_COLUMNS` columns."""
     microseconds = _NO_TIME if time_s is None else round(time_s * 1e6)
     payload = (number % (1 << _NUMBER_BITS)) << _TIME_BITS | (microseconds & _NO_TIME)
     word = payload << _CHECK_BITS | _check_sum(payload)
@@ -30,7 +30,7 @@ def write_marker(image: npt.NDArray[np.uint8], number: int, time_s: float | None
 
 
 def read_marker(image: npt.NDArray[np.uint8]) -> tuple[int, float | None] | None:
-    """Frame number and time in s of a picture's marker; None where there is no valid one."""
+    """Frame number and time in s of a image's marker; None where there is no valid one."""
     blocks = image[BLOCK_PX // 2, BLOCK_PX // 2 : MARKER_COLUMNS : BLOCK_PX]
     if len(blocks) < _BITS:
         return None

@@ -56,24 +56,24 @@ class Renderer:
         sheet_length_m: float = math.inf,
         time_s: float | None = None,
     ) -> npt.NDArray[np.uint8]:
-        """A frame (rows, columns).
+        """Return a frame (rows, columns).
 
         `shapes`: the neutral curve (n, 2) in m from the clamp to the end of the elongation, at
         instants spread over the exposure. `sheet_length_m`: where along it the sheet ends and the
         elongation begins. `time_s`: written into the marker, if the settings ask for one.
         """
         background = self.settings.background_level
-        picture = np.full(self._rows * self._columns, background, dtype=np.float32)
+        image = np.full(self._rows * self._columns, background, dtype=np.float32)
         bands = [self._band(shape, sheet_length_m) for shape in shapes]
         if self.settings.far_face is not None:
-            self._draw_far_face(picture, bands, self.settings.far_face)
+            self._draw_far_face(image, bands, self.settings.far_face)
         for pixels, half, level in bands:
             self._layer.draw(self._geometry.distort(pixels), half, level)
             self._layer.add(1 / len(bands))
-        self._layer.lay_over(picture)
+        self._layer.lay_over(image)
         if contact is not None and self.settings.rolls.visible:
-            self._draw_rolls(picture, contact, sheet_length_m)
-        frame = picture.reshape(self._rows, self._columns)
+            self._draw_rolls(image, contact, sheet_length_m)
+        frame = image.reshape(self._rows, self._columns)
         if self._jaws is not None:
             self._jaws.draw(frame)
         return self._expose(self._blurred(frame), number, time_s)
@@ -103,11 +103,11 @@ class Renderer:
 
     def _draw_far_face(
         self,
-        picture: Image,
+        image: Image,
         bands: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
         face: FarFace,
     ) -> None:
-        """The surface that the curve sweeps as it shrinks with depth towards the picture's centre.
+        """Draw the surface that the curve sweeps as it shrinks with depth towards the centre.
 
         It is made of bands less than a band's width apart.
         """
@@ -119,12 +119,12 @@ class Renderer:
                 shrunk = self._geometry.distort(centre + size * (pixels - centre))
                 self._layer.draw(shrunk, half * size, np.full_like(level, face.level))
             self._layer.add(1 / len(bands))
-        self._layer.lay_over(picture)
+        self._layer.lay_over(image)
 
-    def _draw_rolls(self, picture: Image, contact: Contact, sheet_length_m: float) -> None:
+    def _draw_rolls(self, image: Image, contact: Contact, sheet_length_m: float) -> None:
         x, y, angle = contact
         rolls = self.settings.rolls
-        # The straight way to the contact is near enough to the way along the sheet to tell.
+        # The straight distance to the contact is close enough to the arc length.
         on_sheet = math.hypot(x, y) <= sheet_length_m
         held_m = (
             self.settings.sheet_thickness_m if on_sheet else self.settings.elongation_thickness_m
@@ -142,7 +142,7 @@ class Renderer:
                 rim=rolls.rim_m * scale,
                 rim_level=rolls.rim_level,
             )
-            self._kernels.draw_disc(picture, self._columns, disc)
+            self._kernels.draw_disc(image, self._columns, disc)
 
     def _blurred(self, frame: Image) -> Image:
         import cv2

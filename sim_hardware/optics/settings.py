@@ -45,7 +45,7 @@ class Jaws(_Closed):
     height_m: float = Field(default=10e-3, gt=0)
     """Across it, both jaws together."""
     angle_rad: float = 0.0
-    """Counter-clockwise in the picture."""
+    """Counter-clockwise in the image."""
 
 
 class Rolls(_Closed):
@@ -74,7 +74,7 @@ class Light(_Closed):
     vignetting: float = Field(default=0.10, ge=0, lt=1)
     """Loss in the corners."""
     gradient: Pixel = (0.04, -0.03)
-    """Relative change of brightness across the picture's width and height."""
+    """Relative change of brightness across the image's width and height."""
     unevenness: float = Field(default=0.03, ge=0, lt=1)
     """Relative variation of brightness along the sheet's edge."""
 
@@ -85,7 +85,7 @@ class Spot(_Closed):
     at_px: Pixel
     radius_px: float = Field(gt=0)
     level: float
-    """Added to the picture at its centre; may be negative."""
+    """Added to the image at its centre; may be negative."""
 
 
 class FarFace(_Closed):
@@ -114,7 +114,7 @@ class OpticsSettings(_Closed):
     origin_px: Pixel = (80.2, 340.7)
     """Undistorted pixel of the world's origin, the end of the clamp; integers are centres."""
     roll_rad: float = 0.0
-    """Turn of the picture, clockwise as seen in it."""
+    """Turn of the image, clockwise as seen in it."""
     lens: Lens | None = None
 
     background_level: Level = 40.0

@@ -15,7 +15,7 @@ Floats = npt.NDArray[np.float64]
 
 @brief_jit
 def spline(s: Floats, points: Floats, at: Floats) -> Floats:
-    """The cubic spline through points (n, 2) with parameters `s` (n), at rising places (m): (m, 2).
+    """Return the cubic spline through points (n, 2) at parameters `s` (n), at rising `at`: (m, 2).
 
     Its third derivative is continuous at the last points but one, too ("not a knot"); through
     three points it is a parabola, through two a straight line.

@@ -15,7 +15,7 @@ class Axis:
     """A rotary axis that counts microsteps and carries the load cell along the arc.
 
     What it counts is off by `offset` from where it is until it has been homed. `warnings` holds the
-    two-letter flags of the protocol. The world hears of a new place in `settle`, once a movement
+    two-letter flags of the protocol. The world gets a new position in `settle`, once a movement
     has ended. `obstacle_rad`: an angle that cannot be passed; the axis stalls there.
     """
 

@@ -1,7 +1,7 @@
 """The contract of a simulated serial device, and the check of one.
 
-A file of this folder defines `SERIAL_DEVICE`, a `SerialDeviceMaker`. It is called once for each
-simulated rig, before the first voltage; it must not block and starts no thread.
+A file of this folder defines `SERIAL_DEVICE`, a `SimulatedSerial`. Its name is the `kind` of the
+driver that speaks to the device, as rig.toml has it.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Arc(Protocol):
         """Its radius."""
 
 
-class ArcSettings(Protocol):
+class SettingsWithArc(Protocol):
     """The settings of a world, as far as devices use them."""
 
     @property
@@ -55,7 +55,7 @@ class ArcWorld(Protocol):
     """A world whose load cell can be moved along an arc."""
 
     @property
-    def settings(self) -> ArcSettings:
+    def settings(self) -> SettingsWithArc:
         """The world's settings."""
 
     def place(self, position_m: float | None, approach: Literal["up", "down"] = "up") -> None:
@@ -66,15 +66,24 @@ class SerialWorld(ForceWorld, ArcWorld, Protocol):
     """The world that a device of a simulated rig acts on and measures."""
 
 
-SerialDeviceMaker = Callable[[SerialWorld, Clock], SerialDevice]
+@dataclass(frozen=True)
+class SimulatedSerial:
+    """A kind of serial device."""
+
+    role: str  # of the device at the rig: stage, meter; `serve` prints it with the address
+    # Called for each line that is opened, with the seed of its noise; must not block, and starts
+    # no thread.
+    make: Callable[[SerialWorld, Clock, int], SerialDevice]
 
 
 def faults(part: object) -> list[str]:
-    """Return what is wrong with a `SerialDeviceMaker`, a sentence each; it is called once."""
-    if not callable(part):
-        return [f"SERIAL_DEVICE is of the type {type(part).__name__}, not a callable"]
-    device = part(_StillWorld(), VirtualClock())
+    """Return what is wrong with a device, a sentence each; one is made and asked."""
+    if not isinstance(part, SimulatedSerial):
+        return [f"SERIAL_DEVICE is of the type {type(part).__name__}, not a SimulatedSerial"]
     wrong = []
+    if not part.role.isidentifier():
+        wrong.append(f"role = {part.role!r} must be one word")
+    device = part.make(_StillWorld(), VirtualClock(), 0)
     baudrate = getattr(device, "baudrate", None)
     if not isinstance(baudrate, int) or baudrate <= 0:
         wrong.append(f"baudrate = {baudrate!r} must be a whole number above 0")

@@ -19,7 +19,7 @@ class InMemorySerial:
     """What drivers use of pyserial's `Serial`, with a simulated device behind it.
 
     Bytes take the time that the baud rate gives them; a reply begins when the command has arrived.
-    Spoken to at another baud rate than its own the device understands nothing, and what it says
+    Spoken to at another baud rate than its own the device understands nothing, and what it sends
     unasked is garbage.
     """
 
@@ -127,15 +127,15 @@ class InMemorySerial:
         if self.faults.unplugged:
             raise serial.SerialException(f"{self.port}: device disconnected")
 
-    def _hear(self, said: bytes, since_s: float) -> None:
-        """The device began to say this then, or as soon as it had said what came before."""
-        if not said:
+    def _hear(self, sent: bytes, since_s: float) -> None:
+        """Queue what the device sends from this time on, or after what it sent before."""
+        if not sent:
             return
         if not self._rates_match:
             self._spoken += 1
-            said = garbled(said, self._spoken)
+            sent = garbled(sent, self._spoken)
         began_s = max(since_s, self._coming[-1][0]) if self._coming else since_s
-        self._coming.append((began_s + self._duration(said), said))
+        self._coming.append((began_s + self._duration(sent), sent))
 
     def _receive(self) -> None:
         self._check()

@@ -57,8 +57,8 @@ class PtyPort:
             os.close(self._ours)
 
     def _send(self, data: bytes) -> None:
-        # Nobody reads and the line's buffer is full: a device without flow control speaks on, and
-        # what it says is lost.
+        # No client reads and the line's buffer is full: a device without flow control continues
+        # to send, and its bytes are lost.
         with contextlib.suppress(BlockingIOError):
             if data:
                 os.write(self._ours, data)

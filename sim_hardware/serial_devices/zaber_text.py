@@ -15,7 +15,7 @@ _NUMBER = re.compile(r"-?[0-9]+|0x[0-9A-Fa-f]+")
 
 
 @dataclass(frozen=True)
-class Command:
+class ZaberCommand:
     """A command's fields."""
 
     device: int
@@ -24,8 +24,8 @@ class Command:
     words: tuple[str, ...]
 
     @classmethod
-    def parse(cls, line: str) -> Command | None:
-        """The command in a line without its newline; None for what a device ignores."""
+    def parse(cls, line: str) -> ZaberCommand | None:
+        """Return the command in a line without its newline; None for what a device ignores."""
         if not line.startswith("/"):
             return None
         body = line[1:]
@@ -48,18 +48,18 @@ def _is_field(word: str, fields: int) -> bool:
 
 
 def number(text: str) -> int | None:
-    """A whole number, decimal or hexadecimal with `0x`; None where it is none."""
+    """Return a whole number, decimal or hexadecimal with `0x`; None where it is none."""
     if _NUMBER.fullmatch(text) is None:
         return None
     return int(text, 16 if text.startswith("0x") else 10)
 
 
 def checksum(body: str) -> int:
-    """The check sum of a message without its first character."""
+    """Return the check sum of a message without its first character."""
     return -sum(body.encode("ascii", "replace")) & 0xFF
 
 
 def message(kind: str, body: str, *, checked: bool) -> bytes:
-    """A message of the device: `@` reply, `!` alert, `#` info."""
+    """Return a message of the device: `@` reply, `!` alert, `#` info."""
     ending = f":{checksum(body):02X}" if checked else ""
     return f"{kind}{body}{ending}\r\n".encode("ascii", "replace")

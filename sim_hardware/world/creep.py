@@ -20,16 +20,16 @@ from sim_hardware.world.chain.drive_table import DriveTable
 FloatArray = npt.NDArray[np.float64]
 
 PARTS = 3
-_DRIVE = 0.7  # at which the parts are told apart
+_DRIVE = 0.7  # at which the parts are separated
 
 
 def parts_of(drive: FloatArray) -> FloatArray:
-    """What the three parts of the strain go with (n, PARTS)."""
+    """Return the factors of the three parts of the strain (n, PARTS)."""
     return np.column_stack((np.ones_like(drive), drive, drive**2))
 
 
 def crept_sheets(chain: Chain, table: DriveTable, share: float) -> list[ChainSheet]:
-    """The sheet with its rest curvature moved by each part of the strain, times `share`."""
+    """Return sheets whose rest curvature is moved by each part of the strain, times `share`."""
     s_m = chain.hinge_m[1:]
     low, middle, high = (_curvature(chain, table, d) for d in (-_DRIVE, 0.0, _DRIVE))
     rest = np.asarray(chain.sheet.rest_curvature_per_m(s_m))

@@ -1,4 +1,4 @@
-"""Errors of measured curves: a part that all pictures of a condition share, and each one's own."""
+"""Errors of measured curves: a part that all images of a condition share, and each one's own."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
-_PICTURES = 10  # in a mean image
+_IMAGES = 10  # in a mean image
 
 
 @dataclass(frozen=True)
@@ -47,11 +47,11 @@ class CurveNoise:
         self._errors = errors
         self._random = np.random.default_rng(seed)
         self._factor = np.empty((0, 0))
-        self.white_m = errors.white_m * math.sqrt(_PICTURES)
+        self.white_m = errors.white_m * math.sqrt(_IMAGES)
 
     @property
     def reading_sigma_m(self) -> float:
-        """Standard deviation of a point in one picture."""
+        """Standard deviation of a point in one image."""
         return math.hypot(self.white_m, self._errors.smooth_m)
 
     def places(self, length_m: float) -> FloatArray:
@@ -61,7 +61,7 @@ class CurveNoise:
         return s_m
 
     def added(self, curves: Sequence[FloatArray], s_m: FloatArray) -> list[FloatArray]:
-        """The curves (n, 2) of one condition with their errors along the normal."""
+        """Return the curves (n, 2) of one condition with their errors along the normal."""
         smooth = self._factor @ self._random.standard_normal(s_m.size)
         result = []
         for curve in curves:

@@ -83,7 +83,7 @@ class History:
         row = np.zeros(_COLUMNS + PARTS * _LAGS * self._creeps)
         row[_UNEVEN] = 1.0
         self._track = Track(row, round(_KEEP_S / self._step_s))
-        # The next row follows from this one: the newest, or what somebody's hand made of it.
+        # The next row follows from this one: the newest, or as the operator changed it.
         self._from = row
         self._stages = [first]
         self._watcher = watcher
@@ -116,7 +116,7 @@ class History:
             del self._stages[0]
 
     def moisten(self) -> None:
-        """The sheet is wet again."""
+        """Moisten the sheet."""
         self._from[_UNEVEN] = 1.0
         self._from[_DRY_S] = 0.0
 
@@ -128,7 +128,7 @@ class History:
         self._amplifier.forget(self._oldest_s)
 
     def at(self, times: FloatArray) -> list[Moment]:
-        """The state at times in order, in one piece for each set-up that they fall into."""
+        """Return the state at times in order, in one piece for each set-up that they fall into."""
         times = np.maximum(times, self.start_s)
         self.advance(float(times[-1]))
         starts = [stage.start_s for stage in self._stages]
@@ -190,7 +190,7 @@ class History:
         )
 
     def _creep(self, stage: Stage, drive: FloatArray, last: FloatArray) -> FloatArray:
-        """The lags of what creeps (n, columns), from those of the row before."""
+        """Return the lags of creep (n, columns), from those of the row before."""
         if not stage.setup.crept:  # a place that cannot be reached
             return np.zeros((drive.size, last.size))
         start = last.reshape(PARTS, _LAGS)
@@ -223,5 +223,5 @@ class History:
 
 
 def _hung(moved: FloatArray) -> FloatArray:
-    """What each element hangs on: the force, the force, the place along the sheet."""
+    """Return the driver of each element: the force, the force, the place along the sheet."""
     return moved[:, [0, 0, 1]]

@@ -22,7 +22,7 @@ class WorldError(ValueError):
 
 
 def load_world(path: Path | None = None, seed: int | None = None) -> WorldSettings:
-    """The world of a file; None: the shipped one. `seed` replaces the file's.
+    """Return the world of a file; None: the shipped one. `seed` replaces the file's.
 
     A file needs to say only what differs from the shipped world.toml. Where a folder has no file
     of the name of a shipped world (`paper_scatter.toml`), the shipped one is meant. Raises

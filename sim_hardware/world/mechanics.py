@@ -40,7 +40,7 @@ class Stage:
     slip: Slip = field(default_factory=Slip)
 
     def drive(self, states: FloatArray) -> FloatArray:
-        """The drive of the set-up's chain in states (n, columns); see state_kernels."""
+        """Return the drive of the set-up's chain in states (n, columns); see state_kernels."""
         from sim_hardware.world.signals.kernels import approach, waves
 
         _, moment, uneven, dry_s, relaxed, _, _, _, driven_s = states.T
@@ -119,7 +119,7 @@ class Stage:
     def friction_N(
         self, times: FloatArray, drive: FloatArray, dry_s: FloatArray, turned_m: FloatArray
     ) -> FloatArray:
-        """What friction in the rolls adds, with its element `turned_m` so far."""
+        """Return the force of friction in the rolls, with its element `turned_m` so far."""
         result = np.zeros(times.size)
         if not self.setup.rubs:
             return result
@@ -129,7 +129,7 @@ class Stage:
         return result
 
     def first_turned(self, reach: FloatArray) -> FloatArray:
-        """The elements, which turn by no more than `reach`, when the set-up is new (ELEMENTS,)."""
+        """Return the elements of a new set-up, which turn by no more than `reach` (ELEMENTS,)."""
         first = np.zeros(ELEMENTS)
         for step_N in np.diff(self.setup.arriving_N(moved_up=self.moved_up)):
             first[:2] = np.clip(first[:2] + step_N, -reach[:2], reach[:2])

@@ -32,7 +32,7 @@ _PULSE_S, _SAMPLE_S, _DISCARDED, _RUN_S = 0.6, 0.5, 2, 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedCondition:
-    """One configuration, position and voltage; `true_` is what nobody at the rig knows."""
+    """One configuration, position and voltage; `true_` values cannot be measured at the rig."""
 
     configuration: str
     position_m: float | None  # None: the free shape

@@ -37,7 +37,7 @@ class Scatter:
 
     @staticmethod
     def draw(settings: WorldSettings, number: int) -> Scatter:
-        """That of the set-up with this number; the same for the same seed."""
+        """Return the scatter of the set-up with this number; the same for the same seed."""
         s = settings.scatter
         z = np.random.default_rng((settings.seed, _SCATTER_STREAM, number)).standard_normal(6)
         return Scatter(
@@ -87,7 +87,7 @@ class MountedSheet:
         return self.arc.angle_rad(at_m)
 
     def registered(self, polar_rad: float) -> tuple[float, float]:
-        """A point of the arc as the camera sees it: the picture's zero is not quite the clamp."""
+        """Return a point of the arc as the camera sees it: its zero is not quite the clamp."""
         radius_m, (dx, dy) = self.arc.radius_m, self.scatter.registration_m
         return radius_m * math.cos(polar_rad) + dx, radius_m * math.sin(polar_rad) + dy
 
@@ -185,7 +185,7 @@ class MountedSheet:
         return self.along_axis(self.held.forces_per_m2(drive))
 
     def crept_force_per_m2(self, drive: FloatArray, strain: FloatArray) -> FloatArray:
-        """What creep adds to that, with parts `strain` (n, 3) of what it has crept to."""
+        """Return the part of creep in that force, with parts `strain` (n, 3) of the strain."""
         before = self.held.forces_per_m2(drive)
         change = np.zeros_like(before)
         for part, table in zip(strain.T, self.crept, strict=True):
@@ -204,7 +204,7 @@ class MountedSheet:
         return self.settings.rolls.friction > 0 and self.position_m is not None
 
     def friction_per_m2(self, drive: FloatArray) -> FloatArray:
-        """What is added to the force over B when the rolls have slid outward along the sheet."""
+        """Return the change of force over B when the rolls have slid outward along the sheet."""
         up, down = self._rubbed
         lost = up.slipped(drive) | down.slipped(drive)
         result = np.zeros_like(drive)
@@ -218,7 +218,7 @@ class MountedSheet:
         return np.asarray(self.held.contact(drive)[1])
 
     def arriving_N(self, *, moved_up: bool) -> FloatArray:
-        """Forces at 0 V on the way here: untouched, a little beside, here; what can be held."""
+        """Return forces at 0 V on the way here: untouched, a little away, here, if held."""
         if self.position_m is None or not self.held.reachable:
             return np.zeros(1)
         beside_rad = self.arc_rad + (-1 if moved_up else 1) * _APPROACH_M / self.arc.radius_m

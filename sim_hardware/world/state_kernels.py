@@ -41,7 +41,7 @@ class StateRules(NamedTuple):
 
 @brief_jit
 def _step(now: Floats, drive: float, dt: float, r: StateRules, new: Floats) -> None:
-    """The state `new` after `dt`, the amplifier at `drive` on average: exponential steps."""
+    """Fill the state `new` after `dt`, the amplifier at `drive` on average: exponential steps."""
     voltage, moment, uneven = now[VOLTAGE], now[MOMENT], now[UNEVEN]
     voltage = drive + (voltage - drive) * math.exp(-dt / r.rise_s)
     aim = math.tanh(voltage / r.saturation_V) / math.tanh(2.0 / r.saturation_V)

@@ -2,7 +2,7 @@
 
 For questions that take hundreds of sessions and are about what happens between the readings: what
 charges, relaxes, dries, creeps, rubs, sticks, drifts or is seen late. The sheet is the world's own,
-driven edge by edge on its own time grid; only boards, camera and the reading of pictures are left
+driven edge by edge on its own time grid; only boards, camera and the reading of images are left
 out. Errors of curves are those of `CurveErrors`.
 """
 
@@ -48,13 +48,13 @@ class Train:
     run_s: float = 60.0  # from one run to the next
 
     def edges(self) -> list[float]:
-        """The voltage of each slot of `pulse_s`."""
+        """Return the voltage of each slot of `pulse_s`."""
         turns = self.discarded + self.kept * len(self.voltages)
         driven = [self.voltages[k % len(self.voltages)] for k in range(turns)]
         return [0.0] * self.zero_readings + driven
 
     def kinds(self) -> list[ReadingKind]:
-        """What the reading of each slot is for."""
+        """Return the purpose of the reading of each slot."""
         zero: list[ReadingKind] = ["zero"] * self.zero_readings
         discarded: list[ReadingKind] = ["discarded"] * self.discarded
         kept: list[ReadingKind] = ["kept"] * (self.kept * len(self.voltages))
@@ -89,7 +89,7 @@ class TimedReading:
 
 @dataclass(frozen=True, kw_only=True)
 class TimedRun:
-    """All that was measured in one visit, and what nobody at the rig knows."""
+    """All that was measured in one visit, and its true values."""
 
     visit: Visit
     start_s: float
@@ -237,7 +237,7 @@ class _Runner:
     def _frames(
         self, number: int, setup: MountedSheet, sampled_s: FloatArray, s_m: FloatArray
     ) -> list[FloatArray]:
-        """What the frame nearest to each sampling point shows, without error."""
+        """Return the curve in the frame nearest to each sampling point, without error."""
         camera = self._settings.camera
         random = np.random.default_rng((self._settings.seed, _FRAME_STREAM, number))
         phase = random.uniform(0.0, 1.0)

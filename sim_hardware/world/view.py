@@ -18,7 +18,7 @@ _SPACING_M = 0.5e-3
 
 
 def state_of(moment: Moment, k: int = -1) -> Equilibrium:
-    """The chain at one of the times."""
+    """Return the chain at one of the times."""
     setup, drive = moment.stage.setup, float(moment.drive[k])
     out = bool(moment.stage.out(moment.times, moment.drive)[k])
     if setup.position_m is not None and out:
@@ -28,7 +28,7 @@ def state_of(moment: Moment, k: int = -1) -> Equilibrium:
 
 
 def _after_creep(setup: MountedSheet, state: Equilibrium, crept: FloatArray) -> Equilibrium:
-    """The link angles moved by what has crept."""
+    """Return the state, its link angles moved by what has crept."""
     phi = state.phi_rad.copy()
     for part, table in zip(crept, setup.crept, strict=True):
         if not table.slipped(np.array([state.drive]))[0]:
@@ -37,7 +37,7 @@ def _after_creep(setup: MountedSheet, state: Equilibrium, crept: FloatArray) -> 
 
 
 def shape_of(moment: Moment, k: int) -> FloatArray:
-    """The curve (n, 2) in m as it lies in the picture, from the clamp to the visible end."""
+    """Return the curve (n, 2) in m as it lies in the image, from the clamp to the visible end."""
     setup = moment.stage.setup
     length_m = setup.chain.sheet.visible_m
     s_m = np.linspace(0.0, length_m, 1 + math.ceil(length_m / _SPACING_M))

@@ -33,14 +33,15 @@ _CURRENT_STREAM, _READBACK_STREAM = 0xCE112, 0xCE113
 _DRIVEN_V = 0.05
 _ROWS_PER_S = 100
 _INSTANTS = 3  # of an exposure
-_MOTIONLESS = 1e-6  # change of drive during an exposure that nobody could see
+_MOTIONLESS = 1e-6  # change of drive during an exposure below what an image shows
 
 
 class World:
-    """One sheet in its clamp, with amplifier, load cell and camera. `Bench` and `Scene`.
+    """One sheet in its clamp, with amplifier, load cell and camera.
 
-    It begins with the first configuration mounted, the load cell away, and 0 V. May be used by
-    several threads. The same calls at the same clock times give the same values, bit by bit.
+    It is the `AnalogSide` and the `OpticalSide` of a simulated rig. It begins with the first
+    configuration mounted, the load cell away, and 0 V. May be used by several threads. The same
+    calls at the same clock times give the same values, bit by bit.
     """
 
     def __init__(self, settings: WorldSettings, clock: Clock) -> None:
@@ -68,7 +69,7 @@ class World:
         self._history = History(settings, self._amplifier, self._cell, first, self._watch)
         self._warm_up()
 
-    # ---------------------------------------------------------------------------------- hands
+    # ------------------------------------------------------------------------- the operator's
 
     @property
     def configuration(self) -> str:
@@ -127,7 +128,7 @@ class World:
             self._write_row(now)
 
     def break_load_cell(self, fault: CellFault) -> None:
-        """From now on the load cell has this fault."""
+        """Give the load cell this fault from now on."""
         with self._lock:
             self._cell.fail(fault, self._now() - self._history.start_s)
 
@@ -146,7 +147,7 @@ class World:
     # --------------------------------------------------------------------------------- boards
 
     def edge(self, line: str, when: float) -> None:
-        """A digital line has changed (such as PCI6703/port0/line0)."""
+        """Pass on the edge of a digital line (such as PCI6703/port0/line0)."""
         wired = self.settings.interlock.line
         if not wired or line.partition("/")[2] != wired:
             return
@@ -216,7 +217,7 @@ class World:
             return float(self._moment(when).true_N[0])
 
     def true_shape(self, when: float) -> FloatArray:
-        """The neutral curve (n, 2) in m, from the clamp's end to the visible end."""
+        """Return the neutral curve (n, 2) in m, from the clamp's end to the visible end."""
         with self._lock:
             return shape_of(self._moment(when), 0)
 
@@ -224,17 +225,17 @@ class World:
 
     @property
     def frame_shape(self) -> tuple[int, int]:
-        """See `Scene.frame_shape`."""
+        """See `OpticalSide.frame_shape`."""
         columns, rows = self.settings.camera.image_size
         return rows, columns
 
     @property
     def frame_rate_hz(self) -> float:
-        """See `Scene.frame_rate_hz`."""
+        """See `OpticalSide.frame_rate_hz`."""
         return self.settings.camera.frame_rate_hz
 
-    def picture(self, when: float, number: int) -> npt.NDArray[np.uint8]:
-        """See `Scene.picture`."""
+    def image(self, when: float, number: int) -> npt.NDArray[np.uint8]:
+        """See `OpticalSide.image`."""
         camera = self.settings.camera
         with self._lock:
             seen_s = when - self.settings.frame_delay_s
@@ -285,10 +286,10 @@ class World:
         stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
         for signal in _INPUTS:
             self._volts(signal, now)
-        self.picture(float(now[0]), 0)
+        self.image(float(now[0]), 0)
 
     def _now(self) -> float:
-        """The clock's time, the state made up to it; what is done now cannot act earlier."""
+        """Return the clock's time, the state advanced to it: nothing done now acts earlier."""
         now = self._clock.now()
         self._watch_supply(now)
         self._history.advance(now)
@@ -318,7 +319,7 @@ class World:
         return self._history.at(np.array([when]))[-1]
 
     def _current_volts(self, times: FloatArray) -> FloatArray:
-        """What flows into the sheet's capacity, and what leaks, across the shunt."""
+        """Return the charging current of the sheet and its leak, as volts across the shunt."""
         e = self.settings.electrical
         sheet_V = self._history.states(times)[:, 0]
         charging = (self._amplifier.output_V(times) - sheet_V) / e.rise_time_s
@@ -330,7 +331,7 @@ class World:
         return sigma_mV * 1e-3 * noise.at(since)
 
     def _watch(self, times: FloatArray, sheet_V: FloatArray, force_N: FloatArray) -> None:
-        """The grid was made for these times: record the force while the sheet is driven."""
+        """Record the force while the sheet is driven; the grid was made for these times."""
         if self._record is None:
             return
         drive_V, position_m = self._amplifier.asked_V, self._history.stage.setup.position_m

@@ -42,7 +42,10 @@ def position_of(run: PlannedRun) -> float | None:
 @pytest.mark.parametrize("extra", FURTHER)
 def test_it_has_the_runs_of_the_protocol_that_is_proposed(extra: str) -> None:
     made = hidden_session(replace(WEIGHT, seed=6, further=extra)).measurements
-    text = protocol_text(Next("", extra, 0.0, 9.0, 1.0, {}), first().measurements)
+    text = protocol_text(
+        Next(why="", extra=extra, separation=0.0, expected=9.0, minutes=1.0, protocol={}),
+        first().measurements,
+    )
     planned = parse_protocol(text, "protocol.toml").schedule("protocol.toml").runs
     wanted = [
         (run.configuration, position_of(run), run.approach, run.tilt_rad, step.voltage_V)

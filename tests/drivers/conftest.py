@@ -63,19 +63,19 @@ class NiRig:
 
 def in_process() -> NiRig:
     from sim_hardware.clock import VirtualClock
-    from sim_hardware.ni import LoopbackBench, NiDeviceServer
+    from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
     clock = VirtualClock()
-    server = NiDeviceServer(LoopbackBench({"ao0": "ai2"}), clock)
+    server = NiDeviceServer(LoopbackWires({"ao0": "ai2"}), clock)
     connection = NiConnection("simulated", server.in_process_channel())
     return NiRig(connection, clock, server)
 
 
 def over_tcp() -> NiRig:
-    from sim_hardware.ni import LoopbackBench, NiDeviceServer
+    from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
     clock = RealClock()
-    server = NiDeviceServer(LoopbackBench({"ao0": "ai2"}), clock)
+    server = NiDeviceServer(LoopbackWires({"ao0": "ai2"}), clock)
     return NiRig(NiConnection(f"127.0.0.1:{server.listen(0)}"), clock, server)
 
 

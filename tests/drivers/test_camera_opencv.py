@@ -29,7 +29,7 @@ class NumberedScene:
     frame_shape = (ROWS, COLUMNS)
     frame_rate_hz = 100.0
 
-    def picture(self, when: float, number: int) -> np.ndarray:
+    def image(self, when: float, number: int) -> np.ndarray:
         return np.full(self.frame_shape, number % 251, dtype=np.uint8)
 
 

@@ -20,7 +20,7 @@ class CountingScene:
     def __init__(self) -> None:
         self.rendered: list[int] = []
 
-    def picture(self, when: float, number: int) -> np.ndarray:
+    def image(self, when: float, number: int) -> np.ndarray:
         self.rendered.append(number)
         return np.full(self.frame_shape, number % 256, dtype=np.uint8)
 

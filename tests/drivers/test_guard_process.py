@@ -19,7 +19,7 @@ from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
 pytestmark = pytest.mark.slow
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
@@ -28,7 +28,7 @@ AFTER_A_KILL_S, AFTER_A_HANG_S = 0.3, 1.0
 CLOCK = RealClock()
 
 
-class RecordingBench(LoopbackBench):
+class RecordingBench(LoopbackWires):
     """Remembers every change of the output, with its time on the computer's clock."""
 
     def __init__(self) -> None:

@@ -16,14 +16,14 @@ from drivers.boards.ni.rescue import OutputPlace
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.interfaces import DeviceTimeoutError, RealClock
 from drivers.safe_shutdown import Safety
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
 CLOCK = RealClock()
 
 
 @pytest.fixture
 def place():
-    server = NiDeviceServer(LoopbackBench({"ao0": "ai2"}), CLOCK)
+    server = NiDeviceServer(LoopbackWires({"ao0": "ai2"}), CLOCK)
     yield OutputPlace(
         address=f"127.0.0.1:{server.listen(0)}",
         output_channel="PCI6703/ao0",

@@ -47,7 +47,7 @@ def test_curves_of_mean_images_are_right_to_a_tenth_of_a_millimetre(
             images = []
             for _ in range(10):
                 number += 1
-                images.append(world.picture(clock.now(), number).astype(float))
+                images.append(world.image(clock.now(), number).astype(float))
             mean = np.rint(256 * np.mean(images, axis=0)).astype(np.uint16)
             found = neutral_curve(mean, optics, strip)
             assert found.ok, found.why

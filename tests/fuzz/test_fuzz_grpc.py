@@ -16,7 +16,7 @@ from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError
 from sim_hardware.clock import VirtualClock
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 from sim_hardware.ni.rpc import CallError
 from sim_hardware.ni.transport.in_process import InProcessRpcError
 from tests.fuzz.told import small_and_soon
@@ -89,7 +89,7 @@ Change = Callable[[str, Any], Any]  # of a call's name and its honest reply
 def served(change: Change) -> tuple[Any, VirtualClock]:
     """A channel to sound boards whose answers are changed on the way."""
     clock = VirtualClock()
-    channel = NiDeviceServer(LoopbackBench([("ao0", "ai2")]), clock).in_process_channel()
+    channel = NiDeviceServer(LoopbackWires([("ao0", "ai2")]), clock).in_process_channel()
     honest = channel._answer  # type: ignore[attr-defined]
 
     def answer(path: str, request: Any, timeout: float | None) -> Any:

@@ -51,7 +51,7 @@ def truth(*names: str) -> SheetModel:
         nodes, k0 = sheet.initial_curvature
         rest = Along(nodes, k0, np.zeros(len(nodes)), "1/m")
         sheets[name] = ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)
-    return SheetModel(sheets)
+    return SheetModel(sheets=sheets)
 
 
 def measure(*names: str, curves: bool = True, seed: int = 1) -> Measurements:

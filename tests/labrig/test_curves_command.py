@@ -30,7 +30,7 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for number, position_m in enumerate((0.01, 0.025)):
         world.place(position_m)
         clock.sleep_until(clock.now() + 0.1)
-        cv2.imwrite(str(folder / f"sheet{number}.png"), world.picture(clock.now(), number))
+        cv2.imwrite(str(folder / f"sheet{number}.png"), world.image(clock.now(), number))
     cv2.imwrite(str(folder / "blank.png"), np.full((480, 640), 40, np.uint8))
     (folder / "optics.json").write_text(template_text("optics.json"))
     (folder / "sheet.toml").write_text(SHEET)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 from drivers.interfaces import Camera, Clock, Operator, Positioner, SignalInput, VoltageOutput
 from labrig import testing
 from labrig.cli.commands.plan import COMMAND
@@ -14,6 +16,17 @@ from protocols.execution.events import ReadingTaken
 def test_a_conformance_function_names_what_is_wrong_and_nothing_else() -> None:
     assert testing.command_faults(COMMAND) == []
     assert testing.command_faults("plan") == ["COMMAND is a str, not a labrig.Command"]
+
+
+ANSWERS = {"curve_faults", "section_content_faults"}  # of parts, which the parts give
+KINDS = [n for n in testing.__all__ if n.endswith("_faults") and n not in ANSWERS]
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_each_conformance_function_answers_in_sentences_what_is_no_part_at_all(name: str) -> None:
+    found = getattr(testing, name)(object())
+    assert found
+    assert all(isinstance(sentence, str) and sentence for sentence in found)
 
 
 def test_the_fake_rig_runs_a_schedule_and_ends_at_0_V() -> None:

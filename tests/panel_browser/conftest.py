@@ -15,8 +15,6 @@ import pytest
 from labrig.config.templates import template_text
 from tests.panel_browser import fake_panel
 
-playwright = pytest.importorskip("playwright.sync_api", reason="the playwright package is missing")
-
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "msedge")
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
 SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
@@ -30,6 +28,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 @pytest.fixture(scope="session")
 def chromium():
     """One browser for all tests."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     path = next(filter(None, map(shutil.which, NAMES)), None)
     if path is None:
         pytest.skip(f"no browser: none of {', '.join(NAMES)} is installed")

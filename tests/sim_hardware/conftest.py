@@ -15,7 +15,7 @@ from nidaqmx.system import System
 
 from drivers.interfaces import Clock, RealClock
 from sim_hardware.clock import VirtualClock
-from sim_hardware.ni import LoopbackBench, NiDeviceServer
+from sim_hardware.ni import LoopbackWires, NiDeviceServer
 
 PATIENCE_S = 20.0
 WIRES = {"PCI6703/ao0": "PCI6034E/ai0", "PCI6703/ao1": "PCI6034E/ai1", "M/ao0": "M/ai0"}
@@ -83,7 +83,7 @@ def make_ni() -> Iterator[Callable[..., NiRig]]:
         def make(*, tcp: bool, bench: Any = None, **options: Any) -> NiRig:
             clock: Clock = RealClock() if tcp else VirtualClock()
             options.setdefault("devices", DEVICES)
-            server = NiDeviceServer(bench or LoopbackBench(WIRES), clock, **options)
+            server = NiDeviceServer(bench or LoopbackWires(WIRES), clock, **options)
             stack.callback(server.stop)
             new_channel: Callable[[], Any] = server.in_process_channel
             if tcp:

@@ -35,7 +35,7 @@ class NumberScene:
     def __init__(self) -> None:
         self.asked: list[tuple[int, float]] = []
 
-    def picture(self, when: float, number: int) -> np.ndarray:
+    def image(self, when: float, number: int) -> np.ndarray:
         self.asked.append((number, when))
         return np.full(self.frame_shape, number % 256, dtype=np.uint8)
 

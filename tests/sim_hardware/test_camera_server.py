@@ -27,7 +27,7 @@ class NoiseScene:
         self.frame_rate_hz = frame_rate_hz
         self.rendered = 0
 
-    def picture(self, when: float, number: int) -> np.ndarray:
+    def image(self, when: float, number: int) -> np.ndarray:
         self.rendered += 1
         image = np.random.default_rng(number).integers(0, 256, self.frame_shape, dtype=np.uint8)
         write_marker(image, number, when)
@@ -76,7 +76,7 @@ def test_opencv_reads_every_frame_byte_by_byte(serve: Serve) -> None:
         number, when = read_marker(image)
         seen.append(number)
         assert image.shape == (480, 640)
-        assert np.array_equal(image, scene.picture(when, number))
+        assert np.array_equal(image, scene.image(when, number))
     capture.release()
     assert seen == list(range(seen[0], seen[0] + 60))
 

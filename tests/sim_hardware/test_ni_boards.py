@@ -13,7 +13,7 @@ import pytest
 from nidaqmx.constants import AcquisitionType, BusType, ProductCategory, TerminalConfiguration
 from nidaqmx.errors import DaqError, RpcError
 
-from sim_hardware.ni import LoopbackBench, board_models
+from sim_hardware.ni import LoopbackWires, board_models
 from sim_hardware.ni.boards import FOLDER, board_model, faults
 from sim_hardware.ni.boards.contract import (
     AnalogInputs,
@@ -34,7 +34,7 @@ def board_server(request: pytest.FixtureRequest, make_ni: Any) -> Any:
     """Make a server with one board, `Dev1`, whose first output is wired to its first input."""
 
     def make(model: str) -> Any:
-        wires = LoopbackBench([("ao0", "ai0")])
+        wires = LoopbackWires([("ao0", "ai0")])
         return make_ni(tcp=request.param, bench=wires, devices={"Dev1": model}, seed=None)
 
     return make
@@ -249,7 +249,7 @@ def test_a_reset_leaves_the_voltage_only_where_the_board_does(
     make_ni: Any, model: str, left_V: float
 ) -> None:
     devices = {"Dev1": model, "In": "PCI-6034E"}
-    ni = make_ni(tcp=False, bench=LoopbackBench([("Dev1/ao0", "In/ai0")]), devices=devices)
+    ni = make_ni(tcp=False, bench=LoopbackWires([("Dev1/ao0", "In/ai0")]), devices=devices)
     ni.output("Dev1/ao0").write(2.0)
     ni.system.devices["Dev1"].reset_device()
     assert ni.input("In/ai0").read() == pytest.approx(left_V, abs=2e-3)

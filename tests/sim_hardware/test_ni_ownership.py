@@ -12,7 +12,7 @@ import pytest
 from nidaqmx.errors import DaqError, RpcError
 from nidaqmx.grpc_session_options import SessionInitializationBehavior as Behavior
 
-from sim_hardware.ni import LoopbackBench, NiDeviceServer, PortTakenError
+from sim_hardware.ni import LoopbackWires, NiDeviceServer, PortTakenError
 
 CLIENT = """
 import sys, grpc, nidaqmx
@@ -148,7 +148,7 @@ def test_with_strict_ownership_a_closed_channel_lets_go(make_ni: Any) -> None:
 @pytest.mark.parametrize("strict", [False, True])
 def test_a_port_that_is_taken_is_refused(make_ni: Any, strict: bool) -> None:
     ni = make_ni(tcp=True)
-    second = NiDeviceServer(LoopbackBench({}), ni.clock, strict_ownership=strict)
+    second = NiDeviceServer(LoopbackWires({}), ni.clock, strict_ownership=strict)
     with pytest.raises(PortTakenError, match=f"port {port_of(ni)} .* choose another"):
         second.listen(port_of(ni))
     second.stop()

@@ -33,8 +33,8 @@ def arc(curvature_per_m: float, length_m: float = 0.045, angle_rad: float = 0.0)
     return points @ np.array([[cos, sin], [-sin, cos]])
 
 
-def exact_picture(settings: OpticsSettings, shape: np.ndarray) -> np.ndarray:
-    """The picture before the sensor rounds it to grey levels, (rows, columns)."""
+def exact_image(settings: OpticsSettings, shape: np.ndarray) -> np.ndarray:
+    """The image before the sensor rounds it to grey levels, (rows, columns)."""
     renderer = Renderer(settings)
     taken = []
     expose = renderer._expose
@@ -46,7 +46,7 @@ def exact_picture(settings: OpticsSettings, shape: np.ndarray) -> np.ndarray:
 
 
 def distance_of_centroids(
-    picture: np.ndarray, expected_px: np.ndarray, curvature_per_px: float
+    image: np.ndarray, expected_px: np.ndarray, curvature_per_px: float
 ) -> np.ndarray:
     """Signed offset in px between the centroids of cross-sections and a dense curve's points.
 
@@ -56,12 +56,12 @@ def distance_of_centroids(
     """
     tangent = np.gradient(expected_px, axis=0)
     tangent /= np.hypot(*tangent.T)[:, None]
-    v, u = np.nonzero(picture > 1e-6)
+    v, u = np.nonzero(image > 1e-6)
     pixels = np.column_stack((u, v)).astype(float)
     nearest = np.argmin(((pixels[:, None] - expected_px[None]) ** 2).sum(2), axis=1)
     offset = pixels - expected_px[nearest]
     across = tangent[nearest, 0] * offset[:, 1] - tangent[nearest, 1] * offset[:, 0]
-    weight = picture[v, u] / (1 + curvature_per_px * across)
+    weight = image[v, u] / (1 + curvature_per_px * across)
     steps = np.hypot(*np.diff(expected_px, axis=0).T)
     at = np.concatenate(([0], np.cumsum(steps)))[nearest]
     middles = np.arange(16, at.max() - 28, 8)
@@ -80,7 +80,7 @@ def test_band_lies_on_its_curve_to_half_a_hundredth_of_a_pixel(
     expected = Geometry(settings).to_pixels(smooth_polyline(shape, 2e-5)[0])
     # v runs down, so a curve that turns left in the world turns left in (u, -v) too.
     curvature_px = curvature_per_m / (settings.px_per_mm * 1000)
-    offsets = distance_of_centroids(exact_picture(settings, shape), expected, curvature_px)
+    offsets = distance_of_centroids(exact_image(settings, shape), expected, curvature_px)
     assert len(offsets) >= 25
     assert np.abs(offsets).max() < 0.005
     assert abs(offsets.mean()) < 0.003
@@ -88,16 +88,16 @@ def test_band_lies_on_its_curve_to_half_a_hundredth_of_a_pixel(
 
 def test_band_has_the_sheets_cross_section() -> None:
     settings = PLAIN.model_copy(update={"blur_px": 0.0})
-    picture = exact_picture(settings, arc(1e-6, angle_rad=0.2))
+    image = exact_image(settings, arc(1e-6, angle_rad=0.2))
     thickness_px = settings.sheet_thickness_m * settings.px_per_mm * 1000
-    columns = picture[:, 150:350].sum(axis=0) / 255 * np.cos(0.2)
+    columns = image[:, 150:350].sum(axis=0) / 255 * np.cos(0.2)
     assert columns.mean() == pytest.approx(thickness_px, abs=1e-3)
 
 
 def test_band_is_as_long_as_the_sheet() -> None:
-    picture = exact_picture(PLAIN, arc(30.0))
+    image = exact_image(PLAIN, arc(30.0))
     area = PLAIN.sheet_thickness_m * 0.045 * (PLAIN.px_per_mm * 1000) ** 2
-    assert picture.sum() / 255 == pytest.approx(area, rel=2e-4)
+    assert image.sum() / 255 == pytest.approx(area, rel=2e-4)
 
 
 def test_elongation_is_drawn_with_its_own_thickness_and_level() -> None:
@@ -139,7 +139,7 @@ def test_distorted_band_lies_on_the_distorted_curve() -> None:
     settings = PLAIN.model_copy(update={"lens": LENS, "roll_rad": 0.02})
     shape = arc(20.0)
     expected = Geometry(settings).to_pixels(smooth_polyline(shape, 2e-5)[0])
-    offsets = distance_of_centroids(exact_picture(settings, shape), expected, 20 / 8900)
+    offsets = distance_of_centroids(exact_image(settings, shape), expected, 20 / 8900)
     assert np.abs(offsets).max() < 0.005
 
 

@@ -17,6 +17,7 @@ from sim_hardware.serial_devices import (
     PtyPort,
     SerialFaults,
     SimulatedDpm3Meter,
+    SimulatedSerial,
     SimulatedZaberStage,
     faults,
 )
@@ -239,8 +240,9 @@ def test_what_is_wrong_with_a_serial_device_is_said() -> None:
         def respond(self, data: bytes) -> str:
             return str(data)
 
-    assert faults(3) == ["SERIAL_DEVICE is of the type int, not a callable"]
-    assert faults(lambda _world, _clock: Mute()) == [
+    assert faults(3) == ["SERIAL_DEVICE is of the type int, not a SimulatedSerial"]
+    assert faults(SimulatedSerial("a b", lambda *_: Mute())) == [  # type: ignore[arg-type]
+        "role = 'a b' must be one word",
         "baudrate = 0 must be a whole number above 0",
         "respond must return bytes, not str",
         "poll must return bytes, not NoneType",

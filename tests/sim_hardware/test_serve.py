@@ -101,7 +101,7 @@ def test_a_whole_rig_is_served_until_it_is_told_to_end(
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["PCIe-6363", "USB-6211"])
 def test_a_rig_with_one_board_is_served(serve: Any, model: str) -> None:
-    served = serve("--device", f"Dev1={model}", "--serial", "stage", "--configuration", "short")
+    served = serve("--device", f"Dev1={model}", "--serial", "zaber", "--configuration", "short")
     assert [line.split("=")[0] for line in served.lines] == ["grpc", "camera", "stage", "ready"]
     (device,) = System.remote(served.options()).devices
     assert device.product_type == model
@@ -164,7 +164,7 @@ def test_it_ends_at_once_while_clients_listen_and_wait(serve: Any) -> None:
         (["serve", "--wire", "ao0:ai0", "--driver-version", "x"], "not a driver version"),
         (["serve", "--wire", "ao0:ai0", "--record", "r.csv"], "--record has no meaning"),
         (["serve", "--world", "nowhere.toml"], "nowhere.toml"),
-        (["serve", "--wire", "ao0:ai0", "--serial", "stage"], "--serial has no meaning"),
+        (["serve", "--wire", "ao0:ai0", "--serial", "zaber"], "--serial has no meaning"),
         (["serve", "--serial", "oven"], "no simulated serial device 'oven'"),
         (["serve", "--device", "Dev1=USB-6212"], "no simulated board 'USB-6212'"),
         (["serve", "--configuration", "medium"], "medium"),

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivers.interfaces import Clock, Prompt, ThreadHandle
-from sim_hardware.operator import SimulatedPerson
+from sim_hardware.operator import SimulatedOperator
 from sim_hardware.simulated_rig import AnalogSide, OpticalSide
 from sim_hardware.world import CellFault, World, WorldError, WorldSettings, load_world
 
@@ -120,7 +120,7 @@ def shapes_given(world: World, clock: HandClock) -> list[np.ndarray]:
             return np.zeros(world.frame_shape, dtype=np.uint8)
 
     before, world._renderer = world._renderer, Renderer()  # type: ignore[assignment]
-    world.picture(clock.now(), 0)
+    world.image(clock.now(), 0)
     world._renderer = before
     return given[0]
 
@@ -266,7 +266,7 @@ def test_the_same_calls_give_the_same_bits_and_another_seed_others() -> None:
         world = World(load_world(seed=seed), clock)
         world.place(0.005)
         put(world, clock, 2.0, 0.5)
-        return samples(world, "ai0", clock.now(), 300), world.picture(clock.now(), 3)
+        return samples(world, "ai0", clock.now(), 300), world.image(clock.now(), 3)
 
     first, again, other = run(4), run(4), run(5)
     assert np.array_equal(first[0], again[0])
@@ -421,7 +421,7 @@ def test_a_delayed_camera_shows_the_past() -> None:
 
 
 @pytest.mark.parametrize("configuration", ["long", "short"])
-def test_every_shape_of_the_experiment_lies_inside_the_picture(configuration: str) -> None:
+def test_every_shape_of_the_experiment_lies_inside_the_image(configuration: str) -> None:
     world, clock = quiet_world()
     world.mount(configuration)
     camera = world.settings.camera
@@ -439,10 +439,10 @@ def test_every_shape_of_the_experiment_lies_inside_the_picture(configuration: st
             assert v.max() < camera.image_size[1] - rolls_px
 
 
-def test_a_picture_shows_the_sheet_where_it_is() -> None:
+def test_an_image_shows_the_sheet_where_it_is() -> None:
     world, clock = quiet_world()
     put(world, clock, 0.0)
-    image = world.picture(clock.now(), 0).astype(float)
+    image = world.image(clock.now(), 0).astype(float)
     assert image.shape == world.frame_shape
     shape = shapes_given(world, clock)[0] * 1e3
     camera = world.settings.camera
@@ -495,7 +495,7 @@ def test_a_record_that_cannot_be_written_is_refused_in_words(tmp_path: Path) -> 
 
 def test_the_person_does_what_is_asked() -> None:
     world, clock = quiet_world()
-    person = SimulatedPerson(world)
+    person = SimulatedOperator(world)
     assert person.ask(Prompt("mount", "", configuration="short"))
     assert world.configuration == "short"
     assert person.ask(Prompt("move", "", position_m=0.01))
@@ -521,7 +521,7 @@ def test_a_rig_turned_over_is_a_world_whose_weight_pulls_the_other_way() -> None
         for load in (0.01, -0.01, 0.01)
     )
     for _ in range(2):  # one that is turned over already stays so
-        assert SimulatedPerson(over).ask(Prompt("turn_over", ""))
+        assert SimulatedOperator(over).ask(Prompt("turn_over", ""))
     shapes = [world.true_shape(clock.now()) for world in (up, down, over)]
     assert np.max(np.abs(shapes[0] - shapes[1])) > 1e-4
     np.testing.assert_array_equal(shapes[2], shapes[1])
@@ -554,7 +554,7 @@ def test_several_threads_may_use_the_world_at_once() -> None:
         lambda k: world.write("b", "ao0", 0.2 * (-1) ** k, start_s + k * 0.05),
         lambda k: world.read("b", "ai0", start_s + k * 0.05 + np.arange(50) / 1000),
         lambda k: world.read("b", "ai2", start_s + k * 0.05 + np.arange(50) / 1000),
-        lambda k: world.picture(start_s + k * 0.05, k) if k % 8 == 0 else None,
+        lambda k: world.image(start_s + k * 0.05, k) if k % 8 == 0 else None,
         lambda k: world.place(0.001 * (k % 10)) if k % 8 == 0 else None,
     ]
     threads = [threading.Thread(target=use, args=(job,)) for job in jobs]

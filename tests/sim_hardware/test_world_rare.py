@@ -1,4 +1,4 @@
-"""What few worlds have: creep, bumps, other forms, a picture that deceives."""
+"""What few worlds have: creep, bumps, other forms, a image that deceives."""
 
 from __future__ import annotations
 
@@ -194,7 +194,7 @@ def test_the_stage_errs_as_it_is_told_to() -> None:
     assert arc.reached_m(0.021) == pytest.approx(21.21e-3 + 0.5e-3 - 0.2e-3, abs=1e-9)
 
 
-def test_the_picture_deceives_as_it_is_told_to() -> None:
+def test_the_image_is_distorted_as_the_world_says() -> None:
     points = np.array([[0.0, 0.0], [0.05, 0.0], [0.035, 0.025]])
     assert load_world().view.seen(points) is points
     grown = world(view__scale_error=0.1, view__stretch=0.1).view.seen(points)

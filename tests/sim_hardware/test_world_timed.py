@@ -102,7 +102,7 @@ def test_the_same_seed_gives_the_same_session() -> None:
         assert not np.array_equal(a.readings[0].curve_m, c.readings[0].curve_m)
 
 
-def test_what_the_picture_shows_late_is_the_pulse_before() -> None:
+def test_what_the_image_shows_late_is_the_pulse_before() -> None:
     now, late = (
         one(world(frame_delay_s=s), Visit(configuration="short", position_m=None), errors=EXACT)
         for s in (0.0, 0.6)

@@ -44,7 +44,7 @@ def next_measurement(
 ) -> None:
     """Say which further measurement tells two effects apart, and write its protocol."""
     from labrig.experiment.next_measurement.next_protocol import protocol_text
-    from labrig.report.diagnosis.tables import next_told
+    from labrig.report.diagnosis.tables import next_sentence
     from model.discrepancy import DiagnoseOptions
     from model.discrepancy import next_measurement as find
 
@@ -71,7 +71,7 @@ def next_measurement(
             "protocol": parse_toml(text, "protocol.toml"),
         })  # fmt: skip
         return
-    say(next_told(found))
+    say(next_sentence(found))
     if output is None:
         say()
         say(text)

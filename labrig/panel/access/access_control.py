@@ -1,4 +1,4 @@
-"""Who may come in: checked before anything else sees a request."""
+"""Access control: each request is checked before anything else sees it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class _RefusedError(Exception):
 
 class _TooLargeError(_RefusedError):
     def __init__(self) -> None:
-        super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not taken.")
+        super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not accepted.")
 
 
 class AccessControl:
@@ -69,7 +69,7 @@ class AccessControl:
         async def send_with(message: Message) -> None:
             nonlocal answered
             if body.too_large and not answered:
-                return  # what could be said of half a body; we say why it is half of one
+                return  # an answer to half a body; the refusal says why it is half
             if message["type"] == "http.response.start":
                 answered = True
                 message["headers"] = [*message.get("headers", []), *more]
@@ -103,7 +103,7 @@ class AccessControl:
     def _check_origin(
         self, scope: Scope, headers: dict[str, str], host: str, with_bearer: bool
     ) -> None:
-        """A browser names the page that asks; whoever has the token otherwise is no browser."""
+        """Check the page that asks, which a browser names; a bearer token comes from no browser."""
         origin = headers.get("origin")
         if origin is not None and origin.lower() != f"{self._settings.scheme}://{host}":
             raise _RefusedError(403, f"a page of {origin} may not use this panel.")
@@ -131,15 +131,15 @@ class AccessControl:
 
 
 async def _refuse(body: RequestBody, send: Send, refused: _RefusedError) -> None:
-    told = json.dumps({"error": str(refused)}).encode()
+    content = json.dumps({"error": str(refused)}).encode()
     headers = [
         (b"content-type", b"application/json"),
-        (b"content-length", str(len(told)).encode()),
+        (b"content-length", str(len(content)).encode()),
         (b"connection", b"close"),
     ]
     await send({"type": "http.response.start", "status": refused.status, "headers": headers})
-    await send({"type": "http.response.body", "body": told, "more_body": True})
-    await body.hear_out()
+    await send({"type": "http.response.body", "body": content, "more_body": True})
+    await body.drain()
     await send({"type": "http.response.body", "body": b""})
 
 

@@ -1,4 +1,4 @@
-"""The body of one request: taken in up to a limit, and heard out after a refusal.
+"""The body of one request: read up to a limit, and drained after a refusal.
 
 Closing a connection on which something is still coming resets it, and whoever is sending may lose
 the answer: a browser then shows a fault of the network in place of our sentence. So who is refused
@@ -13,8 +13,8 @@ from contextlib import suppress
 from starlette.types import Message, Receive
 
 MOST_BODY_BYTES = 256 << 10
-MOST_HEARD_BYTES = 4 * MOST_BODY_BYTES
-PATIENCE_S = 1.0  # with who was refused, and is still sending
+MOST_DRAINED_BYTES = 4 * MOST_BODY_BYTES
+DRAIN_S = 1.0  # with who was refused, and is still sending
 
 
 class RequestBody:
@@ -27,19 +27,19 @@ class RequestBody:
 
     @property
     def too_large(self) -> bool:
-        """Whether more has come than is taken, whatever was said of its length."""
+        """Whether more has come than is accepted, whatever its stated length."""
         return self._seen > MOST_BODY_BYTES
 
     async def take(self) -> Message:
-        """The next part (see ASGI); none of a body that is too large."""
+        """Return the next part (see ASGI); none of a body that is too large."""
         message = await self._next()
         return {"type": "http.disconnect"} if self.too_large else message
 
-    async def hear_out(self) -> None:
+    async def drain(self) -> None:
         """Forget what is still coming. Call it when the answer is sent, but not yet closed."""
         with suppress(TimeoutError):
-            async with asyncio.timeout(PATIENCE_S):
-                while not self._ended and self._seen < MOST_HEARD_BYTES:
+            async with asyncio.timeout(DRAIN_S):
+                while not self._ended and self._seen < MOST_DRAINED_BYTES:
                     await self._next()
 
     async def _next(self) -> Message:

@@ -9,12 +9,12 @@ from labrig.panel.access.settings import COOKIE
 
 
 def same_token(given: str, token: str) -> bool:
-    """Compared in a time that tells nothing."""
+    """Compare in a time that does not depend on the difference."""
     return hmac.compare_digest(given.encode("utf-8", "replace"), token.encode("utf-8"))
 
 
 def cookie_of(header: str) -> str:
-    """The token in a `Cookie` header; empty when there is none."""
+    """Return the token in a `Cookie` header; empty when there is none."""
     try:
         found = SimpleCookie(header).get(COOKIE)
     except CookieError:

@@ -49,7 +49,7 @@ class PanelSettings:
         return frozenset(f"{_bracketed(host)}:{self.port}" for host in hosts)
 
     def url(self, path: str = "/", *, port: int | None = None, name: str | None = None) -> str:
-        """An address of ours; `name`: the host by which the asker reached us."""
+        """Return an address of ours; `name`: the host by which the asker reached us."""
         host = name or ("127.0.0.1" if self.host in ANYWHERE else self.host)
         return f"{self.scheme}://{_bracketed(host)}:{self.port if port is None else port}{path}"
 
@@ -59,6 +59,6 @@ def _bracketed(host: str) -> str:
 
 
 def host_name(host_header: str) -> str:
-    """The name within a `Host` header, without its port."""
+    """Return the name within a `Host` header, without its port."""
     name, _, port = host_header.rpartition(":")
     return name if port.isdigit() and name else host_header

@@ -54,7 +54,7 @@ class CameraCalibrationRun:
         return {"view": number, "width": columns, "height": rows, "corners_px": points}
 
     def view(self, number: int) -> View:
-        """A kept view. Raises MissingError."""
+        """Return a kept view. Raises MissingError."""
         found = self._views.get(number)
         if found is None:
             raise MissingError(f"there is no view {number}.")
@@ -90,7 +90,7 @@ class CameraCalibrationRun:
 
 
 def as_message(made: Calibration) -> Message:
-    """A calibration as the page shows it."""
+    """Return a calibration as the page shows it."""
     optics = made.optics
     axes = optics.world_to_pixel([[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]])
     return {
@@ -107,7 +107,7 @@ def as_message(made: Calibration) -> Message:
 
 
 def arc_through(optics: Optics, px: Point) -> dict[str, Any]:
-    """The arc about the clamp on which a point lies, for `[arc]` of sheet.toml."""
+    """Return the arc about the clamp on which a point lies, for `[arc]` of sheet.toml."""
     x_m, y_m = optics.pixel_to_world([px])[0]
     radius_mm = 1e3 * float(np.hypot(x_m, y_m))
     if radius_mm < 1.0:
@@ -121,7 +121,7 @@ def arc_through(optics: Optics, px: Point) -> dict[str, Any]:
 
 
 def write_optics(optics: Optics, path: Path) -> str | None:
-    """Write beside and rename; an older file is kept as NAME.DATE.json, and named."""
+    """Write and rename; return the name NAME.DATE.json under which an older file is kept."""
     part = path.with_name(path.name + ".part")
     kept = None
     try:

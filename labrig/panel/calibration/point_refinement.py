@@ -37,7 +37,7 @@ class Refined:
 
 
 def refine(image: npt.NDArray[Any], click: Point, what: What, reach_px: float = 12.0) -> Refined:
-    """The corner, or the middle of something round, near a click.
+    """Return the corner, or the middle of something round, near a click.
 
     Raises BadInputError when there is nothing sharp, or when it lies outside the reach.
     """
@@ -93,7 +93,7 @@ def _smoothed(patch: FloatArray) -> FloatArray:
 
 
 def _check_contrast(patch: FloatArray, smooth: FloatArray, gradient: FloatArray) -> None:
-    """Compared with the noise: what the smoothing took away, by its median."""
+    """Compare with the noise: what the smoothing removed, by its median."""
     rest = np.abs(patch - smooth)
     noise = max(1.4826 * float(np.median(rest)), 0.3)
     steep = np.sort(np.hypot(*gradient.T))[-max(8, len(gradient) // 50) :]

@@ -30,7 +30,7 @@ class Actions:
             raise BadInputError(f"{self._path}: cannot be written ({error.strerror}).") from None
 
     def last(self, count: int) -> list[dict[str, str]]:
-        """The newest ones, newest last."""
+        """Return the newest ones, newest last."""
         try:
             with self._path.open("rb") as file:
                 file.seek(max(0, self._path.stat().st_size - _TAIL_BYTES))

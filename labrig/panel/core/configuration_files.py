@@ -56,20 +56,20 @@ class ConfigFile:
 
 
 def list_files(folder: Path) -> list[Values]:
-    """The configuration files of a folder, by name."""
+    """Return the configuration files of a folder, by name."""
     names = sorted(p for p in folder.iterdir() if p.suffix in {".toml", ".json"} and p.is_file())
     found = ((path.name, _kind_of_file(path)) for path in names[:_MOST_FILES])
     return [{"name": name, "kind": kind} for name, kind in found if kind]
 
 
 def read_file(path: Path) -> ConfigFile:
-    """A file with its faults, if any. Raises BadInputError when it is no text."""
+    """Return a file with its faults, if any. Raises BadInputError when it is no text."""
     text = read_text(path)
     return from_text(kind_of(text, path.suffix), text, path.name)
 
 
 def from_text(kind: str, text: str, name: str) -> ConfigFile:
-    """A text with its faults, if any."""
+    """Return a text with its faults, if any."""
     try:
         values = _values(text, kind, name)
     except BadInputError as error:
@@ -90,7 +90,7 @@ def from_values(kind: str, values: Values, name: str, before: str = "") -> Confi
 
 
 def kind_of(text: str, suffix: str) -> str:
-    """What a file is for, by its content; empty when it is none of ours."""
+    """Return what a file is for, by its content; empty when it is none of ours."""
     try:
         values = parse_json(text, "") if suffix == ".json" else parse_toml(text, "")
     except BadInputError:

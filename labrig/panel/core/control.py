@@ -27,24 +27,24 @@ class Holder:
 
 
 def utc_now() -> str:
-    """The time of day, ISO 8601, UTC."""
+    """Return the time of day, ISO 8601, UTC."""
     return dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
 
 
 def public_name(client: str) -> str:
-    """What others may know of a page: with its name itself they could act in its place."""
+    """Return what others may know of a page: with its name itself they could act in its place."""
     return hashlib.sha256(client.encode("utf-8", "replace")).hexdigest()[:16]
 
 
 def as_seen_by(client: str, message: Message) -> Message:
-    """A `control` message for one page: it recognises itself, and nobody else."""
+    """Return a `control` message for one page: it recognises itself, and nobody else."""
     if message.get("type") == "control" and client and message["holder"] == public_name(client):
         return {**message, "holder": client}
     return message
 
 
 class Control:
-    """Clients are pages with an open socket. `on_change` is told after each change."""
+    """Clients are pages with an open socket. `on_change` is called after each change."""
 
     def __init__(self, on_change: Callable[[Message], None]) -> None:
         self._on_change = on_change
@@ -53,7 +53,7 @@ class Control:
         self._holder: Holder | None = None
 
     def arrive(self, address: str, known_as: str = "") -> str:
-        """A page has opened its socket; the name it is to give when it acts.
+        """Return a page has opened its socket; the name it is to give when it acts.
 
         One that was here before, and was loaded again, keeps its name and with it control.
         """
@@ -80,9 +80,9 @@ class Control:
                 raise ForbiddenError(f"{holder.name} holds control since {holder.since}.")
             shown = " ".join(name.split())[:_MOST_NAME] or "somebody"
             self._holder = Holder(client, f"{shown} ({address})", utc_now())
-            taken = self._holder
+            new_holder = self._holder
         self._on_change(self.message())
-        return taken
+        return new_holder
 
     def release(self, client: str) -> None:
         """Give it back. Raises ForbiddenError for who does not hold it."""
@@ -109,7 +109,7 @@ class Control:
         return f"somebody at {address}"
 
     def message(self) -> Message:
-        """As pages are told."""
+        """Return the message for pages."""
         with self._lock:
             holder = self._holder
             return {
@@ -122,7 +122,7 @@ class Control:
             }
 
     def message_for(self, client: str) -> Message:
-        """As one page is told: its own name it knows already, all others stay secret."""
+        """Return the message for one page: it knows its own name, all others stay secret."""
         return as_seen_by(client, self.message())
 
     def _address(self, client: str) -> str:

@@ -17,7 +17,7 @@ _DEEPEST = 8
 
 
 def inside(folder: Path, name: str, *suffixes: str) -> Path:
-    """The path that a name stands for. Raises BadInputError for any that leads elsewhere."""
+    """Return the path that a name stands for. Raises BadInputError for any that leads elsewhere."""
     parts = name.split("/")
     if len(name) > 400 or len(parts) > _DEEPEST or not all(map(_is_plain, parts)):
         raise BadInputError(f"{name[:80]!r} cannot be the name of a file here.")
@@ -31,7 +31,7 @@ def inside(folder: Path, name: str, *suffixes: str) -> Path:
 
 
 def existing(folder: Path, name: str, *suffixes: str) -> Path:
-    """The same, of a file that is there. Raises MissingError."""
+    """Return the same, of a file that is there. Raises MissingError."""
     path = inside(folder, name, *suffixes)
     if not path.is_file():
         raise MissingError(f"{name}: there is no such file.")

@@ -68,7 +68,7 @@ class Panel:
         return self.settings.rig
 
     def status(self, host: str, client: str) -> Message:
-        """What `GET /api/status` tells; `host`: the name by which this page reached us."""
+        """Return the status; `host`: the name by which this page reached us."""
         settings = self.settings
         session = settings.session
         return {
@@ -108,7 +108,7 @@ class Panel:
             self.jobs.note(who, what)
 
     def order(self, kind: Kind, who: str, **more: Any) -> Order:
-        """What a job is to do."""
+        """Return what a job is to do."""
         return Order(
             id=secrets.token_hex(8),
             kind=kind,

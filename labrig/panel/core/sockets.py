@@ -15,12 +15,12 @@ from labrig.panel.core.control import as_seen_by
 from labrig.panel.live.event_stream import EventStream, Mail, Mailbox, Message
 from labrig.panel.live.packing import dumps, pack
 
-MOST_WORD_BYTES = 4096  # of what a page says
+MOST_MESSAGE_BYTES = 4096  # of what a page says
 SEND_S = 15.0  # a page that takes nothing for so long is let go; it comes again when it lives
 _TOO_OFTEN = (20.0, 40.0)
 _NEWEST_EVERY_S = 0.015  # what comes meanwhile is sent together; well below a camera's period
 
-Heard = Callable[[Message], Awaitable[None]]
+OnMessage = Callable[[Message], Awaitable[None]]
 
 
 def address_of(socket: Any) -> str:
@@ -43,8 +43,8 @@ async def together(*parts: Awaitable[None]) -> None:
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-async def hear(socket: WebSocket, heard: Heard) -> None:
-    """What a page says; who says too much is let go."""
+async def receive_messages(socket: WebSocket, on_message: OnMessage) -> None:
+    """Receive a page's messages; one that sends too much is disconnected."""
     bucket = Bucket(*_TOO_OFTEN)
     while True:
         event = await socket.receive()
@@ -54,7 +54,7 @@ async def hear(socket: WebSocket, heard: Heard) -> None:
         if not bucket.take():
             await socket.close(1008, "that is too often.")
             return
-        if text is None or len(text) > MOST_WORD_BYTES:
+        if text is None or len(text) > MOST_MESSAGE_BYTES:
             await socket.close(1009, "that is too long.")
             return
         try:
@@ -65,11 +65,11 @@ async def hear(socket: WebSocket, heard: Heard) -> None:
             if message.get("do") == "ping":
                 await asyncio.wait_for(socket.send_text('{"type":"pong"}'), SEND_S)
             else:
-                await heard(message)
+                await on_message(message)
 
 
 class Post:
-    """Delivers a feed to one page."""
+    """Deliver an event stream to one page."""
 
     def __init__(self, socket: WebSocket, stream: EventStream, client: str = "") -> None:
         self._socket = socket
@@ -84,7 +84,7 @@ class Post:
         await asyncio.wait_for(self._socket.send_text(dumps(message)), SEND_S)
 
     async def deliver(self) -> None:
-        """All that the feed tells, until the page has gone. Raises TimeoutError."""
+        """Send all that is published, until the page has gone. Raises TimeoutError."""
         self._stream.join(self._box)
         while True:
             await self._news.wait()
@@ -95,7 +95,7 @@ class Post:
             await asyncio.sleep(_NEWEST_EVERY_S)
 
     def close(self) -> None:
-        """The page has gone."""
+        """Stop: the page has gone."""
         self._stream.leave(self._box)
 
     async def _out(self, packed: str | bytes) -> None:

@@ -1,4 +1,4 @@
-"""A job's process: an order comes in, the job is done, its end is told."""
+"""A job's process: read the order, do it, publish how it ended."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from labrig.panel.job.order import Order
 
 
 def _work_of(order: Order) -> Callable[[Host], tuple[int, str]]:
-    """Imported here: to be found by those who follow, a job need not be ready."""
+    """Return the job's function, imported here: panels find the job before it is ready."""
     if order.kind == "run":
         from labrig.panel.job.running import run
 
         return run
     if order.kind == "preflight":
-        from labrig.panel.job.preflight import look
+        from labrig.panel.job.preflight import check_rig
 
-        return look
+        return check_rig
     if order.kind == "weighing":
         from labrig.panel.job.weighing import weigh_all
 
@@ -37,7 +37,7 @@ def _done(host: Host) -> tuple[int, str]:
         return int(error.code), str(error)
     except DeviceError as error:
         return int(ExitCode.NOT_READY), str(error)
-    except Exception as error:  # noqa: BLE001 - whoever follows must hear of it
+    except Exception as error:  # noqa: BLE001 - the panel must learn of it
         import traceback
 
         traceback.print_exc()  # into the panel's job.log

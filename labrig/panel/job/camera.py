@@ -48,7 +48,7 @@ def _show_all(
         now_s = clock.now()
         camera.want(now_s, now_s + window_s)
         clock.sleep_until(now_s + EVERY_S)
-        ended.wait(EVERY_S)  # a virtual clock does not wait, a person does
+        ended.wait(EVERY_S)  # a virtual clock does not wait, an operator does
         frames = camera.frames()
         if frames:
             frame = frames[-1]

@@ -1,4 +1,4 @@
-"""Between a job and whoever follows it: a TCP connection on this computer, opened by a key.
+"""The connection between a job and its panels: TCP on this computer, opened by a key.
 
 The job's side (`JobConnectionServer`) publishes its event stream to every client and answers
 requests, with threads for each. The client's side is `JobConnection`. Standard library only: the
@@ -26,13 +26,13 @@ HERE = "127.0.0.1"
 
 
 class Publisher(Protocol):
-    """Keeps one follower told; made for each connection."""
+    """Sends the job's messages to one client; made for each connection."""
 
     def run(self, send_it: Callable[[bytes], None]) -> None:
         """Send all there is until `close`; raises OSError when the follower has gone."""
 
     def close(self) -> None:
-        """The follower has gone, or the job ends: say what is left, then return from `run`."""
+        """Send what is left, then return from `run`: the client has gone, or the job ends."""
 
 
 Do = Callable[[Header], Header | None]
@@ -49,10 +49,10 @@ class JobConnectionServer:
         self.port: int = self._socket.getsockname()[1]
         self._publishers: dict[Publisher, threading.Thread] = {}
         self._lock = threading.Lock()
-        threading.Thread(target=self._accept, name="link", daemon=True).start()
+        threading.Thread(target=self._accept, name="job-server", daemon=True).start()
 
     def close(self, timeout_s: float) -> None:
-        """Let everybody hear the end, as far as they listen."""
+        """Send the last messages to all clients that still read, then close."""
         self._socket.close()
         with self._lock:
             publishers = dict(self._publishers)
@@ -71,7 +71,7 @@ class JobConnectionServer:
                 connection.close()
                 continue
             threading.Thread(
-                target=self._serve, args=(connection,), name="link-hear", daemon=True
+                target=self._serve, args=(connection,), name="job-requests", daemon=True
             ).start()
 
     def _serve(self, connection: socket.socket) -> None:
@@ -79,7 +79,7 @@ class JobConnectionServer:
             role = self._greet(connection)
             if role is None:
                 return
-            # Who takes nothing stays stuck, with a mailbox that has a bound: that harms nobody.
+            # A client that reads nothing blocks its own thread alone; its mailbox has a bound.
             connection.settimeout(None)
             lock = threading.Lock()
 
@@ -89,13 +89,16 @@ class JobConnectionServer:
 
             publisher = self._publisher(role)
             thread = threading.Thread(
-                target=_told, args=(publisher, connection, send_it), name="link-tell", daemon=True
+                target=_publish_until_end,
+                args=(publisher, connection, send_it),
+                name="job-publisher",
+                daemon=True,
             )
             with self._lock:
                 self._publishers[publisher] = thread
             thread.start()
             try:
-                self._hear(connection, send_it)
+                self._answer_requests(connection, send_it)
             finally:
                 publisher.close()
                 with self._lock:
@@ -109,14 +112,14 @@ class JobConnectionServer:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return str(asked.get("role", ""))
 
-    def _hear(self, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
+    def _answer_requests(self, connection: socket.socket, send_it: Callable[[bytes], None]) -> None:
         while True:
             asked, _ = receive(connection, MOST_ASKED_BYTES)
             answer = self._do(asked) or {}
             send_it(pack({**answer, "type": "reply", "ask": asked.get("ask")}))
 
 
-def _told(
+def _publish_until_end(
     publisher: Publisher, connection: socket.socket, send_it: Callable[[bytes], None]
 ) -> None:
     try:
@@ -129,7 +132,7 @@ def _told(
 
 
 class JobConnection:
-    """The other side. `on_message` is called in the link's thread, `on_end` once, at its end."""
+    """The other side. `on_message` is called in a thread of its own, `on_end` once, at the end."""
 
     def __init__(
         self,
@@ -150,7 +153,7 @@ class JobConnection:
         self._lock = threading.Lock()
         self.alive = True
         send(self._connection, pack({"key": key, "role": role}))
-        threading.Thread(target=self._listen, name=f"link-{role}", daemon=True).start()
+        threading.Thread(target=self._listen, name=f"job-{role}", daemon=True).start()
 
     def ask(self, what: Header, timeout_s: float = ASK_S) -> Header:
         """Ask for something and wait for the answer. Raises BrokenConnectionError."""

@@ -39,7 +39,7 @@ class Follower:
         self.going = False  # between the session's first event and its last
 
     def attach(self, rig: Rig, preview: Preview | None) -> None:
-        """The rig that is followed."""
+        """Set the rig that is followed."""
         self._rig, self._preview = rig, preview
 
     def __call__(self, event: ev.Event) -> None:
@@ -69,7 +69,7 @@ class Follower:
             self._sheet_V = event.write.sheet_V
 
     def publish_state(self) -> None:
-        """What the scheduler does, when it has changed; its last state comes after all events."""
+        """Publish the scheduler's state when it has changed; its last comes after all events."""
         if self.scheduler is None:
             return
         status = self.scheduler.status

@@ -1,4 +1,4 @@
-"""What every job has: a feed for those who follow it, and a place where they find it."""
+"""What every job has: an event stream for panels, and an address where they find it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FOR_STOP = frozenset({"output", "job", "ended"})
 
 
 class Host:
-    """Made at the job's beginning; `end` is its last word."""
+    """Made when the job begins; `end` publishes the last message."""
 
     def __init__(self, order: Order) -> None:
         self.order = order
@@ -47,12 +47,12 @@ class Host:
         """Do this when asked for `what`. A LabrigError is the asker's answer."""
         self._handlers[what] = handler
 
-    def tell(self, message: Message) -> None:
-        """To all who follow."""
+    def publish(self, message: Message) -> None:
+        """Send a message to all panels."""
         self.stream.publish(message)
 
     def end(self, code: int, text: str) -> None:
-        """Say how it ended, here and in the file, and let everybody hear it."""
+        """Publish and write down how it ended."""
         self.address = self.address.ended(code, text)
         write_address(Path(self.order.data), self.address)
         self.stream.publish(self.address.message())
@@ -75,7 +75,7 @@ class Host:
 
 
 class EventStreamPublisher:
-    """Sends what a feed tells; `only`: messages of these types and nothing else."""
+    """Send an event stream to one client; `only`: messages of these types and nothing else."""
 
     def __init__(self, stream: EventStream, only: frozenset[str] | None = None) -> None:
         self._stream = stream
@@ -85,7 +85,7 @@ class EventStreamPublisher:
         self._box = Mailbox(self._news.set)
 
     def run(self, send_it: Callable[[bytes], None]) -> None:
-        """See `link.Publisher`."""
+        """See `connection.Publisher`."""
         self._stream.join(self._box)
         try:
             while True:
@@ -101,7 +101,7 @@ class EventStreamPublisher:
             self._stream.leave(self._box)
 
     def close(self) -> None:
-        """See `link.Publisher`."""
+        """See `connection.Publisher`."""
         self._closed = True
         self._news.set()
 

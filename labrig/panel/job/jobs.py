@@ -1,4 +1,4 @@
-"""The panel's side of a job: starts it, finds it, follows it, asks it. It never ends one."""
+"""The panel's side of a job: start, find, follow and ask it. A panel never ends a job."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from labrig.panel.live.strip_chart import strip_from
 from labrig.panel.processes import detached, module_environment
 from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
 
-LOOK_S = 0.3
+POLL_S = 0.3
 START_S = 30.0  # a busy computer imports slowly
 _LOST = (
-    "the process of this job has ended without a word; the guard writes 0 V then. Press STOP to "
-    "have the output looked at, and run labrig recover on the session."
+    "the process of this job has ended without a message; the guard writes 0 V then. Press STOP to "
+    "have the output read, and run labrig recover on the session."
 )
 
 
 class Jobs:
-    """One job at a time in a data folder. Its threads are the panel's, the job is nobody's."""
+    """One job at a time in a data folder. The job outlives the panel and these threads."""
 
     def __init__(self, data: Path, stream: EventStream, frame_pipeline: FramePipeline) -> None:
         self._data = data
@@ -38,7 +38,7 @@ class Jobs:
         self._connection: JobConnection | None = None
         self._address: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._guarded: str | None = None  # the job whose guard was heard last
+        self._guarded: str | None = None  # the job whose guard report was read last
         self._starting = False
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -57,7 +57,7 @@ class Jobs:
         return self._starting or (self._address is not None and self._address.state == GOING)
 
     def message(self) -> Message | None:
-        """The job as pages see it."""
+        """Return the job as pages see it."""
         return None if self._address is None else self._address.message()
 
     def start(self, order: Order) -> Message:
@@ -95,7 +95,7 @@ class Jobs:
                 self.ask({"do": "note", "who": who, "what": what})
 
     def close(self) -> None:
-        """Stop following; the job goes on."""
+        """Stop following; the job continues."""
         self._closed = True
         self._changed.set()
         if self._connection is not None:
@@ -107,15 +107,15 @@ class Jobs:
     def _watch(self) -> None:
         while not self._closed:
             if self._connection is None:
-                self._look()
+                self._find_job()
             self._read_guard()
             if self._process is not None:
                 self._process.poll()  # so that a job of ours that has ended is no zombie
-            self._changed.wait(LOOK_S)
+            self._changed.wait(POLL_S)
             self._changed.clear()
 
-    def _look(self) -> None:
-        """Whether there is a job to follow."""
+    def _find_job(self) -> None:
+        """Connect to the job that the data folder names, if there is one."""
         found = read_address(self._data)
         if found is None or (self._address is not None and found == self._address):
             return
@@ -143,10 +143,10 @@ class Jobs:
         if kind == "story":
             messages = header["messages"]
             setups = [m for m in messages if m["type"] == "setup"]
-            self._frame_pipeline.know(setups[-1] if setups else None)
+            self._frame_pipeline.set_setup(setups[-1] if setups else None)
             self._stream.publish_story([m for m in messages if m["type"] != "setup"])
         elif kind == "setup":
-            self._frame_pipeline.know(header)
+            self._frame_pipeline.set_setup(header)
         elif kind == "picture":
             self._frame_pipeline.put((header, bytes(payload)))
         elif kind == "signals":
@@ -158,7 +158,7 @@ class Jobs:
             self._stream.publish(header)
 
     def _note_end(self, job: Header) -> None:
-        """It has ended, though its process may still be saying so to others."""
+        """Note that the job has ended, though its process may still be telling others."""
         address = self._address
         if address is not None and job.get("id") == address.id and job.get("state") == ENDED:
             self._address = address.ended(job.get("code"), str(job.get("text", "")))
@@ -181,7 +181,7 @@ class Jobs:
         self._read_guard()
 
     def _read_guard(self) -> None:
-        """What a job that hangs or is gone cannot tell: that the guard has written 0 V."""
+        """Publish the guard's report of a job that hangs or is gone: it has written 0 V."""
         address = self._address
         if address is None or address.session is None or address.state == ENDED:
             return
@@ -192,7 +192,7 @@ class Jobs:
             return
         self._guarded = address.id
         if address.state == LOST:
-            self._address = address.ended(None, _told(report), LOST)
+            self._address = address.ended(None, _lost_text(report), LOST)
             self._stream.publish(self._address.message())
         state = "safe" if report.is_safe else "unknown"
         self._stream.publish({**_output(state, report.text), "by": "guard"})
@@ -212,12 +212,12 @@ class Jobs:
 
 
 def _forget_old_guard(order: Order) -> None:
-    """What the guard of an earlier session of this name said is not said of the new one."""
+    """Forget the guard report of an earlier session of this name."""
     if order.session is not None and not Path(order.session).exists():
         forget_guard_report(Path(order.session))
 
 
-def _told(report: GuardReport) -> str:
+def _lost_text(report: GuardReport) -> str:
     return f"{report.text}. Run labrig recover on the session."
 
 
@@ -228,12 +228,12 @@ def _output(state: str, why: str) -> Message:
 def _spawn(order: Order, hidden: Path) -> subprocess.Popen[bytes]:
     """In a session of its own: neither Ctrl-C nor the end of the panel reaches it."""
     try:
-        with (hidden / "job.log").open("wb") as said:
+        with (hidden / "job.log").open("wb") as output:
             process = subprocess.Popen(
                 [sys.executable, "-m", "labrig.panel.job"],
                 stdin=subprocess.PIPE,
-                stdout=said,
-                stderr=said,
+                stdout=output,
+                stderr=output,
                 env=module_environment(),
                 **detached(),
             )

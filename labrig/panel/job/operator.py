@@ -1,4 +1,4 @@
-"""The person at the page: is asked by a message, answers by one."""
+"""The operator at the page: a prompt is a message, and so is its answer."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from labrig.panel.live.event_stream import Message
 from labrig.panel.live.messages import MessageEncoder
 from protocols.execution.stop import StopLevel, StopRequest
 
-_LOOK_S = 0.1  # for a stop that was asked for elsewhere, by a signal
+_POLL_S = 0.1  # for a stop that was asked for elsewhere, by a signal
 
 
 class PageOperator:
@@ -20,12 +20,12 @@ class PageOperator:
     def __init__(
         self,
         encoder: MessageEncoder,
-        tell: Callable[[Message], None],
+        publish: Callable[[Message], None],
         stop: StopRequest,
         now: Callable[[], float],
     ) -> None:
         self._encoder = encoder
-        self._tell = tell
+        self._publish = publish
         self._stop = stop
         self._now = now
         self._changed = threading.Condition()
@@ -37,12 +37,12 @@ class PageOperator:
         with self._changed:
             self._asking, message = self._encoder.asked(self._now(), prompt)
             self._answer = None
-            self._tell(message)
+            self._publish(message)
             while self._answer is None and self._stop.level is StopLevel.NONE:
-                self._changed.wait(_LOOK_S)
+                self._changed.wait(_POLL_S)
             self._asking = None
             done = bool(self._answer)
-            self._tell(self._encoder.answered(self._now(), done))
+            self._publish(self._encoder.answered(self._now(), done))
             return done
 
     def answer(self, prompt: int, done: bool) -> str:

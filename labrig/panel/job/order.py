@@ -35,7 +35,7 @@ class Order:
 
     @classmethod
     def from_json(cls, text: str) -> Order:
-        """The reverse. Raises BadInputError."""
+        """Return the reverse. Raises BadInputError."""
         try:
             return from_json(cls, text)
         except ValueError as error:

@@ -12,14 +12,14 @@ from labrig.experiment.wiring import wire
 from labrig.panel.job.host import Host
 
 
-def look(host: Host) -> tuple[int, str]:
+def check_rig(host: Host) -> tuple[int, str]:
     """Look; exit code and a sentence."""
     plan = load_plan(*host.order.files())
     wired = wire(plan, NoOperator(lambda _text: None))
     checks = preflight(wired, plan, Path(host.order.data))
     good = all(check.ok for check in checks)
-    told = [{**check.as_dict(), "warning": check.warning} for check in checks]
-    host.tell({"type": "preflight", "ok": good, "checks": told})
+    shown = [{**check.as_dict(), "warning": check.warning} for check in checks]
+    host.publish({"type": "preflight", "ok": good, "checks": shown})
     if good:
         return ExitCode.DONE, "the rig is ready"
     failed = "; ".join(f"{check.name}: {check.found}" for check in checks if not check.ok)

@@ -33,7 +33,7 @@ class Preview:
         return max(self._period_s, size / MOST_BYTES_PER_S)
 
     def newest(self) -> Frame | None:
-        """The newest frame, when it has not been asked for yet."""
+        """Return the newest frame, when it has not been asked for yet."""
         frame, self._newest = self._newest, None
         return frame
 

@@ -22,7 +22,7 @@ _AGAIN_S = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class JobAddress:
-    """A job, and how to speak with it. `key` must be told first; nobody else knows it."""
+    """A job, and how to connect to it. A client sends `key` first; nobody else knows it."""
 
     id: str
     kind: str  # run | preflight | weighing | camera
@@ -38,17 +38,17 @@ class JobAddress:
     text: str = ""
 
     def message(self) -> dict[str, Any]:
-        """What pages may know of it."""
+        """Return what pages may know of it."""
         shown = ("id", "kind", "state", "by", "wall", "session", "code", "text")
         return {"type": "job", **{name: getattr(self, name) for name in shown}}
 
     def ended(self, code: int | None, text: str, state: str = ENDED) -> JobAddress:
-        """The same, over."""
+        """Return the same, over."""
         return replace(self, state=state, code=code, text=text)
 
 
 def hidden_folder(data: Path) -> Path:
-    """The panel's own folder within the data folder, made when it is not there."""
+    """Return the panel's own folder within the data folder, made when it is not there."""
     folder = data / HIDDEN
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -87,7 +87,7 @@ def _put(beside: Path, path: Path) -> None:
 
 
 def read_address(data: Path) -> JobAddress | None:
-    """The last job; None when there was none, or the file is no such file."""
+    """Return the last job; None when there was none, or the file is no such file."""
     try:
         with address_path(data).open("rb") as file:
             return from_json(JobAddress, file.read(65536))

@@ -34,15 +34,15 @@ from protocols.planning.schedule import Purpose
 
 
 def run(host: Host) -> tuple[int, str]:
-    """Do it; exit code and a sentence."""
+    """Run the session; return the exit code and a sentence."""
     order = host.order
     if order.session is None:
         raise BadInputError("a run needs the name of the session file to make.")
     with _planned(order) as (plan, resumption), _on_its_clock(order, plan) as rig_plan:
         done = resumption.done if resumption is not None else frozenset()
         clock = "virtual" if rig_plan.rig.is_simulated else "real"
-        host.tell(setup_message(plan.optics, plan.sheets))
-        host.tell(message_of_plan(plan, clock, order.session_name, done))
+        host.publish(setup_message(plan.optics, plan.sheets))
+        host.publish(message_of_plan(plan, clock, order.session_name, done))
         result = _Run(host, rig_plan).execute(Path(order.session), resumption)
     return int(result.code), f"{result.outcome.value}: {result.status.text}"
 
@@ -61,7 +61,7 @@ def _planned(order: Order) -> Iterator[tuple[Plan, Resumption | None]]:
 
 @contextmanager
 def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
-    """The plan on the simulated boards' own sockets, when it is to take its real time."""
+    """Yield the plan on the simulated boards' own sockets, when it is to take its real time."""
     if not plan.rig.is_simulated or order.clock == "virtual":
         yield plan
         return
@@ -76,7 +76,7 @@ def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
 
 
 def _refuse_what_nobody_does(plan: Plan) -> None:
-    """In another process there is no simulated person who mounts a sheet or hangs a weight."""
+    """Refuse what a simulated operator does by hand: in another process there is none."""
     runs = plan.schedule.runs
     by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
     if by_hand or len({run.configuration for run in runs}) > 1:
@@ -87,17 +87,17 @@ def _refuse_what_nobody_does(plan: Plan) -> None:
 
 
 class _Run:
-    """One run and those who may ask something of it."""
+    """One run and the requests that it answers."""
 
     def __init__(self, host: Host, plan: Plan) -> None:
         self._host = host
         self._plan = plan
         self._stop = StopRequest()
-        self._hub = EventBus(threaded=not plan.rig.is_simulated)
+        self._event_bus = EventBus(threaded=not plan.rig.is_simulated)
         encoder = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
         self._follower = Follower(host.stream, encoder, asks_itself=asks_itself)
-        self._person = PageOperator(encoder, host.tell, self._stop, self._now)
+        self._operator = PageOperator(encoder, host.publish, self._stop, self._now)
         self._rig = self._wired(plan)
         for name, handler in (
             ("stop", self._do_stop),
@@ -110,7 +110,7 @@ class _Run:
 
     def execute(self, path: Path, resumption: Resumption | None) -> Result:
         """Run the session."""
-        self._hub.add_best_effort("the panel", self._follower)
+        self._event_bus.add_best_effort("the panel", self._follower)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
             result = run_session(
@@ -118,7 +118,7 @@ class _Run:
                 self._plan,
                 path,
                 self._stop,
-                self._hub,
+                self._event_bus,
                 resumption=resumption,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
@@ -126,7 +126,7 @@ class _Run:
         return result
 
     def _wired(self, plan: Plan) -> Rig:
-        rig = wire(plan, self._person, self._hub.emit)
+        rig = wire(plan, self._operator, self._event_bus.emit)
         preview = None
         if rig.camera is not None and not plan.rig.is_simulated:
             preview = Preview(rig.camera, rig.clock, plan.schedule.frame_rate_hz)
@@ -137,7 +137,7 @@ class _Run:
     def _now(self) -> float:
         return self._rig.clock.now()
 
-    # -------------------------------------------------------------------- asked by whoever follows
+    # -------------------------------------------------------------------- requests of panels
 
     def _do_stop(self, asked: Message) -> None:
         who, why = str(asked.get("who", "somebody")), str(asked.get("why") or "")
@@ -151,8 +151,8 @@ class _Run:
         self._note(who, "asked for a stop after the pulse")
 
     def _do_answer(self, asked: Message) -> None:
-        said = self._person.answer(int(asked["prompt"]), bool(asked["done"]))
-        self._note(str(asked["who"]), f"answered {said}")
+        answer = self._operator.answer(int(asked["prompt"]), bool(asked["done"]))
+        self._note(str(asked["who"]), f"answered {answer}")
 
     def _do_mark(self, asked: Message) -> None:
         reading = asked["reading"]
@@ -174,5 +174,5 @@ class _Run:
     def _note(self, who: str, what: str) -> None:
         """Into the session's log, while there is one."""
         if self._follower.going:
-            with suppress(SubscriberError):  # the run hears of it at its own next event
-                self._hub.emit(ActionTaken(self._rig.clock.now(), who, what))
+            with suppress(SubscriberError):  # the run notices at its own next event
+                self._event_bus.emit(ActionTaken(self._rig.clock.now(), who, what))

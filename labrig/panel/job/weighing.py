@@ -31,24 +31,24 @@ def weigh_all(host: Host) -> tuple[int, str]:
     plan = plan_of(Path(host.order.rig))
     loads_N = [load / 1000 for load in host.order.loads_mN]
     encoder, stop = MessageEncoder(), StopRequest()
-    person = PageOperator(encoder, host.tell, stop, RealClock().now)
-    host.on("answer", lambda asked: person.answer(int(asked["prompt"]), bool(asked["done"])))
+    operator = PageOperator(encoder, host.publish, stop, RealClock().now)
+    host.on("answer", lambda asked: operator.answer(int(asked["prompt"]), bool(asked["done"])))
     host.on("stop", lambda asked: stop.request(StopLevel.NOW, str(asked.get("why", ""))))
 
-    def of_simulated_person(event: Event) -> None:
-        """Who answers by themselves; what they were asked is shown all the same."""
+    def show_simulated_operator(event: Event) -> None:
+        """Show the prompts that the simulated operator answers."""
         message = encoder.message(event) if plan.rig.is_simulated else None
         if message is not None:
-            host.tell(message)
+            host.publish(message)
 
     points = _Points(host, loads_N)
-    rig = wire(plan, person, of_simulated_person)
+    rig = wire(plan, operator, show_simulated_operator)
     found = weigh(rig, plan, loads_N, lambda _text: None, points.add)
-    points.tell(finished=True)
+    points.publish(finished=True)
     made = hidden_folder(Path(host.order.data)) / MADE
     made.unlink(missing_ok=True)
     write_calibration(found.calibration, made)
-    return ExitCode.DONE, "every weight was taken; look at the line, then accept it"
+    return ExitCode.DONE, "every weight was measured; check the line, then accept it"
 
 
 class _Points:
@@ -59,20 +59,20 @@ class _Points:
         self._wanted_mN = [1e3 * load_N for load_N in loads_N]
         self._loads_N: list[float] = []
         self._volts: list[float] = []
-        self.tell(finished=False)
+        self.publish(finished=False)
 
     def add(self, load_N: float, mean_V: float) -> None:
         """One more."""
         self._loads_N.append(load_N)
         self._volts.append(mean_V)
-        self.tell(finished=False)
+        self.publish(finished=False)
 
-    def tell(self, *, finished: bool) -> None:
-        """The points, and the line through them once there is one."""
+    def publish(self, *, finished: bool) -> None:
+        """Publish the points, and the line through them once there is one."""
         fit = self._fit()
         off_N = [None] * len(self._loads_N) if fit is None else list(fit.residuals_N)
         rows = zip(self._loads_N, self._volts, off_N, strict=True)
-        self._host.tell(
+        self._host.publish(
             {
                 "type": "weighing",
                 "wanted": self._wanted_mN,

@@ -56,7 +56,7 @@ class Finder:
             self._why_no_model = str(error)
 
     def curve(self, header: Message, image: GreyImage) -> Message:
-        """What is seen, and what was to be expected."""
+        """Return what is seen, and what was to be expected."""
         name = header["configuration"] or next(iter(self._strips), "")
         found = self._seen(name, image)
         points = found.points_px[:: max(1, len(found.points_px) // MOST_POINTS)]

@@ -46,7 +46,7 @@ class Mailbox:
         self._strips: list[StripChart] = []
         self._newest: dict[str, Message] = {}
         self._picture: Picture | None = None
-        self.behind = False  # was full: its feed must tell it the story anew
+        self.behind = False  # was full: its stream must send the whole story again
 
     def put(self, message: Message) -> None:
         """In order, after all others."""
@@ -83,7 +83,7 @@ class Mailbox:
         newest: list[Message],
         picture: Picture | None,
     ) -> None:
-        """All anew."""
+        """Replace everything that waits."""
         with self._lock:
             self.behind = False
             self._story, self._messages = story, []
@@ -106,7 +106,7 @@ class Mailbox:
 
 
 class EventStream:
-    """Told by whoever knows; any thread may call anything."""
+    """Publishers call `publish...`, subscribers join with a mailbox, each from any thread."""
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
@@ -117,7 +117,7 @@ class EventStream:
         self._boxes: list[Mailbox] = []
 
     def join(self, box: Mailbox) -> None:
-        """The story so far goes into the mailbox, and whatever comes."""
+        """Put the story so far into the mailbox, and then each new message."""
         with self._lock:
             self._boxes.append(box)
             self._retell(box)
@@ -129,7 +129,7 @@ class EventStream:
                 self._boxes.remove(box)
 
     def publish(self, message: Message) -> None:
-        """Something happened."""
+        """Publish one message to all subscribers."""
         with self._lock:
             self._story.append(message)
             if len(self._story) > MOST_STORY:
@@ -140,7 +140,7 @@ class EventStream:
                     self._retell(box)
 
     def publish_newest(self, message: Message) -> None:
-        """Something of which only the last one counts."""
+        """Publish a message of which only the last one of its type counts."""
         with self._lock:
             self._newest[message["type"]] = message
             for box in self._boxes:
@@ -154,14 +154,14 @@ class EventStream:
                 box.put_strip(strip)
 
     def publish_picture(self, picture: Picture) -> None:
-        """A picture."""
+        """Publish an image in the place of the last one."""
         with self._lock:
             self._picture = picture
             for box in self._boxes:
                 box.put_picture(picture)
 
     def publish_story(self, messages: list[Message]) -> None:
-        """Everything anew: another job, or the same one found again."""
+        """Replace the story: another job, or the same one found again."""
         with self._lock:
             self._story = deque(messages)
             self._strips, self._picture = [], None
@@ -170,7 +170,7 @@ class EventStream:
                 self._retell(box)
 
     def messages(self) -> list[Message]:
-        """The story so far."""
+        """Return the story so far."""
         with self._lock:
             return list(self._story)
 
@@ -179,7 +179,7 @@ class EventStream:
         box.begin(list(self._story), strips, list(self._newest.values()), self._picture)
 
     def _shorten(self) -> None:
-        """What a page shows in numbers stays, single voltages long past go."""
+        """Drop old single voltages; keep what a page shows in numbers."""
         half = MOST_STORY // 2
         old = [m for i, m in enumerate(self._story) if i >= half or m["type"] != "voltage"]
         self._story = deque(old[-MOST_STORY:])

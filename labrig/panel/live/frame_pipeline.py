@@ -1,6 +1,6 @@
-"""Pictures on their way from a job to the pages: as JPEGs at once, their curves as they come.
+"""Images from a job to the pages: as JPEGs at once, their curves as they come.
 
-Each step has one place for the newest picture: a slow one leaves pictures out and holds nothing up.
+Each step has one slot for the newest image: a slow step skips images and holds nothing up.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Item = TypeVar("Item")
 
 
 class FrameSlot(Generic[Item]):
-    """One place: who puts never waits, who takes gets the newest."""
+    """One slot: `put` never waits, `take` returns the newest."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -52,7 +52,7 @@ class FrameSlot(Generic[Item]):
 
 
 class FramePipeline:
-    """Takes raw pictures, tells a feed of JPEGs and curves. Its threads end with `close`."""
+    """Take raw images, publish JPEGs and curves. Its threads end with `close`."""
 
     def __init__(self, stream: EventStream) -> None:
         self._stream = stream
@@ -60,28 +60,28 @@ class FramePipeline:
         self._to_search: FrameSlot[Picture] = FrameSlot()
         self._setup: Message | None = None
         self._model: str | None = None
-        self._told = 0  # counts changes of setup and model
+        self._setup_version = 0  # counts changes of setup and model
         self._newest: tuple[Message, GreyImage] | None = None
         self._process: subprocess.Popen[bytes] | None = None
         for work, name in ((self._develop, "pictures"), (self._search, "curves")):
             threading.Thread(target=work, name=f"panel-{name}", daemon=True).start()
 
     def put(self, picture: Picture) -> None:
-        """A raw picture came. Never waits."""
+        """Hand over a raw image. Never waits."""
         self._raw.put(picture)
 
-    def know(self, setup: Message | None) -> None:
-        """What the next pictures show; None: nothing is known, no curves."""
+    def set_setup(self, setup: Message | None) -> None:
+        """Set what the next images show; None: nothing is known, no curves."""
         self._setup = setup
-        self._told += 1
+        self._setup_version += 1
 
     def choose_model(self, path: Path | None) -> None:
         """Whose predicted curve is drawn."""
         self._model = None if path is None else str(path)
-        self._told += 1
+        self._setup_version += 1
 
     def newest(self) -> tuple[Message, GreyImage] | None:
-        """The newest picture, for a calibration."""
+        """Return the newest picture, for a calibration."""
         return self._newest
 
     def close(self) -> None:
@@ -104,22 +104,22 @@ class FramePipeline:
                     self._to_search.put(picture)
 
     def _search(self) -> None:
-        told, starts = -1, 0
+        version, starts = -1, 0
         while (picture := self._to_search.take()) is not None:
             try:
                 if self._process is None or self._process.poll() is not None:
                     if starts > _RESTARTS:
                         continue
-                    self._process, told, starts = _spawn(), -1, starts + 1
-                if told != self._told:
-                    told = self._told
-                    self._introduce(self._process)
+                    self._process, version, starts = _spawn(), -1, starts + 1
+                if version != self._setup_version:
+                    version = self._setup_version
+                    self._send_setup(self._process)
                 curve = _asked(self._process, picture)
             except (OSError, BrokenConnectionError):
                 continue
             self._stream.publish_newest(curve)
 
-    def _introduce(self, process: subprocess.Popen[bytes]) -> None:
+    def _send_setup(self, process: subprocess.Popen[bytes]) -> None:
         assert process.stdin is not None  # noqa: S101 - for the type checker
         if self._setup is not None:
             write(process.stdin, pack(self._setup))

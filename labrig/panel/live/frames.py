@@ -18,7 +18,7 @@ JPEG_QUALITY = 85
 def raw_picture(
     frame: Frame, time_s: float | None, run: PlannedRun | None, voltage_V: float | None
 ) -> Picture:
-    """A frame as it was taken, and what a model must know to predict the sheet's shape in it."""
+    """Return a frame as acquired, with the conditions from which a model predicts the shape."""
     rows, columns = frame.image.shape
     position_m = None if run is None else run.position_m
     header: Message = {
@@ -37,7 +37,7 @@ def raw_picture(
 
 
 def image_of(header: Message, payload: bytes | memoryview) -> GreyImage:
-    """The pixels of a raw picture. Raises ValueError, KeyError."""
+    """Return the pixels of a raw picture. Raises ValueError, KeyError."""
     dtype = np.dtype(np.uint16 if header["dtype"] == "uint16" else np.uint8)
     shape = (int(header["height"]), int(header["width"]))
     return np.frombuffer(payload, dtype=dtype).reshape(shape)
@@ -52,20 +52,20 @@ def shown(image: GreyImage) -> npt.NDArray[np.uint8]:
 
 
 def jpeg_picture(header: Message, image: GreyImage) -> Picture:
-    """What pages are sent."""
+    """Return what pages are sent."""
     kept = ("type", "frame", "time_s", "run", "width", "height")
     return {**{key: header[key] for key in kept}, "mime": "image/jpeg"}, jpeg(image)
 
 
 def jpeg(image: GreyImage) -> bytes:
-    """The picture as a JPEG."""
+    """Return the picture as a JPEG."""
     import cv2
 
     return _encoded(image, ".jpg", [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
 
 
 def png(image: GreyImage) -> bytes:
-    """The picture as a PNG, nothing lost."""
+    """Return the picture as a PNG, nothing lost."""
     return _encoded(image, ".png", [])
 
 

@@ -16,7 +16,7 @@ Message = dict[str, Any]
 
 
 class MessageEncoder:
-    """Writes down one session. Not thread-safe: one thread tells it of the events in order."""
+    """Encode the events of one session. Not thread-safe; events come in order."""
 
     def __init__(self) -> None:
         self._begun_s: float | None = None
@@ -38,12 +38,12 @@ class MessageEncoder:
         }
 
     def message(self, event: ev.Event) -> Message | None:
-        """What is told of an event; None: it shows elsewhere (signals, pictures) or not at all."""
+        """Return an event's message; None: it shows elsewhere (signals, images) or not at all."""
         way = self._ways.get(type(event))
         return None if way is None else way(event)
 
     def asked(self, time_s: float, prompt: Prompt) -> tuple[int, Message]:
-        """A prompt, and the number by which it is answered."""
+        """Return a prompt, and the number by which it is answered."""
         self._asked += 1
         return self._asked, {
             "type": "prompt",
@@ -58,7 +58,7 @@ class MessageEncoder:
         }
 
     def answered(self, time_s: float, done: bool) -> Message:
-        """The last prompt was answered."""
+        """Return the last prompt was answered."""
         said = "done" if done else "stop the session"
         return {
             "type": "answered",
@@ -203,7 +203,7 @@ def plan_message(
     picture: Message | None,
     done: Collection[int] = (),
 ) -> Message:
-    """What is going to be done, for the timeline."""
+    """Return what is going to be done, for the timeline."""
     found = describe(schedule)
     rows = {row.run: row for row in found.rows}
     return {

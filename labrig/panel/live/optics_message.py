@@ -26,10 +26,10 @@ def setup_message(optics: Optics | None, sheets: Mapping[str, SheetGeometry]) ->
 
 
 def optics_of(setup: Message) -> Optics | None:
-    """The camera."""
+    """Return the camera."""
     return None if setup.get("optics") is None else Optics.model_validate(setup["optics"])
 
 
 def strips_of(setup: Message) -> dict[str, StripGeometry]:
-    """The strips by configuration."""
+    """Return the strips by configuration."""
     return {name: StripGeometry(**strip) for name, strip in setup.get("strips", {}).items()}

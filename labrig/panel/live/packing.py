@@ -31,7 +31,7 @@ def pack(header: Header, payload: bytes | memoryview = b"") -> bytes:
 
 
 def unpack(packed: bytes) -> tuple[Header, memoryview]:
-    """The reverse of `pack`. Raises BrokenConnectionError."""
+    """Return the reverse of `pack`. Raises BrokenConnectionError."""
     if len(packed) < 4:
         raise BrokenConnectionError("a message is shorter than its own beginning")
     end = 4 + _U32.unpack_from(packed)[0]
@@ -60,7 +60,7 @@ def send(connection: socket.socket, packed: bytes) -> None:
 
 
 def receive(connection: socket.socket, most_bytes: int = MOST_BYTES) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenConnectionError at the end, OSError (also TimeoutError)."""
+    """Return the next message. Raises BrokenConnectionError at the end, OSError or TimeoutError."""
     size = _U32.unpack(_exactly(connection, 4))[0]
     if size > most_bytes:
         raise BrokenConnectionError(f"a message of {size} bytes is more than {most_bytes}")
@@ -74,7 +74,7 @@ def write(pipe: IO[bytes], packed: bytes) -> None:
 
 
 def read(pipe: IO[bytes]) -> tuple[Header, memoryview]:
-    """The next message. Raises BrokenConnectionError at the end, OSError."""
+    """Return the next message. Raises BrokenConnectionError at the end, OSError."""
     begin = pipe.read(4)
     size = _U32.unpack(begin)[0] if len(begin) == 4 else 0
     packed = pipe.read(min(size, MOST_BYTES))

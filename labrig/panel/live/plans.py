@@ -11,7 +11,7 @@ from labrig.vision import Optics
 def message_of_plan(
     plan: Plan, clock: str, session: str | None, done: frozenset[int] = frozenset()
 ) -> Message:
-    """The plan as pages see it."""
+    """Return the plan as pages see it."""
     limits = plan.rig.limits
     return plan_message(
         plan.schedule,

@@ -34,7 +34,7 @@ class StripChart:
     fresh: bool = False  # earlier ones are to be forgotten
 
     def header(self) -> dict[str, Any]:
-        """What stands before the numbers."""
+        """Return what stands before the numbers."""
         return {
             "type": "signals",
             "run": self.run,
@@ -48,12 +48,12 @@ class StripChart:
         return pack(self.header(), np.ascontiguousarray(self.values, dtype="<f4").tobytes())
 
     def as_fresh(self) -> StripChart:
-        """The same, for somebody who knows nothing of it yet."""
+        """Return the same, for somebody who knows nothing of it yet."""
         return replace(self, fresh=True)
 
 
 def strip_from(header: dict[str, Any], payload: memoryview) -> StripChart:
-    """The reverse of `StripChart.packed`. Raises ValueError, KeyError."""
+    """Return the reverse of `StripChart.packed`. Raises ValueError, KeyError."""
     values = np.frombuffer(payload, dtype="<f4").reshape(len(ROWS), int(header["count"]))
     return StripChart(int(header["run"]), values, bool(header["fresh"]))
 
@@ -86,7 +86,7 @@ class Envelope:
         self._fresh = True
 
     def add(self, samples: npt.NDArray[np.float64]) -> StripChart | None:
-        """`samples` (4, n): run_s, drive in V, force in mN, current in mA; a strip if due."""
+        """Add `samples` (4, n): run_s, drive V, force mN, current mA; return a strip if due."""
         known = np.concatenate([self._rest, samples], axis=1)
         bins = np.floor(known[0] / BIN_S + 1e-6).astype(np.int64)
         whole = int(np.searchsorted(bins, bins[-1])) if bins.size else 0

@@ -92,7 +92,7 @@ def add_view(request: Request, body: ViewBody, panel: Here) -> Any:
 
 @router.get("/camera/view/{number}")
 def get_view(number: int, panel: Here) -> Response:
-    """A kept view."""
+    """Return a kept view."""
     return Response(
         png(panel.state(CameraCalibrationRun).view(number).image), media_type="image/png"
     )

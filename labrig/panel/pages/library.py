@@ -27,7 +27,7 @@ def listed(
     limit: Annotated[int, Query(ge=1, le=2000)] = 200,
     offset: Annotated[int, Query(ge=0)] = 0,
 ) -> Any:
-    """The sessions that fit."""
+    """Return the sessions that fit."""
     library = panel.library
     pending = library.refresh(_BUDGET_S)
     entries = library.entries()

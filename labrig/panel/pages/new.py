@@ -54,7 +54,7 @@ def all_schemas() -> Any:
 
 @router.get("/files")
 def list_all(panel: Here) -> Any:
-    """The files of the rig's folder."""
+    """Return the files of the rig's folder."""
     return {"files": files.list_files(panel.rig.parent)}
 
 
@@ -97,7 +97,7 @@ def write(request: Request, name: str, body: FileBody, panel: Here) -> Any:
 
 @router.post("/plan")
 def plan(body: PlanBody, panel: Here) -> Any:
-    """What would be done."""
+    """Return what would be done."""
     folder = panel.rig.parent
     sheet = existing(folder, body.sheet, ".toml")
     clock = "virtual" if panel.simulated else "real"

@@ -11,13 +11,13 @@ from labrig.errors import LabrigError
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
-from labrig.panel.core.sockets import Post, hear, together
+from labrig.panel.core.sockets import Post, receive_messages, together
 from labrig.panel.live.event_stream import Message
 from labrig.panel.pages._sessions import SUFFIX
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.panel.replay import Player
 
-MOST_REPLAYS = 4  # each with a process that looks for the curve
+MOST_REPLAYS = 4  # each with a curve process
 router = APIRouter()
 
 
@@ -55,8 +55,8 @@ async def _play(socket: WebSocket, panel: Panel, name: str) -> None:
     path = existing(panel.settings.data, name, SUFFIX)
     player = await asyncio.to_thread(Player, path, name, panel.model_path)
 
-    async def heard(word: Message) -> None:
-        player.do(word)
+    async def on_message(command: Message) -> None:
+        player.do(command)
 
     post = Post(socket, player.stream)
     status = panel.status(socket.headers.get("host", ""), "")
@@ -64,7 +64,7 @@ async def _play(socket: WebSocket, panel: Panel, name: str) -> None:
     try:
         await post.send({**hello, "version": status["version"], "mode": "replay", "stop_url": None})
         await post.send(player.first())
-        await together(post.deliver(), hear(socket, heard))
+        await together(post.deliver(), receive_messages(socket, on_message))
     finally:
         post.close()
         await asyncio.to_thread(player.close)

@@ -57,7 +57,7 @@ def mark(request: Request, body: MarkBody, panel: Here) -> Any:
 
 @router.post("/stop_after_pulse")
 def stop_after_pulse(request: Request, panel: Here) -> Any:
-    """The gentle stop."""
+    """Return the gentle stop."""
     who = panel.acting(request)
     panel.jobs.ask({"do": "stop_after_pulse", "who": who})
     panel.actions.add(who, "asked for a stop after the pulse")
@@ -72,8 +72,8 @@ def model(request: Request, body: ModelBody, panel: Here) -> Any:
     if body.name is not None:
         from labrig.model_file import load_model
 
-        beside = panel.settings.rig is not None and inside(panel.rig.parent, body.name).is_file()
-        folder = panel.rig.parent if beside else panel.settings.data
+        with_rig = panel.settings.rig is not None and inside(panel.rig.parent, body.name).is_file()
+        folder = panel.rig.parent if with_rig else panel.settings.data
         path = existing(folder, body.name, ".toml")
         load_model(path)  # a file that is no model is refused here, with its sentence
     panel.choose_model(path)

@@ -42,7 +42,7 @@ def one(panel: Here, name: Session) -> Any:
 def export(
     panel: Here, name: Session, kind: Annotated[str, Query(alias="as")] = "h5"
 ) -> FileResponse:
-    """The file itself, or the tables of its measurements as a zip."""
+    """Return the file itself, or the tables of its measurements as a zip."""
     path = existing(panel.settings.data, name, SUFFIX)
     if kind == "h5":
         with open_session(path):  # one that is being recorded is not whole

@@ -12,7 +12,7 @@ from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.replay.recording import Recording
 
 TICK_S = 0.05
-TELL_EVERY_S = 0.25
+STATE_EVERY_S = 0.25
 SLOWEST, FASTEST = 0.1, 1000.0
 GAP_S = 1.0  # of waiting that is shown, where gaps are left out
 
@@ -21,11 +21,11 @@ class Player:
     """At the beginning it stands at 0 s and does not play."""
 
     def __init__(self, path: Path, name: str, model: Path | None) -> None:
-        """Raises BadInputError when the session cannot be replayed."""
+        """Open a session. Raises BadInputError when it cannot be replayed."""
         self.stream = EventStream()
         self._recording = Recording(path, name)
         self._frame_pipeline = FramePipeline(self.stream)
-        self._frame_pipeline.know(self._recording.setup)
+        self._frame_pipeline.set_setup(self._recording.setup)
         self._frame_pipeline.choose_model(model)
         self._changed = threading.Condition()
         self._at_s = 0.0
@@ -38,12 +38,12 @@ class Player:
         self._thread.start()
 
     def first(self) -> Message:
-        """The first `replay` message, with the marks of the slider."""
+        """Return the first `replay` message, with the marks of the slider."""
         return {**self._state(), "marks": self._recording.marks()}
 
-    def do(self, word: Message) -> None:
-        """What the page says; what makes no sense is left alone."""
-        what, speed, at_s = word.get("do"), word.get("speed"), word.get("at_s")
+    def do(self, command: Message) -> None:
+        """Follow a page's command; one that makes no sense is ignored."""
+        what, speed, at_s = command.get("do"), command.get("speed"), command.get("at_s")
         with self._changed:
             if what in {"play", "pause"}:
                 self._playing = what == "play"
@@ -54,7 +54,7 @@ class Player:
             elif what == "seek" and isinstance(at_s, int | float):
                 self._seek = min(max(float(at_s), 0.0), self._recording.duration_s)
             elif what == "gaps":
-                self._skip = bool(word.get("skip"))
+                self._skip = bool(command.get("skip"))
             else:
                 return
             self._changed.notify()
@@ -72,7 +72,7 @@ class Player:
     # --------------------------------------------------------------------------------- its thread
 
     def _play(self) -> None:
-        then_s = told_s = time.monotonic()
+        then_s = stated_s = time.monotonic()
         while True:
             with self._changed:
                 if not self._closed and self._seek is None:
@@ -98,8 +98,8 @@ class Player:
                 self.stream.publish(
                     {"type": "warning", "time_s": self._at_s, "text": text, "log": text}
                 )
-            if seek is not None or now_s - told_s >= TELL_EVERY_S or not self._playing:
-                told_s = now_s
+            if seek is not None or now_s - stated_s >= STATE_EVERY_S or not self._playing:
+                stated_s = now_s
                 self.stream.publish_newest(self._state())
 
     def _jump(self, at_s: float) -> None:

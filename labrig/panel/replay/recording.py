@@ -41,7 +41,7 @@ class Recording:
     """An open session. One thread uses it."""
 
     def __init__(self, path: Path, name: str) -> None:
-        """Raises BadInputError when it cannot be replayed."""
+        """Open a session. Raises BadInputError when it cannot be replayed."""
         self.name = name
         self._session = open_session(path, live=True)
         try:
@@ -66,8 +66,8 @@ class Recording:
             )
         self._begin_s = events[0].time_s
         encoder = MessageEncoder()
-        told = [(event.time_s - self._begin_s, encoder.message(event)) for event in events]
-        self.timed = [(at_s, message) for at_s, message in told if message is not None]
+        timed = [(event.time_s - self._begin_s, encoder.message(event)) for event in events]
+        self.timed = [(at_s, message) for at_s, message in timed if message is not None]
         self._times = [at_s for at_s, _ in self.timed]
         self.duration_s = self._times[-1]
         self.spans = _spans(events, self._begin_s)
@@ -78,7 +78,7 @@ class Recording:
         self._frame_times = [at_s for at_s, _, _ in self._frames]
 
     def marks(self) -> list[Message]:
-        """What a slider shows: runs, readings, and what was logged."""
+        """Return what a slider shows: runs, readings, and what was logged."""
         found = []
         for at_s, message in self.timed:
             if message["type"] == "run_started":
@@ -97,12 +97,12 @@ class Recording:
         ]
 
     def between(self, after_s: float, to_s: float) -> list[Message]:
-        """What happened in this time, its end included."""
+        """Return what happened in this time, its end included."""
         first, last = bisect_right(self._times, after_s), bisect_right(self._times, to_s)
         return [message for _, message in self.timed[first:last]]
 
     def strip(self, after_s: float, to_s: float, *, fresh: bool) -> StripChart | None:
-        """The signals of this time; of the run at its end, where there are several."""
+        """Return the signals of this time; of the run at its end, where there are several."""
         span = self.span_at(to_s)
         if span is None:
             return None
@@ -118,7 +118,7 @@ class Recording:
         return StripChart(span.run, whole.values[:, low:high], fresh=new)
 
     def span_at(self, at_s: float) -> Span | None:
-        """The run that is on, or was the last one to be."""
+        """Return the run that is on, or was the last one to be."""
         begun = [span for span in self.spans if span.from_s <= at_s]
         return begun[-1] if begun else None
 
@@ -133,7 +133,7 @@ class Recording:
         return min(following, default=None)
 
     def picture(self, after_s: float, to_s: float) -> Picture | None:
-        """The newest picture of this time."""
+        """Return the newest picture of this time."""
         at = bisect_right(self._frame_times, to_s) - 1
         if at < 0 or self._frame_times[at] <= after_s:
             return None
@@ -176,7 +176,7 @@ def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
 
 
 def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
-    """All signals of a run, in the units of people."""
+    """Return all signals of a run, in mN, mA and V."""
     text = session.texts["load_cell.toml"]
     calibration = recorded_calibration(text, "load_cell.toml", session.resolved)
     cell = LoadCell(calibration, run.ranges_V["force"])

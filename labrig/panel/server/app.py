@@ -75,8 +75,8 @@ def _answers_in_sentences(app: FastAPI) -> None:
 
     @app.exception_handler(RequestValidationError)
     async def not_understood(_request: Request, error: RequestValidationError) -> JSONResponse:
-        told = "; ".join(_fault(fault) for fault in error.errors()[:5])
-        return JSONResponse({"error": f"what was sent is wrong: {told}."}, 400)
+        faults = "; ".join(_fault(fault) for fault in error.errors()[:5])
+        return JSONResponse({"error": f"what was sent is wrong: {faults}."}, 400)
 
     @app.exception_handler(HTTPException)
     async def other(_request: Request, error: HTTPException) -> JSONResponse:

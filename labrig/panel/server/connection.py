@@ -16,7 +16,7 @@ class PageConnection(WebSocketsSansIOProtocol):
     """
 
     def shutdown(self) -> None:
-        """The panel ends."""
+        """Close it with the panel."""
         with suppress(InvalidState):
             return super().shutdown()
         self.transport.close()

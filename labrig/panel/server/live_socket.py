@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import WebSocket
 
 from labrig.panel.core.panel import Panel
-from labrig.panel.core.sockets import Post, address_of, hear, together
+from labrig.panel.core.sockets import Post, address_of, receive_messages, together
 from labrig.panel.live.event_stream import Message
 from labrig.panel.server.operation import full_status
 
@@ -26,11 +26,11 @@ async def serve_live(socket: WebSocket, panel: Panel) -> None:
     post = Post(socket, panel.stream, client)
     try:
         await post.send(hello)
-        await together(post.deliver(), hear(socket, _no_more))
+        await together(post.deliver(), receive_messages(socket, _no_more))
     finally:
         post.close()
         control.leave(client)
 
 
 async def _no_more(_message: Message) -> None:
-    """A live page asks by HTTP."""
+    """Ignore messages: a live page asks by HTTP."""

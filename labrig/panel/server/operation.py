@@ -46,7 +46,7 @@ def status(request: Request, panel: Here) -> Any:
 
 
 async def stop_body(request: Request) -> StopBody:
-    """A press counts, however it is written: as JSON, as a form without a script, or empty."""
+    """Accept any body of a press: JSON, a form without a script, or none."""
     try:
         found = json.loads(await request.body())
     except (ValueError, RecursionError):

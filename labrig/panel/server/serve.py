@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.panel.access.settings import ANYWHERE, LOOPBACK, PanelSettings
-from labrig.panel.core.sockets import MOST_WORD_BYTES
+from labrig.panel.core.sockets import MOST_MESSAGE_BYTES
 from labrig.panel.processes import detached, module_environment
 
 _MOST_CONNECTIONS = 200
@@ -29,7 +29,7 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
 
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])
-        # Before anything else is started, and said to be ready: it finds what files say wrongly.
+        # Before anything else is started: it finds the faults of files.
         with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
             panel.settings = replace(settings, stop_port=stop_port)
             config = uvicorn.Config(
@@ -38,7 +38,7 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
                 access_log=False,
                 server_header=False,
                 ws=PageConnection,
-                ws_max_size=2 * MOST_WORD_BYTES,
+                ws_max_size=2 * MOST_MESSAGE_BYTES,
                 limit_concurrency=_MOST_CONNECTIONS,
                 timeout_graceful_shutdown=_GOODBYE_S,
                 ssl_certfile=settings.certificate,
@@ -90,10 +90,10 @@ def _stop_process(settings: PanelSettings) -> Iterator[int]:
     try:
         process.stdin.write(json.dumps(wanted).encode() + b"\n")
         process.stdin.flush()
-        said = process.stdout.readline().strip()
-        if not said.isdigit():
+        port = process.stdout.readline().strip()
+        if not port.isdigit():
             raise LabrigError("the STOP process did not start; nothing is served without it.")
-        yield int(said)
+        yield int(port)
     finally:
         process.stdin.close()
         process.stdout.close()

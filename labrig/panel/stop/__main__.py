@@ -1,4 +1,4 @@
-"""The STOP process: a tiny HTTP server, and a link to the job that it holds all the time.
+"""The STOP process: a tiny HTTP server with an open connection to the job.
 
 It outlives a panel that dies while a job is going on, for the pages that are still open. Standard
 library only, so that it starts at once and has little that could fail.
@@ -23,12 +23,12 @@ from labrig.panel.access.credentials import cookie_of, same_token
 from labrig.panel.access.settings import host_name
 from labrig.panel.stop.press import StopConnection
 
-PATIENCE_S = 3.0  # with a client that connects and says nothing
+CLIENT_TIMEOUT_S = 3.0  # with a client that connects and sends nothing
 MOST_BODY_BYTES = 4096
-MOST_HEARD_BYTES = 256 << 10
+MOST_DRAINED_BYTES = 256 << 10
 MOST_AT_ONCE = 64
-_LOOK_S = 0.5
-_HEARING_S = 1.0  # who has its answer and is still sending
+_POLL_S = 0.5
+_DRAIN_S = 1.0  # with a client that has its answer and is still sending
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class StopSettings:
     """What the panel says on our input, as one line of JSON."""
 
     host: str
-    port: int  # wanted; another free one is taken when it is not to be had
+    port: int  # wanted; another free one where it is in use
     scheme: str
     panel_port: int
     hosts: tuple[str, ...] | None  # by which we may be called; None: any
@@ -80,7 +80,7 @@ class StopServer(ThreadingHTTPServer):
     def process_request_thread(self, request: Any, client_address: Any) -> None:
         """See `ThreadingMixIn`."""
         try:
-            request.settimeout(PATIENCE_S)
+            request.settimeout(CLIENT_TIMEOUT_S)
             if self._tls is not None:
                 request = self._tls.wrap_socket(request, server_side=True)
             super().process_request_thread(request, client_address)
@@ -90,33 +90,33 @@ class StopServer(ThreadingHTTPServer):
             self._room.release()
 
     def shutdown_request(self, request: Any) -> None:
-        """Say that all is said, and hear out who is still sending: else the answer may be lost.
+        """End the answer and read what is still sent: else the answer may be lost.
 
         Closing a connection on which something is still coming resets it.
         """
-        heard, until_s = 0, time.monotonic() + _HEARING_S
+        drained, until_s = 0, time.monotonic() + _DRAIN_S
         with suppress(OSError):
             request.shutdown(socket.SHUT_WR)
-            while heard < MOST_HEARD_BYTES and (left_s := until_s - time.monotonic()) > 0:
+            while drained < MOST_DRAINED_BYTES and (left_s := until_s - time.monotonic()) > 0:
                 request.settimeout(left_s)
-                said = len(request.recv(1 << 16))
-                if said == 0:
+                size = len(request.recv(1 << 16))
+                if size == 0:
                     break
-                heard += said
+                drained += size
         self.close_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that goes away is no news."""
+        """Ignore a client that goes away."""
 
 
 class Handler(BaseHTTPRequestHandler):
     """POST /stop."""
 
     server: StopServer
-    timeout = PATIENCE_S
+    timeout = CLIENT_TIMEOUT_S
 
     def do_POST(self) -> None:
-        """The one thing."""
+        """Stop the job."""
         refused = self._refused()
         if refused is not None:
             self._answer(refused[0], {"error": refused[1]})
@@ -124,7 +124,7 @@ class Handler(BaseHTTPRequestHandler):
         try:
             asked = json.loads(self.rfile.read(self._size()) or b"{}")
         except (ValueError, RecursionError, OSError):
-            asked = {}  # whatever was said, or not said to its end: STOP was pressed
+            asked = {}  # whatever the body holds: STOP was pressed
         asked = asked if isinstance(asked, dict) else {}
         name = " ".join(str(asked.get("name") or "somebody").split())[:40]
         who = f"{name} ({self.client_address[0]})"
@@ -140,7 +140,7 @@ class Handler(BaseHTTPRequestHandler):
         self._answer(200, {"ready": True, "going": self.server.line.going})
 
     def do_OPTIONS(self) -> None:
-        """A browser asks first whether it may."""
+        """Answer a browser that asks first whether it may."""
         self._answer(204 if self._origin() else 403, None)
 
     def log_message(self, format: str, *args: Any) -> None:  # noqa: A002 - as the base class has it
@@ -165,7 +165,7 @@ class Handler(BaseHTTPRequestHandler):
         return None
 
     def _origin(self) -> str | None:
-        """The asking page's origin, when it is the panel's own."""
+        """Return the asking page's origin, when it is the panel's own."""
         settings = self.server.settings
         host = host_name(self.headers.get("Host", "").lower())
         if settings.hosts is not None and host.strip("[]") not in settings.hosts:
@@ -207,7 +207,7 @@ def main() -> None:
     sys.stdout.flush()
     sys.stdin.read()  # ends with the panel
     while line.going:
-        ended.wait(_LOOK_S)
+        ended.wait(_POLL_S)
 
 
 if __name__ == "__main__":

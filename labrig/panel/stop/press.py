@@ -25,7 +25,7 @@ from labrig.panel.processes import module_environment
 OBEY_S = 1.0  # as long as the guard gives a run that hangs
 DIE_S = 2.0
 SAFE_S = 12.0  # `labrig safe`, with all its patience
-_LOOK_S = 0.2
+_POLL_S = 0.2
 _TICK_S = 0.005
 _UNKNOWN_CODE = 6  # `labrig.errors.ExitCode.OUTPUT_UNKNOWN`
 ENERGISED = "energised"
@@ -45,7 +45,7 @@ class Pressed:
 
 
 class StopConnection:
-    """A link to whatever job is going on, held before it is needed."""
+    """A connection to the present job, opened before it is needed."""
 
     def __init__(self, data: Path) -> None:
         self._data = data
@@ -56,8 +56,8 @@ class StopConnection:
         self._changed = threading.Condition()
 
     def watch(self, ended: threading.Event) -> None:
-        """Keep the link, until `ended`."""
-        while not ended.wait(_LOOK_S):
+        """Keep the connection open until `ended`."""
+        while not ended.wait(_POLL_S):
             with suppress(OSError):
                 self.hold()
 
@@ -78,7 +78,7 @@ class StopConnection:
             self._address, self._output = (
                 found,
                 "armed",
-            )  # a job begins at 0 V, and tells what follows
+            )  # a job begins at 0 V, and publishes each change
             self._connection = JobConnection(
                 found.port, found.key, "stop", self._on_message, self._on_end
             )
@@ -90,12 +90,12 @@ class StopConnection:
         try:
             address = self.hold()
         except OSError:
-            return self._looked_after(began_s, "the run's process is gone")
+            return self._read_safe_state(began_s, "the run's process is gone")
         connection = self._connection
         if address is None or connection is None:
             last = read_address(self._data)
             if last is not None and last.code == _UNKNOWN_CODE:
-                return self._looked_after(began_s, "the last run left its output unknown")
+                return self._read_safe_state(began_s, "the last run left its output unknown")
             return Pressed("safe", 0.0, "no run is going on")
         asked, refused = threading.Event(), list[str]()
         ask = (connection, who, why, asked, refused)
@@ -105,26 +105,26 @@ class StopConnection:
             return (asked.is_set() or not connection.alive) and self._output != ENERGISED
 
         if self._wait_for(obeyed, OBEY_S):
-            return self._told(began_s, refused[0] if refused else "the run was stopped")
+            return self._pressed(began_s, refused[0] if refused else "the run was stopped")
         if self._output != ENERGISED:
-            return self._told(began_s, "the run does not answer; its output was not energised")
+            return self._pressed(began_s, "the run does not answer; its output was not energised")
         if connection.alive:
             with suppress(OSError):  # it has just ended by itself
                 os.kill(address.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
             self._wait_for(lambda: not connection.alive, DIE_S)
-        return self._looked_after(began_s, "the run did not obey and was ended")
+        return self._read_safe_state(began_s, "the run did not obey and was ended")
 
     # ------------------------------------------------------------------------------------- helpers
 
-    def _told(self, began_s: float, text: str) -> Pressed:
+    def _pressed(self, began_s: float, text: str) -> Pressed:
         return Pressed(self._output, time.monotonic() - began_s, text)
 
-    def _looked_after(self, began_s: float, text: str) -> Pressed:
+    def _read_safe_state(self, began_s: float, text: str) -> Pressed:
         """`labrig safe` frees the boards, writes 0 V, reads it back."""
         address = self._address or read_address(self._data)
         self._output = "unknown"
         if address is None or address.rig is None:
-            return self._told(began_s, f"{text}; switch the amplifier off by hand")
+            return self._pressed(began_s, f"{text}; switch the amplifier off by hand")
         command = [sys.executable, "-m", "labrig", "safe", address.rig]
         try:
             done = subprocess.run(
@@ -137,11 +137,11 @@ class StopConnection:
                 env=module_environment(),
             )
         except (OSError, subprocess.TimeoutExpired) as error:
-            told = f"{text}; labrig safe failed ({error}): switch the amplifier off by hand"
-            return self._told(began_s, told)
+            failed = f"{text}; labrig safe failed ({error}): switch the amplifier off by hand"
+            return self._pressed(began_s, failed)
         self._output = "safe" if done.returncode == 0 else "unknown"
         said = " ".join((done.stdout + done.stderr).split())
-        return self._told(began_s, f"{text}; labrig safe: {said}")
+        return self._pressed(began_s, f"{text}; labrig safe: {said}")
 
     def _wait_for(self, condition: Callable[[], bool], limit_s: float) -> bool:
         with self._changed:

@@ -64,7 +64,7 @@ class Findings:
 
 
 def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Measurements:
-    """The measurements of a session; one not analysed yet is analysed, and `tell` is told so."""
+    """Return a session's measurements; one not analysed yet is analysed, which `tell` reports."""
     with open_session(path) as session:
         known = session.has_measurements
     if known:
@@ -76,7 +76,7 @@ def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Mea
 
 
 def workers() -> int:
-    """Processes that may look for curves at a time."""
+    """Return how many processes may search for curves at a time."""
     return max(1, min(4, os.cpu_count() or 1))
 
 

@@ -1,4 +1,4 @@
-"""Fits what can be fitted: a configuration whose data do not allow it is left out, and said so."""
+"""Fits all configurations whose data allow it, and states why the others are left out."""
 
 from __future__ import annotations
 

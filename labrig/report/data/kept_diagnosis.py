@@ -14,12 +14,12 @@ NAME = "diagnosis"
 
 
 def keep_diagnosis(session: Path, found: Diagnosis) -> None:
-    """Store it in the session, in place of an older one; gone when the session is analysed anew."""
+    """Store it in the session, in place of an older one; a new analysis removes it."""
     store_finding(session, NAME, to_json(found))
 
 
 def kept_diagnosis(session: Path) -> Diagnosis | None:
-    """The diagnosis that a session holds."""
+    """Return the diagnosis that a session holds."""
     text = load_finding(session, NAME)
     if text is None:
         return None

@@ -33,7 +33,7 @@ def knows(model: SheetModel, configuration: str, voltage_V: float) -> bool:
 def predicted(
     model: SheetModel, configuration: str, position_m: float, voltage_V: float
 ) -> Prediction | None:
-    """What the model says; None where it says nothing or the position cannot be reached."""
+    """Return what the model says; None where it says nothing or the position cannot be reached."""
     if not knows(model, configuration, voltage_V):
         return None
     found = predict(model, configuration, position_m, voltage_V)

@@ -1,4 +1,4 @@
-"""The numbers that the paper's text states, to stand beside a session's own.
+"""The numbers that the paper's text states, for comparison with a session.
 
 A mechanical model of an IPMC actuator with non-uniform bending at large deflections: tables 3, 5
 and 6, and section 4.3. What it calls the long and the short sheet are its configurations.

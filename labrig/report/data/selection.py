@@ -34,7 +34,7 @@ def conditions_of(measurements: Measurements, configuration: str) -> list[Condit
 
 
 def voltages(measurements: Measurements, configuration: str | None = None) -> list[float]:
-    """The voltages at which something was measured, the highest first, as figures list them."""
+    """Return the voltages at which something was measured, highest first, as figures list them."""
     found = {
         c.voltage_V
         for c in measurements.conditions
@@ -44,7 +44,7 @@ def voltages(measurements: Measurements, configuration: str | None = None) -> li
 
 
 def positions_m(measurements: Measurements, configuration: str) -> list[float]:
-    """The load cell's positions, ascending."""
+    """Return the load cell's positions, ascending."""
     found = {
         c.position_m
         for c in measurements.conditions
@@ -110,5 +110,5 @@ def force_line(
 
 
 def place(position_m: float | None) -> str:
-    """A position as people read it."""
+    """Return a position in mm."""
     return "free" if position_m is None else f"{1e3 * position_m:g} mm"

@@ -17,7 +17,7 @@ AT = "@"
 
 
 def labels(paths: Sequence[Path]) -> list[str]:
-    """A short name of each file; BadInputError where one is given twice."""
+    """Return a short name of each file; BadInputError where one is given twice."""
     seen: set[Path] = set()
     for path in paths:
         if path.resolve() in seen:
@@ -49,7 +49,7 @@ def apart(parts: Sequence[Measurements], names: Sequence[str]) -> Measurements:
 
 
 def base(configuration: str) -> str:
-    """The configuration without its session's name."""
+    """Return the configuration without its session's name."""
     return configuration.split(AT, 1)[0]
 
 

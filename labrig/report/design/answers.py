@@ -115,12 +115,12 @@ def _sizes(model: SheetModel, wanted: Wanted) -> tuple[dict[str, Size], dict[str
 
 
 def _said(found: Parameter, factor: float) -> str:
-    """A value and its standard uncertainty in another unit."""
+    """Return a value and its standard uncertainty in another unit."""
     return with_sigma(factor * found.value, factor * found.sigma)
 
 
 def tables(found: DesignAnswers) -> list[Table]:
-    """The answers as tables, in the order of the paper's list."""
+    """Return the answers as tables, in the order of the paper's list."""
     name = found.wanted.configuration
     result = [_line_table(found, name), _control_table(found), _force_table(found, name)]
     if found.sizes or found.unanswered:

@@ -58,7 +58,7 @@ def draw_forces(model: SheetModel, found: DesignAnswers, path: Path) -> None:
 
 
 def draw_shapes(model: SheetModel, found: DesignAnswers, path: Path) -> None:
-    """The shapes at opposite EIBMs where they are farthest apart."""
+    """Draw the shapes at opposite EIBMs where they are farthest apart."""
     with figure(5.4, 3.2) as fig:
         axes = fig.subplots()
         for volt in found.shapes.voltages_V:
@@ -93,7 +93,7 @@ def draw_reach(model: SheetModel, found: DesignAnswers, path: Path) -> None:
 
 
 def draw_validity(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
-    """The error of the linear model over position and voltage."""
+    """Draw the error of the linear model over position and voltage."""
     valid = found.valid
     size = 1e3 * float(np.nanmax(np.abs(valid.error_N)))
     with figure(5.4, 3.6) as fig:

@@ -1,4 +1,4 @@
-"""How the candidates rank, how alike they look, and the form that was inferred."""
+"""The ranking of candidates, the similarity of their signatures, and the inferred form."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _visible(axes: Axes, sigmas: np.ndarray, hidden: np.ndarray) -> None:
 
 
 def form_figure(found: Diagnosis) -> Figure | None:
-    """The form as the data have it, with its 90 % band: of named effects, or of the unknown."""
+    """Draw the inferred form with its 90 % band: of named effects, or of the unknown one."""
     forms = [(one.name, one.form) for one in found.effects if one.form is not None]
     count = len(forms) + (found.unknown is not None)
     if not count:

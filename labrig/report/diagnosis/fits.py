@@ -30,7 +30,7 @@ _REACH = 1.645  # standard uncertainties to either side: 90 %
 
 
 def forces_figure(found: Diagnosis) -> Figure | None:
-    """Forces over positions, and below what is left of them, for each configuration."""
+    """Draw forces over positions, and below their residuals, for each configuration."""
     names = [n for n in configurations(found) if _held(found, n)]
     if not names:
         return None

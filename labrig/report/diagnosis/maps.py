@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = "RdBu_r"  # of signed residuals; told apart by every eye
+COLOURS = "RdBu_r"  # of signed residuals; for colour-blind readers too
 _POINTS = 120  # along the sheet
 _ROW_IN = 0.155
 _NEXT_TO_NOTHING_MM = 1e-3
 
 
 def residual_maps(found: Diagnosis) -> Figure | None:
-    """A row of two maps for each configuration that has curves: before, after; one scale each."""
+    """Draw two maps for each configuration with curves: before and after, on one scale."""
     groups = [(n, rows) for n in configurations(found) if (rows := _ordered(found, n))]
     if not groups:
         return None

@@ -1,4 +1,4 @@
-"""What `diagnose` found as tables and sentences, in the order in which a person asks."""
+"""What `diagnose` found as tables and sentences, in the order of a reader's questions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ VERDICTS = {
 MOST_RANKED = 8
 _BASE = {"B_Nm2": "bending stiffness B"}
 MOST_PLACES = 8
-_SCATTER = {  # name in a diagnosis -> what people read, factor
+_SCATTER = {  # name in a diagnosis -> text and factor
     "position": ("contact's place {} mm", 1e3),
     "eibm": ("EIBM {} %", 100.0),
     "stiffness": ("stiffness {} %", 100.0),
@@ -46,7 +46,7 @@ def gap_sentence(found: Diagnosis) -> str:
 
 
 def where_table(found: Diagnosis) -> Table:
-    """The cells in which simulation and measurement disagree most."""
+    """Return the cells in which simulation and measurement disagree most."""
     rows = tuple(_where(one) for one in found.where[:MOST_PLACES])
     note = "z: measured less simulated, in standard uncertainties with the set-ups' scatter."
     if not rows:
@@ -70,7 +70,7 @@ def _where(one: Where) -> tuple[str, ...]:
 
 
 def visibility(found: Diagnosis) -> list[str]:
-    """What the data could have shown at all: a sentence or two."""
+    """Return what the data could have shown at all: a sentence or two."""
     names = found.signatures.names
     seen = len(names) - len([n for n in names if n in found.invisible])
     said = []
@@ -123,7 +123,7 @@ def _standing(one: Ranked, found: Diagnosis) -> str:
 
 
 def verdict_sentences(found: Diagnosis) -> list[str]:
-    """The verdict, and what it means."""
+    """Return the verdict, and what it means."""
     said = [f"Verdict: {found.sentence}"]
     for one in found.effects:
         meaning = catalogue()[one.name].meaning if one.name in catalogue() else ""
@@ -146,14 +146,14 @@ def _coordinate(along: str) -> str:
 
 
 def percent(share: float) -> str:
-    """A probability, never rounded to certainty."""
+    """Return a probability, never rounded to certainty."""
     if share > 0.999:
         return "more than 99.9 %"
     return f"{100 * share:.3g} %"
 
 
 def parameter_table(found: Diagnosis) -> Table | None:
-    """The effects' parameters, and what else the model has."""
+    """Return the effects' parameters, and what else the model has."""
     rows = [row for one in found.effects for row in _effect_rows(one.name, found)]
     rows += [
         (f"{name}: {_BASE.get(key, key)}", *_cells(p), "-", "-")
@@ -162,7 +162,7 @@ def parameter_table(found: Diagnosis) -> Table | None:
     ]
     if not rows:
         return None
-    columns = ("parameter", "value", "90 %", "unit", "sure", "form of its own")
+    columns = ("parameter", "value", "90 %", "unit", "probability", "form of its own")
     note = "Form of its own: the share of the effect that is no part of the catalogue's form."
     return Table(
         title="Parameters", columns=columns, rows=tuple(rows), note=note if found.effects else ""
@@ -174,8 +174,8 @@ def _effect_rows(name: str, found: Diagnosis) -> Iterator[tuple[str, ...]]:
     own = [(f", {conf}", parts) for conf, parts in one.by_configuration.items()]
     for suffix, parts in [("", one.parameters)] * (not own) + own:
         for key, p in parts.items():
-            sure, form = percent(one.confidence), percent(one.form_share)
-            yield (f"{name}{suffix}: {key}", *_cells(p), sure, form)
+            probability, form = percent(one.confidence), percent(one.form_share)
+            yield (f"{name}{suffix}: {key}", *_cells(p), probability, form)
 
 
 def _cells(parameter: Parameter) -> tuple[str, str, str]:
@@ -185,7 +185,7 @@ def _cells(parameter: Parameter) -> tuple[str, str, str]:
 
 
 def readable(unit: str) -> tuple[float, str]:
-    """A factor and the unit in which people read an SI quantity."""
+    """Return a factor and the customary unit of an SI quantity."""
     return {
         "N m^2": (1e6, "µN·m²"), "N m": (1e6, "µN·m"), "N": (1e3, "mN"), "Pa": (1e-6, "MPa"),
         "m": (1e3, "mm"),
@@ -225,7 +225,9 @@ def _rms_gap(rows: list[ErrorRow], when: str) -> Gap:
     curves = [getattr(row, f"{when}_off_m") for row in rows]
     means = np.array([np.mean(off**2) for off in curves if len(off)])
     return Gap(
-        1e3 * _rms(force), 1e3 * float(np.sqrt(np.mean(means))) if len(means) else np.nan, 1.0
+        force_rmse_mN=1e3 * _rms(force),
+        curve_rmse_mm=1e3 * float(np.sqrt(np.mean(means))) if len(means) else np.nan,
+        chi2_per_dof=1.0,
     )
 
 
@@ -235,10 +237,10 @@ def _rms(values: FloatArray) -> float:
 
 
 def next_sentences(found: Diagnosis) -> list[str]:
-    """What to measure to be sure."""
+    """Return what to measure to be sure."""
     if found.next_measurement is None:
         return []
-    said = [next_told(found.next_measurement)]
+    said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
     if pair is not None:
         said.append(
@@ -248,15 +250,15 @@ def next_sentences(found: Diagnosis) -> list[str]:
     return said
 
 
-def next_told(one: Next) -> str:
+def next_sentence(one: Next) -> str:
     """Why to measure something next."""
-    told = f"Measure next: {one.why.rstrip('.')}."
+    text = f"Measure next: {one.why.rstrip('.')}."
     if np.isfinite(one.separation) and np.isfinite(one.expected):
-        told += (
+        text += (
             f" The candidates are {one.separation:.1f} sigma apart now, and would be"
             f" {one.expected:.1f} after {one.minutes:.0f} min at the rig."
         )
-    return told
+    return text
 
 
 def scatter_sentence(found: Diagnosis) -> str:

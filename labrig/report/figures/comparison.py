@@ -1,4 +1,4 @@
-"""Measured and simulated neutral curves of one condition (the pictures of table 5)."""
+"""Measured and simulated neutral curves of one condition (the figure of table 5)."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def _simulated(axes: Axes, models: Models, name: str, volts: float, places_m: Fl
 
 
 def _invalid(axes: Axes, measurements: Measurements, name: str) -> None:
-    """Readings that do not count, where none of their condition does: crosses."""
+    """Mark invalid readings with crosses, where all of their condition are invalid."""
     for condition in conditions_of(measurements, name):
         lost = [r.force_N for r in condition.readings if not r.valid and np.isfinite(r.force_N)]
         if lost and not condition.used() and condition.position_m is not None:

@@ -1,4 +1,4 @@
-"""A picture of the sheet with the neutral curve that was found in it."""
+"""An image of the sheet with the neutral curve that was found in it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_FOUND = "#56B4E9"  # light, to be seen on the picture
+_FOUND = "#56B4E9"  # light, to be seen on the image
 _MARGIN_PX = 30
 
 
 def mean_image(session: RecordedSession, condition: Condition) -> FloatArray | None:
-    """The mean of a condition's frames as light intensities, as the paper has it."""
+    """Return the mean of a condition's frames as light intensities, as the paper has it."""
     used = {reading.index for reading in condition.used()}
     images = [
         frame.astype(float)
@@ -74,7 +74,7 @@ def _panel(axes: Axes, image: FloatArray, pixels: FloatArray) -> None:
 
 
 def _window(values: FloatArray, size: int) -> tuple[float, float]:
-    """The part of an axis that holds the curve with a margin, at least half of the picture."""
+    """Return the part of an axis that holds the curve with a margin, at least half of it."""
     low, high = float(values.min()) - _MARGIN_PX, float(values.max()) + _MARGIN_PX
     short = max(0.0, 0.5 * size - (high - low)) / 2
     low, high = low - short, high + short
@@ -83,7 +83,7 @@ def _window(values: FloatArray, size: int) -> tuple[float, float]:
 
 
 def _magnified(axes: Axes, image: FloatArray, pixels: FloatArray, grey: Any) -> None:
-    """A few pixels around the middle of the curve, enlarged, so that one sees how it lies."""
+    """Enlarge a few pixels around the middle of the curve."""
     u, v = pixels[len(pixels) // 3]
     inset = axes.inset_axes((0.03, 0.6, 0.36, 0.36))
     inset.imshow(image, cmap="gray", vmin=grey[0], vmax=grey[1], interpolation="nearest")

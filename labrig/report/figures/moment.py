@@ -54,7 +54,7 @@ def _band(axes: Axes, along: Along, colour: str, volts: float) -> None:
 
 
 def _constant(model: SheetModel, name: str, volts: float) -> list[float]:
-    """The mean of the constant model's EIBM, where it has one."""
+    """Return the mean of the constant model's EIBM, where it has one."""
     sheet = model.sheets.get(name)
     return [] if sheet is None or volts not in sheet.eibm else [sheet.mean_eibm(volts)]
 

@@ -1,4 +1,4 @@
-"""The picture of a schedule: voltage over time and when readings are taken (figure 5)."""
+"""The figure of a schedule: voltage over time, and the times of the readings (figure 5)."""
 
 from __future__ import annotations
 

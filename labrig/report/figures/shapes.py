@@ -1,4 +1,4 @@
-"""Neutral curves: as measured (figure 7), and beside the simulated ones (table 5)."""
+"""Neutral curves: as measured (figure 7), and compared with the simulated ones (table 5)."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _draw_conditions(
 
 
 def _label_positions(axes: Axes, measurements: Measurements, name: str) -> None:
-    """The position of each bundle of curves, beyond their ends."""
+    """Label the position of each bundle of curves, beyond their ends."""
     for position in positions_m(measurements, name):
         ends = [
             1e3 * np.array([c.curve.x_m[-1], c.curve.y_m[-1]])
@@ -87,7 +87,7 @@ def _label_positions(axes: Axes, measurements: Measurements, name: str) -> None:
 
 
 def _magnify_free_part(axes: Axes, measurements: Measurements, name: str) -> None:
-    """An inset where the sheet is much shorter than its elongation."""
+    """Add an inset where the sheet is much shorter than its elongation."""
     reach = 1e3 * measurements.sheets[name].free_length_m
     inset = axes.inset_axes((0.03, 0.55, 0.44, 0.4))
     _draw_conditions(inset, measurements, name, weight=0.6)
@@ -107,7 +107,7 @@ def draw_curve(
     label: str | None = None,
     weight: float = 1.0,
 ) -> None:
-    """A curve in mm; the rigid elongation as a thinner line than the sheet."""
+    """Draw a curve in mm; the rigid elongation as a thinner line than the sheet."""
     bends = curve.s_m <= sheet.free_length_m + 1e-9
     x, y = 1e3 * curve.x_m, 1e3 * curve.y_m
     axes.plot(x[bends], y[bends], color=colour, linewidth=1.3 * weight, label=label)
@@ -117,7 +117,7 @@ def draw_curve(
 
 
 def draw_setup(axes: Axes, sheet: SheetGeometry, positions: list[float]) -> None:
-    """The clamp, the arc and the load cell's positions on it, in mm."""
+    """Draw the clamp, the arc and the load cell's positions on it, in mm."""
     from matplotlib.patches import Rectangle
 
     radius = 1e3 * sheet.arc_radius_m

@@ -25,7 +25,7 @@ _DRIVEN_V = 0.1  # more than the amplifier's offset
 
 
 def series_of(measurements: Measurements, configuration: str) -> TimeSeries | None:
-    """The first recorded run of a configuration in which the sheet was driven."""
+    """Return the first recorded run of a configuration in which the sheet was driven."""
     for series in measurements.series:
         driven = len(series.time_s) > 1 and np.nanmax(np.abs(series.drive_V)) > _DRIVEN_V
         if series.configuration == configuration and driven:
@@ -34,7 +34,7 @@ def series_of(measurements: Measurements, configuration: str) -> TimeSeries | No
 
 
 def readings_of(measurements: Measurements, series: TimeSeries) -> list[tuple[float, Reading]]:
-    """The voltage and the reading of all readings of a run, in time order."""
+    """Return the voltage and the reading of all readings of a run, in time order."""
     found = [
         (condition.voltage_V, reading)
         for condition in measurements.conditions

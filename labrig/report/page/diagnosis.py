@@ -1,4 +1,4 @@
-"""A diagnosis as one self-contained page with its figures beside it."""
+"""A diagnosis as one self-contained page, with its figures as files."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _cards(found: Diagnosis) -> list[Card]:
     cards = []
     named = [(e.name.replace("_", " "), percent(e.confidence), "") for e in found.effects]
     if named:
-        cards.append(Card("Named, and how sure", tuple(named)))
+        cards.append(Card("Named effects, posterior probability", tuple(named)))
     if found.unknown is not None:
         where = f"{found.unknown.peak_mm:.3g} {found.unknown.at_unit}"
         cards.append(

@@ -53,5 +53,5 @@ def _with_true_minus(text: str) -> str:
 
 
 def write_page(text: str, path: Path) -> None:
-    """Write the page beside its place and rename it."""
+    """Write the page under a temporary name and rename it."""
     write_text(path, text)

@@ -29,7 +29,7 @@ class Card:
 
 
 def cards(found: Findings) -> list[Card]:
-    """The session itself first, then the sheets' parameters and the model's errors."""
+    """Return the session itself first, then the sheets' parameters and the model's errors."""
     made = [_session(found)]
     if found.fit is not None:
         parts = found.fit.configurations
@@ -116,7 +116,7 @@ def _rest(found: Findings) -> list[Card]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """What is missing or out of the ordinary, a sentence each; empty when nothing is."""
+    """Return what is missing or out of the ordinary, a sentence each; empty when nothing is."""
     session, said = found.session, []
     if session.outcome is not Outcome.COMPLETED:
         reason = session.reason.rstrip(".") or "no reason was recorded"

@@ -26,9 +26,9 @@ def write_report(
 ) -> Path:
     """Write the report of a session and return the page's path.
 
-    `folder` is by default NAME-report beside the session. A session that was not analysed yet is
-    analysed first; what cannot be measured or fitted is said on the page. Raises BadInputError
-    when the session cannot be read or the folder not be written.
+    `folder` is by default NAME-report in the folder of the session. A session that was not
+    analysed yet is analysed first; the page says what cannot be measured or fitted. Raises
+    BadInputError when the session cannot be read or the folder not be written.
     """
     session = Path(session)
     folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)

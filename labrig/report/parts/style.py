@@ -43,20 +43,20 @@ _SETTINGS = {
 
 
 def colour_of(voltage_V: float) -> str:
-    """The colour of a drive voltage: by its sign."""
+    """Return the colour of a drive voltage: by its sign."""
     if voltage_V > 0:
         return POSITIVE
     return NEGATIVE if voltage_V < 0 else ZERO
 
 
 def label_of(voltage_V: float) -> str:
-    """A voltage for a legend, with its sign and a true minus."""
+    """Return a voltage for a legend, with its sign and a true minus."""
     return f"{voltage_V:+g} V".replace("-", "\N{MINUS SIGN}") if voltage_V else "0 V"
 
 
 @contextmanager
 def figure(width_in: float, height_in: float) -> Iterator[Figure]:
-    """A new figure in this style, drawn without a screen and without pyplot's global state."""
+    """Yield a new figure in this style, without a screen and without pyplot's global state."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -79,7 +79,7 @@ def legend_below(fig: Figure, handles: list[Artist]) -> None:
 
 
 def letter(axes: Axes, name: str, title: str) -> None:
-    """A panel's letter and what it shows, above its left edge."""
+    """Write a panel's letter and title above its left edge."""
     axes.set_title(f"({name}) {title}", loc="left")
 
 

@@ -14,7 +14,7 @@ _METADATA = re.compile(r"\s*<metadata>.*?</metadata>", re.DOTALL)
 
 
 def inline(svg: str, name: str, described: str) -> str:
-    """The <svg> element; neutral lines and text take the colour of the text around it."""
+    """Return the <svg> element; neutral lines and text take the colour of the text around it."""
     text = _METADATA.sub("", _HEAD.sub("", svg, count=1))
     text = _ID.sub(rf"\g<1>{name}-\g<2>", text)
     width = _WIDTH.search(text)

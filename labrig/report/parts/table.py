@@ -20,7 +20,7 @@ class Table:
 
 
 def number(value: float | None, digits: int = 3) -> str:
-    """A number to so many significant digits; a dash for what is not known."""
+    """Return a number to so many significant digits; a dash for what is not known."""
     if value is None or value != value:
         return "-"
     text = f"{value:.{digits}g}"
@@ -28,14 +28,14 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def fixed(value: float | None, decimals: int) -> str:
-    """A number with so many decimals; a dash for what is not known."""
+    """Return a number with so many decimals; a dash for what is not known."""
     if value is None or value != value:
         return "-"
     return f"{value:.{decimals}f}"
 
 
 def with_sigma(value: float, sigma: float) -> str:
-    """A number and its standard uncertainty, to two digits of the latter."""
+    """Return a number and its standard uncertainty, to two digits of the latter."""
     if not math.isfinite(value):
         return "-"
     if not math.isfinite(sigma) or sigma <= 0:
@@ -45,7 +45,7 @@ def with_sigma(value: float, sigma: float) -> str:
 
 
 def interval(low: float, high: float) -> str:
-    """An interval, to two digits of its width's tenth."""
+    """Return an interval, to two digits of its width's tenth."""
     if not (math.isfinite(low) and math.isfinite(high)) or high <= low:
         return "-"
     decimals = min(12, max(0, 1 - math.floor(math.log10((high - low) / 3.3))))
@@ -53,5 +53,5 @@ def interval(low: float, high: float) -> str:
 
 
 def volts(voltage_V: float) -> str:
-    """A voltage with its sign, in characters that every console has."""
+    """Return a voltage with its sign, in characters that every console has."""
     return f"{voltage_V:+g} V" if voltage_V else "0 V"

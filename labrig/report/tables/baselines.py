@@ -1,4 +1,4 @@
-"""Simpler models that people use, beside the full one."""
+"""Simpler models in use, compared with the full one."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def baseline_table(rows: Sequence[BaselineRow]) -> Table:
 
 
 def baselines_as_list(rows: Sequence[BaselineRow]) -> list[dict[str, Any]]:
-    """The same for `--json`."""
+    """Return the same for `--json`."""
     return [
         {
             "configuration": row.configuration,

@@ -1,4 +1,4 @@
-"""The catalogue of effects, for a person and as JSON."""
+"""The catalogue of effects, as text and as JSON."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def catalogue_table(effects: Mapping[str, Effect]) -> Table:
 
 
 def _sentence(text: str) -> str:
-    """The beginning of a text, as much as a table has room for."""
+    """Return the beginning of a text, as much as a table has room for."""
     clause = re.split(r", because|[;:.](?: |$)", text, maxsplit=1)[0]
     return textwrap.shorten(clause, 90, placeholder=" ...")
 

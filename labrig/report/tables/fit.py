@@ -25,7 +25,7 @@ _SCATTER = {
 
 
 def scatter_table(fit: Fit) -> Table:
-    """Standard deviations from one set-up to the next, as the misfit shows them."""
+    """Return the standard deviations between set-ups, as the misfit shows them."""
     rows = []
     for name, value in fit.scatter.items():
         text, scale = _SCATTER.get(name, (name.replace("_", " "), 1.0))
@@ -40,7 +40,7 @@ def scatter_table(fit: Fit) -> Table:
 
 
 def one_by_one_table(fit: Fit) -> Table:
-    """The paper's own way: (7) and (9), a value from each condition and their mean."""
+    """Return the paper's own way: (7) and (9), a value from each condition and their mean."""
     names = [name for name, one in fit.configurations.items() if one.paper is not None]
     driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
     rows = [

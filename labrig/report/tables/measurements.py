@@ -41,12 +41,12 @@ def _row(condition: Condition) -> tuple[str, ...]:
 
 
 def _again(condition: Condition) -> str:
-    """What tells apart a condition that was measured more than once."""
-    told = [f"mounting {condition.mounting}"] if condition.mounting else []
-    told += [f"run {condition.run}"] if condition.run else []
-    told += [condition.approach] if condition.approach == "down" else []
-    told += [f"rig at {np.degrees(condition.tilt_rad):.4g}°"] if condition.tilt_rad else []
-    return f" ({', '.join(told)})" if told else ""
+    """Return what tells apart a condition that was measured more than once."""
+    details = [f"mounting {condition.mounting}"] if condition.mounting else []
+    details += [f"run {condition.run}"] if condition.run else []
+    details += [condition.approach] if condition.approach == "down" else []
+    details += [f"rig at {np.degrees(condition.tilt_rad):.4g}°"] if condition.tilt_rad else []
+    return f" ({', '.join(details)})" if details else ""
 
 
 def _summary(measurements: Measurements, name: str) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ def _summary(measurements: Measurements, name: str) -> tuple[str, ...]:
 
 
 def measurements_as_dict(measurements: Measurements) -> dict[str, Any]:
-    """The same for `--json`."""
+    """Return the same for `--json`."""
     return {
         "source": measurements.source,
         "checksum": measurements.checksum,

@@ -1,4 +1,4 @@
-"""A model file beside the models that are fitted: how far it is from the measurements as it is."""
+"""The errors of a model file as it is, compared with the models that are fitted."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SAME = 1e-6
 def model_rows(
     measurements: Measurements, model: SheetModel, label: str, names: list[str]
 ) -> Iterator[BaselineRow]:
-    """A row for each configuration that the model has; BadInputError for another sheet."""
+    """Yield a row for each configuration that the model has; BadInputError for another sheet."""
     for name in names:
         if name not in model.sheets:
             continue
@@ -34,7 +34,14 @@ def model_rows(
         B = sheet.B.value
         bends = {v: sheet.mean_eibm(v) / B for v in sheet.eibm}
         curves = np.array([a.curve_m for a in answers])
-        yield BaselineRow(name, label, B, bends, _rms(off), _rms(curves))
+        yield BaselineRow(
+            configuration=name,
+            model=label,
+            B_Nm2=B,
+            bend_per_m=bends,
+            force_rmse_N=_rms(off),
+            curve_rmse_m=_rms(curves),
+        )
 
 
 def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:

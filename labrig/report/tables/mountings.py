@@ -1,4 +1,4 @@
-"""B and EIBM of each set-up beside the common ones, as a table."""
+"""B and EIBM of each set-up compared with the common ones, as a table."""
 
 from __future__ import annotations
 
@@ -17,18 +17,26 @@ Run = tuple[str, float | None, int, int]  # configuration, position, mounting, r
 def sessions_of_runs(
     whole: Measurements, parts: Sequence[Measurements], names: Sequence[str]
 ) -> dict[Run, str]:
-    """Which session each run of `whole` is from, whose conditions are those of `parts` in turn."""
+    """Which session each run of `whole` is from, whose conditions are those of `parts` in turn.
+
+    A position approached from above may have been fitted as a run of its own, the next one.
+    """
     of = [name for one, name in zip(parts, names, strict=True) for _ in one.conditions]
-    return {
-        (c.configuration, c.position_m, c.mounting, c.run): name
-        for c, name in zip(whole.conditions, of, strict=True)
+    each = list(zip(whole.conditions, of, strict=True))
+    from_above = {
+        (c.configuration, c.position_m, c.mounting, c.run + 1): name
+        for c, name in each
+        if c.approach == "down"
+    }
+    return from_above | {
+        (c.configuration, c.position_m, c.mounting, c.run): name for c, name in each
     }
 
 
 def by_run_table(
     fit: Fit, found: Sequence[MountingParameters], sessions: Mapping[Run, str]
 ) -> Table:
-    """A row for each set-up, below the common values of its configuration."""
+    """Return a row for each set-up, below the common values of its configuration."""
     driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
     columns = ["set-up", "B, µN·m²", "off, %"]
     for voltage in driven:

@@ -22,7 +22,7 @@ class Overview:
     channels: tuple[ChannelSummary, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return what JSON holds."""
         return {
             "session": dict(self.facts),
             "runs": list(self.runs),
@@ -30,7 +30,7 @@ class Overview:
         }
 
     def tables(self, *, log: bool = False) -> list[Table]:
-        """For a person."""
+        """Return the tables of the command line and the report."""
         found = [
             Table(title="Session", columns=("", ""), rows=self.facts),
             Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),

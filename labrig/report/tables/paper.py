@@ -1,4 +1,4 @@
-"""Tables 3 to 6 of the paper from a session, with the paper's own numbers beside them."""
+"""Tables 3 to 6 of the paper from a session, compared with the numbers of the paper."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _KINDS: tuple[tuple[Kind, str], ...] = (
 
 
 def table_3(measurements: Measurements, names: list[str], fit: Fit | None) -> Table:
-    """The sheet configurations."""
+    """Return the sheet configurations."""
     rows: list[tuple[str, Callable[[SheetGeometry], str], Callable[[Quoted], float] | None]] = [
         ("free length l, mm", lambda g: _mm(g.free_length_m), lambda q: q.free_length_mm),
         ("held in the clamp, mm", lambda g: _mm(g.clamped_length_m), lambda q: q.clamped_length_mm),
@@ -75,13 +75,13 @@ def _beside_paper(title: str, names: list[str], rows: list[tuple[str, ...]], not
 
 
 def _quotes(names: list[str]) -> dict[str, Quoted]:
-    """The paper's sheets, by the column they stand beside: the last one of that sheet."""
+    """Return the paper's sheets, by the column they stand beside: the last one of that sheet."""
     last = {base(name): name for name in names}
     return {name: PAPER[sheet] for sheet, name in last.items() if sheet in PAPER}
 
 
 def table_4(fit: Fit) -> Table:
-    """The parameters, each with its standard uncertainty and its 90 % interval."""
+    """Return the parameters, each with its standard uncertainty and its 90 % interval."""
     names = list(fit.configurations)
     columns = [""]
     for name in names:

@@ -1,4 +1,4 @@
-"""A schedule in rows, for people."""
+"""A schedule as rows of a table."""
 
 from __future__ import annotations
 

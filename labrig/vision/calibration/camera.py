@@ -21,16 +21,18 @@ from labrig.vision.calibration.board import CalibrationBoard
 from labrig.vision.calibration.corners import find_corners
 from labrig.vision.calibration.lens import distort, undistort
 from labrig.vision.calibration.optics import Optics, Point
+from labrig.vision.thresholds import (
+    CALIBRATION_RESIDUAL_MAX_PX,
+    CALIBRATION_RESIDUAL_WARNED_PX,
+    CLAMP_DIRECTION_MIN_PX,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
-MOST_RESIDUAL_PX = 1.0
-TOLD_RESIDUAL_PX = 0.3
 CORNER_SIGMA_PX = 0.05
-LEAST_ALONG_PX = 20.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Calibration:
     """An optics.json to be, and what the operator should know of it."""
 
@@ -69,10 +71,11 @@ def calibrate_camera(
     _inside(clamp_px, "clamp_px", size)
     if along_px is not None:
         _inside(along_px, "along_px", size)
-        if math.dist(along_px, clamp_px) < LEAST_ALONG_PX:
+        if math.dist(along_px, clamp_px) < CLAMP_DIRECTION_MIN_PX:
             raise BadInputError(
                 f"along_px is {math.dist(along_px, clamp_px):.1f} pixels from clamp_px; choose a "
-                f"place on the clamped sheet's line at least {LEAST_ALONG_PX:g} pixels away."
+                "place on the clamped sheet's line at least "
+                f"{CLAMP_DIRECTION_MIN_PX:g} pixels away."
             )
     found = [find_corners(image, board, f"image {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
@@ -82,7 +85,14 @@ def calibrate_camera(
         (camera, lens), lens_sigma = _lens_from_views(found, camera, size), np.array([0.03, 0.3])
     fit = _fit_plane(*found[0], camera, lens, lens_sigma)
     return _as_calibration(
-        fit, camera, size, clamp_px, along_px, board_scale_sigma, date, len(images)
+        fit,
+        camera,
+        size,
+        clamp_px,
+        along_px=along_px,
+        board_scale_sigma=board_scale_sigma,
+        date=date,
+        views=len(images),
     )
 
 
@@ -116,7 +126,9 @@ def calibrate_ruler(
         method="ruler",
     )
     note = "a ruler gives the scale only: distortion and tilt of the camera stay in the curves"
-    return Calibration(optics, 0.0, 0.0, 0.0, (note,))
+    return Calibration(
+        optics=optics, residual_px=0.0, residual_um=0.0, largest_um=0.0, warnings=(note,)
+    )
 
 
 def _inside(place: Point, name: str, size: tuple[int, int]) -> None:
@@ -244,10 +256,11 @@ def _as_calibration(
     here = plane_jacobian(homography, np.zeros(2))
     scale = math.sqrt(abs(float(np.linalg.det(here))))
     residual_px = float(np.sqrt((fit.residuals**2).sum(axis=1).mean()))
-    if residual_px > MOST_RESIDUAL_PX:
+    if residual_px > CALIBRATION_RESIDUAL_MAX_PX:
         raise BadInputError(
-            f"the board fits with {residual_px:.2f} pixels RMS, more than {MOST_RESIDUAL_PX:g}; "
-            "check that columns, rows and square size are those of this board and that it is flat."
+            f"the board fits with {residual_px:.2f} pixels RMS, more than "
+            f"{CALIBRATION_RESIDUAL_MAX_PX:g}; check that columns, rows and square size are "
+            "those of this board and that it is flat."
         )
     per_um = 1000 / scale
     optics = Optics(
@@ -268,7 +281,13 @@ def _as_calibration(
     )
     largest = float(np.hypot(*fit.residuals.T).max())
     warnings = _warnings(residual_px, homography, scale, size)
-    return Calibration(optics, residual_px, residual_px * per_um, largest * per_um, warnings)
+    return Calibration(
+        optics=optics,
+        residual_px=residual_px,
+        residual_um=residual_px * per_um,
+        largest_um=largest * per_um,
+        warnings=warnings,
+    )
 
 
 def _rows(matrix: FloatArray) -> Any:
@@ -279,7 +298,7 @@ def _warnings(
     residual_px: float, homography: FloatArray, scale: float, size: tuple[int, int]
 ) -> tuple[str, ...]:
     out = []
-    if residual_px > TOLD_RESIDUAL_PX:
+    if residual_px > CALIBRATION_RESIDUAL_WARNED_PX:
         out.append(f"the board fits with {residual_px:.2f} pixels RMS; 0.1 is usual")
     change = math.hypot(homography[2, 0], homography[2, 1]) * size[0] / scale
     if change > 0.05:

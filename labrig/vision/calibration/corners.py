@@ -1,4 +1,4 @@
-"""The corners of a calibration board in a image, to a few hundredths of a pixel."""
+"""The corners of a calibration board in an image, to a few hundredths of a pixel."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import numpy.typing as npt
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.board import CalibrationBoard
+from labrig.vision.thresholds import BOARD_CORNERS_MIN
 
 FloatArray = npt.NDArray[np.float64]
-
-LEAST_CORNERS = 12
 
 
 def find_corners(
@@ -21,12 +20,12 @@ def find_corners(
     """Corners in the board's mm (n, 2) and in the image's pixels (n, 2)."""
     grey = _eight_bit(image, name)
     found = _charuco(grey, board) if board.marker_mm > 0 else _checkerboard(grey, board)
-    if found is None or len(found[0]) < LEAST_CORNERS:
+    if found is None or len(found[0]) < BOARD_CORNERS_MIN:
         count = 0 if found is None else len(found[0])
         whole = "" if board.marker_mm > 0 else ", and that the whole checkerboard is in the image"
         raise BadInputError(
             f"{name}: only {count} corners of the {board.columns} x {board.rows} board were found, "
-            f"{LEAST_CORNERS} are needed; check light, focus and the board's numbers{whole}."
+            f"{BOARD_CORNERS_MIN} are needed; check light, focus and the board's numbers{whole}."
         )
     return found
 

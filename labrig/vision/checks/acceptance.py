@@ -14,25 +14,33 @@ from labrig.vision.checks.sheet_end import SheetEnd, missing_end_px, missing_sta
 from labrig.vision.curve import smallness
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit, seen_start, spread
-from labrig.vision.search.ridge_tracing import MOST_CURVATURE_PER_M
+from labrig.vision.thresholds import (
+    CLAMP_KINK_SIGMA_RAD,
+    COVERED_SHARE_MIN,
+    COVERED_SHARE_WARNED,
+    CURVATURE_MAX_PER_M,
+    CURVATURE_REFUSED_RATIO,
+    END_IN_PLACE_CHI2,
+    END_IN_PLACE_MAX_PX,
+    END_OFFSET_WARNED_PX,
+    FULLY_SEEN_SHARE,
+    GAP_CHI2_MAX,
+    HIDDEN_SIGMA_MAX_PX,
+    IN_VIEW_SHARE_MIN,
+    LENGTH_ERROR_MAX_PX,
+    LENGTH_ERROR_MAX_RATIO,
+    RESIDUAL_MAX_PX,
+    SATURATED_SHARE_WARNED,
+    SNR_MIN,
+    START_CHI2_MAX,
+    START_COVERED_SHARE_MIN,
+    UNSEEN_END_MAX_PX,
+)
 
 BoolArray = npt.NDArray[np.bool_]
 
-LEAST_IN_VIEW = 0.3  # of the curve; its band says how well the rest is known
-LEAST_COVERED = 0.6  # of what is in view
-LEAST_START_COVERED = 0.4
-MOST_LOOSE_PX = 2.0  # a curve that is known less well anywhere is none
-WHOLLY_SEEN = 0.9  # of the cells used: then all of the curve is known well
-LEAST_SNR = 2.0
-MOST_START_CHI2 = 4.0**2  # between the clamp and the start as the sheet alone has it
-MOST_JOIN_CHI2 = 4.5**2  # of place, direction and curvature where the sheet comes into sight again
-IN_PLACE_PX = 1.5  # another thing ends that near to the sheet's end once in fifty times
-END_IN_PLACE = 8.0  # twice the logarithm of that
-KINK_RAD = 0.04  # that a sheet may have where it leaves the jaws
-MOST_RESIDUAL_PX = 0.35  # for a thin sheet; in proportion for one of more than 3 pixels
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Verdict:
     """`why` is empty when the curve passes."""
 
@@ -108,15 +116,15 @@ def _faults(
     start = max(20, len(fit.used) // 8)
     steepest = float(np.abs(shape.k).max()) * optics.px_per_m
     start_px, start_rad, start_chi2 = _start_beside(fit, context)
-    allowed = max(6.0, 0.03 * shape.basis.total_px)
+    allowed = max(LENGTH_ERROR_MAX_PX, LENGTH_ERROR_MAX_RATIO * shape.basis.total_px)
     sheet_end = sheet_end if followed else _further(sheet_end, fit, context, allowed)
     tip_px = sheet_end.beyond_px if sheet_end.beyond_px is not None else -missing_end_px(fit)
     in_view = float(fit.in_view[2:-2].mean())
     seen = _share(fit.used, fit.in_view, slice(2, -2))
-    whole = fit.used.mean() > WHOLLY_SEEN
+    whole = fit.used.mean() > FULLY_SEEN_SHARE
     loose = 0.0 if whole else float(spread(shape.normal_modes(), fit.cautious_covariance).max())
     late = missing_start_px(fit, context)
-    most_residual = MOST_RESIDUAL_PX * max(1.0, 2 * float(fit.section.half_width[0]) / 3)
+    most_residual = RESIDUAL_MAX_PX * max(1.0, 2 * float(fit.section.half_width[0]) / 3)
     return [
         f"the sheet leaves the image: its end, {length_mm:.1f} mm along the best path, is "
         "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's "
@@ -125,37 +133,37 @@ def _faults(
         else "",
         f"rolls or wires hide all but {in_view:.0%} of the best path; take away what hides the "
         "sheet."
-        if in_view < LEAST_IN_VIEW
+        if in_view < IN_VIEW_SHARE_MIN
         else "",
         f"no sheet was found that starts at the clamp: only {seen:.0%} of the best path looks "
         "like one; check the image, clamp_px and the sheet's length."
-        if seen < LEAST_COVERED
+        if seen < COVERED_SHARE_MIN
         else "",
         "no sheet was found at the clamp: the first "
         f"{start} pixels of the best path do not look like one; check clamp_px."
-        if _share(fit.used, fit.in_view, slice(2, start)) < LEAST_START_COVERED
+        if _share(fit.used, fit.in_view, slice(2, start)) < START_COVERED_SHARE_MIN
         and not _shows(fit, context, start)
         else "",
         f"there is plain background on the first {late:.0f} pixels of the best path; the "
         "sheet does not begin at the clamp, or something else was followed; check clamp_px."
         if late > 0
         else "",
-        f"the contrast is too low: {snr:.1f} times the noise, at least {LEAST_SNR:g} is needed."
-        if snr < LEAST_SNR
+        f"the contrast is too low: {snr:.1f} times the noise, at least {SNR_MIN:g} is needed."
+        if snr < SNR_MIN
         else "",
         f"where the sheet is hidden or unclear it is known to ±{loose:.1f} pixels only; make more "
         "of it visible."
-        if loose > MOST_LOOSE_PX
+        if loose > HIDDEN_SIGMA_MAX_PX
         else "",
         f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
         if residual > most_residual
         else "",
         f"what was followed leads {start_px:.1f} pixels and {start_rad:.2f} rad beside the clamp; "
         "check clamp_px and clamp_angle_rad."
-        if start_chi2 > MOST_START_CHI2
+        if start_chi2 > START_CHI2_MAX
         else "",
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
-        if steepest > 1.5 * MOST_CURVATURE_PER_M * smallness(length_mm / 1000)
+        if steepest > CURVATURE_REFUSED_RATIO * CURVATURE_MAX_PER_M * smallness(length_mm / 1000)
         else "",
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
         if beside and not followed and is_an_edge(fit, context)
@@ -167,14 +175,14 @@ def _faults(
         f"the sheet ends {'at least ' if sheet_end.at_least else ''}"
         f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "
         f"stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
-        if abs(tip_px) > (5.0 if sheet_end.at_least else allowed)
+        if abs(tip_px) > (UNSEEN_END_MAX_PX if sheet_end.at_least else allowed)
         else "",
     ]
 
 
 def _broken(join: GapJoin, sheet_end: SheetEnd) -> str:
-    in_place = sheet_end.beyond_px is not None and abs(sheet_end.beyond_px) < IN_PLACE_PX
-    if join.chi2 <= MOST_JOIN_CHI2 + (END_IN_PLACE if in_place else 0.0):
+    in_place = sheet_end.beyond_px is not None and abs(sheet_end.beyond_px) < END_IN_PLACE_MAX_PX
+    if join.chi2 <= GAP_CHI2_MAX + (END_IN_PLACE_CHI2 if in_place else 0.0):
         return ""
     return (
         f"what is seen beyond a hidden stretch is {abs(join.offset_px):.1f} pixels and "
@@ -186,7 +194,7 @@ def _broken(join: GapJoin, sheet_end: SheetEnd) -> str:
 def _start_beside(fit: CurveFit, context: FitContext) -> tuple[float, float, float]:
     """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
     beside, covariance = seen_start(fit, context)
-    clamp = np.diag(context.prior**2 + np.array([0.0, KINK_RAD**2]))
+    clamp = np.diag(context.prior**2 + np.array([0.0, CLAMP_KINK_SIGMA_RAD**2]))
     chi2 = beside @ np.linalg.solve(covariance + clamp, beside)
     return float(beside[0]), float(beside[1]), float(chi2)
 
@@ -215,17 +223,17 @@ def _shows(fit: CurveFit, context: FitContext, start: int) -> bool:
 
 def _warnings(context: FitContext, sheet_end: SheetEnd, covered: float, join: GapJoin) -> list[str]:
     out = []
-    if covered < 0.85:
+    if covered < COVERED_SHARE_WARNED:
         out.append(f"the sheet is hidden or unclear on {1 - covered:.0%} of its length")
     if join.doubtful:
         out.append(
             f"what is seen beyond a hidden stretch is {abs(join.offset_px):.1f} pixels beside "
             "where the sheet before it leads; the credible band holds both"
         )
-    if context.sign > 0 and context.image.clipped > 0.005:
+    if context.sign > 0 and context.image.clipped > SATURATED_SHARE_WARNED:
         out.append("parts of the image are saturated")
     beyond_px = sheet_end.beyond_px
-    if beyond_px is not None and abs(beyond_px) > 4:
+    if beyond_px is not None and abs(beyond_px) > END_OFFSET_WARNED_PX:
         out.append(
             f"the sheet's end is seen {beyond_px / context.optics.px_per_mm:+.2f} mm from "
             "where length and scale put it"

@@ -14,18 +14,20 @@ import numpy.typing as npt
 from labrig.vision.fit.context import CrossSection, FitContext, look
 from labrig.vision.fit.curve_fit import CurveFit, ridge_points
 from labrig.vision.image.image import SMOOTHING_PX
+from labrig.vision.thresholds import (
+    BLUR_SUSPICIOUS_PX,
+    EXCESS_WIDTH_CORRUPTED_PX,
+    EXCESS_WIDTH_GAIN_MIN,
+    EXCESS_WIDTH_LOCAL_MAX_PX,
+    UNHIDDEN_SHARE_MIN,
+    WIDTH_TOLERANCE_PX,
+)
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 SMOOTH_NODES = 12
-TOLERANCE_PX = 1.0  # noise and blur make a measured width uncertain by about this
-SUSPICIOUS_BLUR_PX = 1.5
-EXTRA_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
-LEAST_GAIN = 50.0
-MOST_LOCAL_EXCESS_PX = 2.0
-CORRUPTED_WIDTH_PX = 1.0
-ALL_PRESENT = 0.97  # share of the pixels beside the curve: nothing is hidden there
+EXTRA_WIDTHS_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 
 
 def excess_width_px(fit: CurveFit, context: FitContext) -> FloatArray:
@@ -37,24 +39,26 @@ def excess_width_px(fit: CurveFit, context: FitContext) -> FloatArray:
     blur = float(np.hypot(blur, SMOOTHING_PX))
     usual = _visible_widths(fit.section, blur)
     usual = np.append(usual, usual[-1])
-    clear = fit.used & (fit.present > ALL_PRESENT)
+    clear = fit.used & (fit.present > UNHIDDEN_SHARE_MIN)
     good = np.isfinite(width) & (np.abs(offset) < width) & np.append(clear, clear[-1])
     excess = np.where(good, width - usual, 0.0)
     padded = np.pad(excess, SMOOTH_NODES, mode="edge")
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * SMOOTH_NODES + 1)
-    return np.asarray(np.maximum(np.median(windows, axis=1) - TOLERANCE_PX, wider))
+    return np.asarray(np.maximum(np.median(windows, axis=1) - WIDTH_TOLERANCE_PX, wider))
 
 
 def something_lies_along(excess_px: FloatArray, fit: CurveFit) -> bool:
     """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
     thickness = 2 * float(fit.section.half_width[0])
-    much = max(MOST_LOCAL_EXCESS_PX, thickness)
+    much = max(EXCESS_WIDTH_LOCAL_MAX_PX, thickness)
     return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
 
 
 def corrupted_cells(excess_px: FloatArray) -> BoolArray:
     """(cells,) where something lies along the sheet, with what it may have pulled beside."""
-    wide = (excess_px[1:] > CORRUPTED_WIDTH_PX) | (excess_px[:-1] > CORRUPTED_WIDTH_PX)
+    wide = (excess_px[1:] > EXCESS_WIDTH_CORRUPTED_PX) | (
+        excess_px[:-1] > EXCESS_WIDTH_CORRUPTED_PX
+    )
     return np.convolve(wide, np.ones(2 * SMOOTH_NODES + 1), mode="same") > 0.5
 
 
@@ -64,10 +68,14 @@ def _sharper_section(fit: CurveFit, context: FitContext) -> tuple[float, float]:
     A wide band with sharp edges and a thin one with much blur differ in their flanks only.
     """
     section = fit.section
-    if section.blur < SUSPICIOUS_BLUR_PX:
+    if section.blur < BLUR_SUSPICIOUS_PX:
         return section.blur, 0.0
-    best, blur, wider = _residual_squares(fit, context, section) - LEAST_GAIN, section.blur, 0.0
-    for extra in EXTRA_PX:
+    best, blur, wider = (
+        _residual_squares(fit, context, section) - EXCESS_WIDTH_GAIN_MIN,
+        section.blur,
+        0.0,
+    )
+    for extra in EXTRA_WIDTHS_PX:
         half = np.where(section.elongation, section.half_width, section.half_width + extra / 2)
         thin, wide = 2 * section.half_width[0], 2 * section.half_width[0] + extra
         spread = section.blur**2 + (thin**2 - wide**2) / 12  # of the same second moment

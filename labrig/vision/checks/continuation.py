@@ -15,13 +15,14 @@ import numpy.typing as npt
 from labrig.vision.checks.end_profile import profile_beyond
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import (
+    BACKGROUND_RUN_PX,
+    CONTINUATION_RANGE_RATIO,
+    CONTINUATION_SEEN_SHARE_MIN,
+    CONTRAST_DEVIATION_MAX_RATIO,
+)
 
 FloatArray = npt.NDArray[np.float64]
-
-FARTHEST = 0.25  # of the stated length
-LIKE = 0.4  # how far from its usual contrast, as a share of it, the sheet may be
-BACKGROUND_RUN_PX = 8  # so much of it in a row is the sheet's end
-LEAST_SHARE = 0.7  # of what is seen, up to the farthest sheet: what goes on must go on
 
 
 def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
@@ -45,16 +46,16 @@ def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
             context.image.grey,
             context.image.smooth,
             context.mask,
-            float(ends[-1, 0]),
-            float(ends[-1, 1]),
-            math.atan2(dv, du),
+            u=float(ends[-1, 0]),
+            v=float(ends[-1, 1]),
+            angle=math.atan2(dv, du),
             # pixels run down, the world up: curvature changes its sign
-            -0.5 * float(shape.k[-8]),
-            round(FARTHEST * shape.basis.total_px),
-            peak,
-            half,
-            section.blur,
-            bias_px,
+            bend=-0.5 * float(shape.k[-8]),
+            steps=round(CONTINUATION_RANGE_RATIO * shape.basis.total_px),
+            contrast=peak,
+            half=half,
+            blur=section.blur,
+            bias_px=bias_px,
         )
         return _sheet_seen(seen[:, 0] / peak, (seen[:, 1] - ground) / contrast)
 
@@ -65,8 +66,10 @@ def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
 def _sheet_seen(ratio: FloatArray, flank: FloatArray) -> float:
     """The last place that looks like the sheet before a run of background."""
     ratio, flank = _steady(ratio), _steady(flank)
-    sheet = np.abs(ratio - 1) < LIKE
-    plain = (np.abs(ratio) < LIKE) & (np.abs(flank) < LIKE)
+    sheet = np.abs(ratio - 1) < CONTRAST_DEVIATION_MAX_RATIO
+    plain = (np.abs(ratio) < CONTRAST_DEVIATION_MAX_RATIO) & (
+        np.abs(flank) < CONTRAST_DEVIATION_MAX_RATIO
+    )
     run = 0
     for at, empty in enumerate(plain):
         run = run + 1 if empty else 0
@@ -77,7 +80,7 @@ def _sheet_seen(ratio: FloatArray, flank: FloatArray) -> float:
     if not len(places):
         return 0.0
     known = (sheet | plain)[: places[-1] + 1]
-    enough = sheet[: places[-1] + 1].sum() > LEAST_SHARE * max(1, known.sum())
+    enough = sheet[: places[-1] + 1].sum() > CONTINUATION_SEEN_SHARE_MIN * max(1, known.sum())
     return float(places[-1] + 1) if enough else 0.0
 
 

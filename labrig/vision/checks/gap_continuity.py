@@ -16,18 +16,20 @@ from labrig.vision.curve.shape import CurveShape
 from labrig.vision.curve.smoothness import averaged, covariance
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit, around, information
+from labrig.vision.thresholds import (
+    GAP_CELLS_BEFORE_MIN,
+    GAP_CHI2_WARNED,
+    GAP_LENGTH_MIN_PX,
+    HOLE_CONTRAST_MAX_RATIO,
+    HOLE_MIN_SIGMAS,
+)
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-DOUBTFUL_CHI2 = 3.0**2  # other ways are tried then, and the credible band holds both
-LEAST_HIDDEN_PX = 8.0  # in less no other line can take over
-LEAST_BEFORE = 20  # cells that say how the sheet goes on
 LOCAL_CELLS = 3  # to each side: a hole is shorter than what contrast is measured in
-LEAST_THERE = 0.35  # of the sheet's contrast; where less is seen there is a hole
-SURELY_LESS = 4.5  # standard deviations
 # what hides the sheet may pull its place (pixels), direction and curvature (per pixel) beside it
-LINE_SIGMA = np.array([0.2, 0.015, 5e-4])
+GAP_EDGE_SIGMAS = np.array([0.2, 0.015, 5e-4])
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +38,7 @@ class GapJoin:
 
     offset_px: float = 0.0
     turn_rad: float = 0.0
-    chi2: float = 0.0  # of both and of curvature, by how well they can be foretold
+    chi2: float = 0.0  # of both and of curvature, by how well they can be predicted
     deviation_px: FloatArray | None = (
         None  # (nodes,) from the curve to where it would go without it
     )
@@ -44,15 +46,15 @@ class GapJoin:
     @property
     def doubtful(self) -> bool:
         """Whether something else may have been followed there."""
-        return self.chi2 > DOUBTFUL_CHI2
+        return self.chi2 > GAP_CHI2_WARNED
 
 
 def worst_join(fit: CurveFit, context: FitContext) -> GapJoin:
     """The least likely of a curve's joins."""
     shape, step = fit.shape, fit.shape.basis.step_px
     seen = np.flatnonzero(fit.used & ~holes(fit, context))
-    gaps = np.flatnonzero(np.diff(seen) * step > LEAST_HIDDEN_PX)
-    gaps = gaps[gaps + 1 >= LEAST_BEFORE]
+    gaps = np.flatnonzero(np.diff(seen) * step > GAP_LENGTH_MIN_PX)
+    gaps = gaps[gaps + 1 >= GAP_CELLS_BEFORE_MIN]
     if not len(gaps):
         return GapJoin()
     modes = shape.normal_modes()
@@ -69,8 +71,8 @@ def holes(fit: CurveFit, context: FitContext) -> BoolArray:
     for part in (fit.section.elongation, ~fit.section.elongation):
         if (fit.used & part).any():
             usual = float(np.median(np.abs(fit.contrast[fit.used & part])))
-            sure = usual - there > SURELY_LESS * fit.noise / np.sqrt(size)
-            hole |= part & sure & (there < LEAST_THERE * usual)
+            significant = usual - there > HOLE_MIN_SIGMAS * fit.noise / np.sqrt(size)
+            hole |= part & significant & (there < HOLE_CONTRAST_MAX_RATIO * usual)
     # what is left of the sheet in the windows makes holes look shorter
     return around(hole, 1) > 0.5
 
@@ -86,12 +88,18 @@ def _join(fit: CurveFit, context: FitContext, modes: FloatArray, until: int, aga
     rows[0] = modes[again]
     rows[1, 1], rows[1, 2:] = 1.0, basis.angle[again]
     rows[2, 2:] = basis.curvature[again]
-    foretold = averaged(normal, pull, basis.priors, basis.log_weight)
-    unsure = covariance(normal, pull, basis.priors, basis.log_weight) + fit.covariance
-    change = shape.parameters - foretold
+    predicted = averaged(normal, pull, basis.priors, basis.log_weight)
+    prediction_covariance = (
+        covariance(normal, pull, basis.priors, basis.log_weight) + fit.covariance
+    )
+    change = shape.parameters - predicted
     off = rows @ change
     pushed = _pushed(shape, until, again)
-    known = rows @ unsure @ rows.T + np.outer(pushed, pushed) + np.diag(LINE_SIGMA**2)
+    known = (
+        rows @ prediction_covariance @ rows.T
+        + np.outer(pushed, pushed)
+        + np.diag(GAP_EDGE_SIGMAS**2)
+    )
     aside = np.where(np.arange(len(modes)) < until, 0.0, modes @ change)
     return GapJoin(float(off[0]), float(off[1]), float(off @ np.linalg.solve(known, off)), aside)
 

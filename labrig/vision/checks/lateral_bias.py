@@ -12,14 +12,12 @@ import numpy.typing as npt
 from labrig.vision.fit.context import FitContext, pixels_beside
 from labrig.vision.fit.cross_section import templates
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import BIAS_GAIN_MIN, BIAS_RESIDUAL_MIN_RATIO, BIAS_USED_SHARE_MIN
 
 FloatArray = npt.NDArray[np.float64]
 
 PIECE_CELLS = 48
-LEAST_USED = 0.5  # of a piece
-ASIDE_PX = (1.5, 2.5, 3.5, 4.5, 6.0)  # from the sheet to a second image of it
-MORE_THAN_NOISE = 0.95  # residuals, of which Tukey's weights leave 0.9: else nothing is to be found
-LEAST_GAIN = 16.0  # twice the log-likelihood that a second image explains
+SECOND_IMAGE_OFFSETS_PX = (1.5, 2.5, 3.5, 4.5, 6.0)  # from the sheet to a second image of it
 
 
 def lateral_bias_px(fit: CurveFit, context: FitContext) -> FloatArray:
@@ -30,7 +28,7 @@ def lateral_bias_px(fit: CurveFit, context: FitContext) -> FloatArray:
     counts = np.add.reduceat(np.where(used, fit.cells[:, 6], 0.0), starts)
     level = np.sqrt(squares / np.maximum(counts, 1.0))
     share = np.add.reduceat(used.astype(float), starts) / PIECE_CELLS
-    asked = (level > MORE_THAN_NOISE * context.image.noise) & (share > LEAST_USED)
+    asked = (level > BIAS_RESIDUAL_MIN_RATIO * context.image.noise) & (share > BIAS_USED_SHARE_MIN)
     if not asked.any():
         return np.zeros(len(used) + 1)
     pixels = pixels_beside(fit.shape, context, fit.section.reach)
@@ -52,7 +50,10 @@ def _bias_px(
     y, d = value[part], distance[part]
     plain, slope, sharpness = _bands(fit, cells, d, first)
     own = np.stack([np.ones_like(d), d, plain, sharpness, slope], axis=1)[kept]
-    beside = [_bands(fit, cells, d - at, first)[0] for at in (*ASIDE_PX, *(-a for a in ASIDE_PX))]
+    beside = [
+        _bands(fit, cells, d - at, first)[0]
+        for at in (*SECOND_IMAGE_OFFSETS_PX, *(-a for a in SECOND_IMAGE_OFFSETS_PX))
+    ]
     second = np.stack(beside, axis=1)[kept]
     q, r = np.linalg.qr(own)
     led = np.linalg.solve(r, q.T @ np.column_stack([second, y[kept]]))
@@ -66,7 +67,7 @@ def _bias_px(
     # it is light that adds to the sheet's, and less than the sheet
     gain[(much * contrast <= 0) | (np.abs(much) > abs(contrast))] = 0.0
     best = int(np.argmax(gain))
-    if gain[best] < LEAST_GAIN:
+    if gain[best] < BIAS_GAIN_MIN:
         return 0.0
     return float(abs(much[best] * led[4, best] / contrast))
 

@@ -7,13 +7,13 @@ import numpy.typing as npt
 
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import EDGE_STEP_MAX_RATIO, OPPOSITE_CONTRAST_MAX_RATIO
 
 FloatArray = npt.NDArray[np.float64]
 
-PIECES = 6
-STRONGER = 1.3
-STEP = 0.8  # of the contrast, from one side to the other
-FAR_PX = (4.0, 9.0)  # from the band's blurred edge: what a narrow thing beside it does not reach
+PROFILE_PIECES = 6
+# from the sheet's blurred edge: what a narrow thing beside it does not reach
+EDGE_DISTANCES_PX = (4.0, 9.0)
 
 
 def straightened(fit: CurveFit, context: FitContext, across: FloatArray) -> FloatArray:
@@ -51,7 +51,7 @@ def runs_beside_opposite(fit: CurveFit, context: FitContext) -> bool:
     across = np.arange(-reach, reach + 1, dtype=float)
     strip = straightened(fit, context, across)
     profiles = []
-    for piece in np.array_split(np.arange(len(strip)), PIECES):
+    for piece in np.array_split(np.arange(len(strip)), PROFILE_PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
         if len(rows) < 2:
             continue
@@ -61,8 +61,8 @@ def runs_beside_opposite(fit: CurveFit, context: FitContext) -> bool:
     # other things of the sheet's own sign, such as rolls, may fill nearly half the profile
     ground = np.percentile(profiles, 60 if context.sign < 0 else 40, axis=1)
     opposite = (-context.sign * (np.array(profiles) - ground[:, None])).max(axis=1)
-    votes = np.count_nonzero(opposite > STRONGER * fit.usual_contrast)
-    return bool(votes >= PIECES // 2)
+    votes = np.count_nonzero(opposite > OPPOSITE_CONTRAST_MAX_RATIO * fit.usual_contrast)
+    return bool(votes >= PROFILE_PIECES // 2)
 
 
 def is_an_edge(fit: CurveFit, context: FitContext) -> bool:
@@ -76,12 +76,12 @@ def is_an_edge(fit: CurveFit, context: FitContext) -> bool:
         float(np.abs(fit.section.side_face).max()) if fit.section.side_face_share > 0 else 0.0
     )
     near = float(fit.section.half_width.max()) + 2.5 * fit.section.blur + side_face
-    across = near + np.linspace(*FAR_PX, 4)
+    across = near + np.linspace(*EDGE_DISTANCES_PX, 4)
     strip = straightened(fit, context, np.concatenate([-across, across]))
     votes = 0
-    for piece in np.array_split(np.arange(len(strip)), PIECES):
+    for piece in np.array_split(np.arange(len(strip)), PROFILE_PIECES):
         rows = strip[piece][np.isfinite(strip[piece]).all(axis=1)]
         if len(rows) >= 2:
             below, above = (float(np.median(side)) for side in np.array_split(rows, 2, axis=1))
-            votes += int(abs(above - below) > STEP * fit.usual_contrast)
-    return votes > PIECES // 2
+            votes += int(abs(above - below) > EDGE_STEP_MAX_RATIO * fit.usual_contrast)
+    return votes > PROFILE_PIECES // 2

@@ -12,15 +12,17 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import (
+    GROUND_CHANGE_MIN_RATIO,
+    OCCLUSION_GAP_MIN_CELLS,
+    SEE_THROUGH_MIN_RATIO,
+    SHADE_DIFFERENCE_MIN_RATIO,
+)
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-LEAST_GAP = 3  # cells that are not used, between two stretches
-ENDS = 12  # cells of a stretch that say what it looks like beside a gap
-OTHER_GROUND = 0.5  # of the sheet's contrast: so much another ground differs
-SHINES_THROUGH = 0.3  # of that difference
-LIKE_SHADE = 0.25
+STRETCH_END_CELLS = 12  # cells of a stretch that say what it looks like beside a gap
 
 
 def see_through_cells(fit: CurveFit) -> BoolArray:
@@ -31,7 +33,7 @@ def see_through_cells(fit: CurveFit) -> BoolArray:
         return see_through
     steps = [_step(fit, before, after) for before, after in pairwise(stretches)]
     for stretch, (into, out) in zip(stretches[1:-1], pairwise(steps), strict=True):
-        if _shines(*into) and _shines(*out) and into[0] * out[0] < 0:
+        if _is_seen_through(*into) and _is_seen_through(*out) and into[0] * out[0] < 0:
             see_through[stretch] = True
     return see_through
 
@@ -41,7 +43,7 @@ def _stretches(used: BoolArray) -> list[slice]:
     at = np.flatnonzero(used)
     if not len(at):
         return []
-    breaks = np.flatnonzero(np.diff(at) > LEAST_GAP)
+    breaks = np.flatnonzero(np.diff(at) > OCCLUSION_GAP_MIN_CELLS)
     firsts, lasts = np.append(at[0], at[breaks + 1]), np.append(at[breaks], at[-1])
     return [slice(int(first), int(last) + 1) for first, last in zip(firsts, lasts, strict=True)]
 
@@ -49,8 +51,8 @@ def _stretches(used: BoolArray) -> list[slice]:
 def _step(fit: CurveFit, before: slice, after: slice) -> tuple[float, float, float]:
     """How ground and sheet change over a gap, in units of the contrast; the latter under shade."""
     contrast = fit.usual_contrast
-    one = _greys(fit, slice(max(before.start, before.stop - ENDS), before.stop))
-    other = _greys(fit, slice(after.start, min(after.stop, after.start + ENDS)))
+    one = _greys(fit, slice(max(before.start, before.stop - STRETCH_END_CELLS), before.stop))
+    other = _greys(fit, slice(after.start, min(after.stop, after.start + STRETCH_END_CELLS)))
     ground, sheet = (other - one) / contrast
     return float(ground), float(sheet), float(ground * one[1] / max(one[0], 1.0))
 
@@ -62,7 +64,7 @@ def _greys(fit: CurveFit, part: slice) -> FloatArray:
     return np.array([np.median(ground), np.median(ground + contrast)])
 
 
-def _shines(ground: float, sheet: float, shaded: float) -> bool:
+def _is_seen_through(ground: float, sheet: float, shaded: float) -> bool:
     """Whether a ground shows through; a shadow's edge, which darkens both, does not."""
-    through = abs(ground) > OTHER_GROUND and sheet / ground > SHINES_THROUGH
-    return through and abs(sheet - shaded) > LIKE_SHADE * abs(ground)
+    through = abs(ground) > GROUND_CHANGE_MIN_RATIO and sheet / ground > SEE_THROUGH_MIN_RATIO
+    return through and abs(sheet - shaded) > SHADE_DIFFERENCE_MIN_RATIO * abs(ground)

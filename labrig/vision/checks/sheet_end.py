@@ -10,11 +10,9 @@ import numpy.typing as npt
 
 from labrig.vision.fit.context import FitContext, pixels_beside
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import START_MISSING_MIN_SIGMAS
 
 FloatArray = npt.NDArray[np.float64]
-
-
-LEAST_MISSING = 6.0  # of the sheet's start, in units of how well that is known
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,10 @@ def missing_start_px(fit: CurveFit, context: FitContext) -> float:
     # the clamp's blurred edge, and what a neighbour that is seen may reach, say nothing
     missing = np.arange(edge, there[0] - 2)
     missing = missing[fit.in_view[missing]]
-    if len(missing) * fit.shape.basis.step_px < LEAST_MISSING * context.optics.clamp_sigma_px:
+    if (
+        len(missing) * fit.shape.basis.step_px
+        < START_MISSING_MIN_SIGMAS * context.optics.clamp_sigma_px
+    ):
         return 0.0
     value, distance, first = pixels_beside(fit.shape, context, fit.section.reach)
     part = np.concatenate([np.arange(first[i], first[i + 1]) for i in missing])

@@ -18,38 +18,42 @@ import numpy.typing as npt
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.fit.context import CrossSection, FitContext, Pixels, measured, pixels_beside
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.thresholds import (
+    CAMERA_TILT_CHI2_MAX,
+    FOCUS_BLUR_MAX_PX,
+    FREE_PART_USED_SHARE_MIN,
+    LIT_EDGE_FACE_MAX_RATIO,
+    LOCAL_STRUCTURE_GAIN_MIN,
+    SIDE_FACE_BIAS_MIN_PX,
+    SIDE_FACE_COMMON_GAIN_RATIO,
+    SIDE_FACE_COMMON_PIECES_SHARE,
+    SIDE_FACE_GAIN_MIN,
+    SIDE_FACE_GUESS_GAIN_MIN,
+    THICKNESS_EXCESS_MAX_RATIO,
+)
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 # to begin with: the sheet's width over the far edge's distance, and the face's grey over the
 # edge's; a faint guess gains something with any face, a strong one only near the truth
-GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
-LIKELY_SHOWN = 0.2  # the odds of each guess before the image is looked at
-LEAST_DOUBT_PX = 0.02
-LEAST_DEPTH, MOST_DEPTH = 1e-4, 0.12
-LEAST_SHARE, MOST_SHARE = 0.02, 1.0
-MOST_LIT_SHARE = 0.75  # where the edge is said to be lit
-MOST_FACE_PX = 24.0
-CENTRE_SIGMA = 0.06  # of the image's width: how square the camera looks at the plane
-MOST_ODD = 4.0**2  # no camera looks that much askew
-LIKELY_GAIN = 8.0  # twice a log-likelihood: what a rough guess must explain to be refined
-LEAST_GAIN = 15.0  # and the likeliest face
-STRONG_GAIN = 60.0  # what lies beside the sheet in one place, such as a wire, explains this
-COMMON = 0.75  # so many of the pieces, those that gain least, must gain something together
-COMMON_SHARE = 0.02
-UNSURE = 2.0  # widths and greys of one pull are hard to tell apart
+SIDE_FACE_GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
+GUESS_PRIOR_PROBABILITY = 0.2  # the odds of each guess before the image is looked at
+DEPTH_RATIO_MIN, DEPTH_RATIO_MAX = 1e-4, 0.12
+FACE_RATIO_MIN, FACE_RATIO_MAX = 0.02, 1.0
+SIDE_FACE_WIDTH_MAX_PX = 24.0
+CENTRE_SIGMA_RATIO = 0.06  # of the image's width: how square the camera looks at the plane
+BIAS_SIGMA_FACTOR = 2.0  # widths and greys of one pull are hard to tell apart
 PIECE_CELLS = 24
-LEAST_FREE_USED = 0.3
-EVALUATIONS = 130
-MOST_SHIFT_PX = 6.0  # from the middle of edge and face to the edge's own
-NEAR_PX = 0.25  # so far a displacement, or another blur, has the effect that its derivative says
-LEAST_BLUR_PX = 0.5
-THICKER = 0.15  # than stated a sheet may be
-IN_FOCUS_PX = 1.2  # a blur above this may be a disc's, and look thicker by what is above
+EVALUATIONS_MAX = 130
+SHIFT_MAX_PX = 6.0  # from the middle of edge and face to the edge's own
+LINEAR_RANGE_PX = (
+    0.25  # so far a displacement, or another blur, has the effect that its derivative says
+)
+BLUR_MIN_PX = 0.5
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SideFace:
     """How the side face shows; lengths in pixels of the sheet's plane."""
 
@@ -64,7 +68,9 @@ class SideFace:
         x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
         phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
         towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
-        return np.asarray(np.clip(self.depth * towards, -MOST_FACE_PX, MOST_FACE_PX))
+        return np.asarray(
+            np.clip(self.depth * towards, -SIDE_FACE_WIDTH_MAX_PX, SIDE_FACE_WIDTH_MAX_PX)
+        )
 
     def on(self, section: CrossSection, shape: CurveShape) -> CrossSection:
         """A band with this face."""
@@ -79,16 +85,16 @@ class SideFaceSearch:
     """
 
     def __init__(self, fit: CurveFit, context: FitContext) -> None:
-        self.context, self.noise, self.used = context, fit.noise, _looked_at(fit)
+        self.context, self.noise, self.used = context, fit.noise, _cells_to_explain(fit)
         rows, columns = context.image.grey.shape
         optics = context.optics
         away = optics.vanishing_px((columns, rows))
         self.centre = optics.undistorted_to_world([away])[0] * optics.px_per_m
-        self.spread = CENTRE_SIGMA * columns
+        self.spread = CENTRE_SIGMA_RATIO * columns
         self.silhouette = optics.look == "silhouette"
-        self.most_share = MOST_LIT_SHARE if optics.look == "lit_edge" else MOST_SHARE
+        self.most_share = LIT_EDGE_FACE_MAX_RATIO if optics.look == "lit_edge" else FACE_RATIO_MAX
         self.plain = replace(fit.section, side_face=np.zeros(len(fit.used)), side_face_share=0.0)
-        self.seen = _PixelsBeside(fit, context, self.plain.reach + MOST_SHIFT_PX, on_edge=False)
+        self.seen = _PixelsBeside(fit, context, self.plain.reach + SHIFT_MAX_PX, on_edge=False)
         self.nothing = self._residual_squares(self.seen, self.plain, tuned=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
         self.possible_bias_px = 0.0  # how far a face that is not seen may pull the curve
@@ -96,12 +102,12 @@ class SideFaceSearch:
 
     def first(self) -> SideFace | None:
         """The likeliest face beside the curve without one; None where that explains as much."""
-        shown = [*GUESSES, *self._beside_thin_elongation()]
+        shown = [*SIDE_FACE_GUESSES, *self._beside_thin_elongation()]
         guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
         gains = [float(self._gains(self.seen, side_face).sum()) for side_face in guesses]
         self.guessed = (guesses, gains)
         best = int(np.argmax(gains))
-        if gains[best] < LIKELY_GAIN:
+        if gains[best] < SIDE_FACE_GUESS_GAIN_MIN:
             self.possible_bias_px = self._possible_bias_px(guesses, gains)
             return None
         self._fit_without_face()
@@ -119,17 +125,23 @@ class SideFaceSearch:
         """
         gains = self._gains(seen, side_face)
         total = float(gains.sum()) - self._prior_cost(side_face)
-        common = float(np.sort(gains)[: round(COMMON * len(gains))].sum())
-        widespread = seen.on_edge or common > COMMON_SHARE * total
-        least = 0.0 if seen.on_edge else LEAST_GAIN  # on the edge it has been believed before
-        if self._prior_cost(side_face) < MOST_ODD and total > least and widespread:
+        common = float(np.sort(gains)[: round(SIDE_FACE_COMMON_PIECES_SHARE * len(gains))].sum())
+        widespread = seen.on_edge or common > SIDE_FACE_COMMON_GAIN_RATIO * total
+        least = (
+            0.0 if seen.on_edge else SIDE_FACE_GAIN_MIN
+        )  # on the edge it has been believed before
+        if self._prior_cost(side_face) < CAMERA_TILT_CHI2_MAX and total > least and widespread:
             pull = seen.lateral_bias_px(side_face.on(self.plain, seen.shape))[self.used]
-            unsure = UNSURE / float(np.sqrt(max(total, LEAST_GAIN)))
-            self.possible_bias_px = float(np.sqrt(np.mean(pull**2))) * unsure
+            relative_sigma = BIAS_SIGMA_FACTOR / float(np.sqrt(max(total, SIDE_FACE_GAIN_MIN)))
+            self.possible_bias_px = float(np.sqrt(np.mean(pull**2))) * relative_sigma
             return side_face
         if not seen.on_edge and not self._may_be_local(gains):
-            common = COMMON * total
-        gain = LEAST_GAIN if seen.on_edge else min(total, common / COMMON)
+            common = SIDE_FACE_COMMON_PIECES_SHARE * total
+        gain = (
+            SIDE_FACE_GAIN_MIN
+            if seen.on_edge
+            else min(total, common / SIDE_FACE_COMMON_PIECES_SHARE)
+        )
         faces, gained = self.guessed
         self.possible_bias_px = self._possible_bias_px([side_face, *faces], [gain, *gained])
         return None
@@ -141,19 +153,19 @@ class SideFaceSearch:
         indifferent.
         """
         beyond = self.plain.elongation[::PIECE_CELLS]
-        indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -LEAST_GAIN
-        return float(gains.sum()) > STRONG_GAIN and not indifferent
+        indifferent = bool(beyond.any()) and float(gains[beyond].sum()) > -SIDE_FACE_GAIN_MIN
+        return float(gains.sum()) > LOCAL_STRUCTURE_GAIN_MIN and not indifferent
 
     def _possible_bias_px(self, faces: Sequence[SideFace], gains: Sequence[float]) -> float:
         """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
-        odds = LIKELY_SHOWN * np.exp(0.5 * np.minimum(gains, 2 * LEAST_GAIN))
+        odds = GUESS_PRIOR_PROBABILITY * np.exp(0.5 * np.minimum(gains, 2 * SIDE_FACE_GAIN_MIN))
         pulls = [
             self.seen.lateral_bias_px(side_face.on(self.plain, self.seen.shape))
             for side_face in faces
         ]
         square = [float(np.mean(np.square(pull[self.used]))) for pull in pulls]
         doubt = float(np.sqrt(odds @ square / (1 + odds.sum())))
-        return doubt if doubt > LEAST_DOUBT_PX else 0.0
+        return doubt if doubt > SIDE_FACE_BIAS_MIN_PX else 0.0
 
     def _beside_thin_elongation(self) -> list[tuple[float, float]]:
         """The faces that would be there were an elongation no thicker than the sheet, or half so.
@@ -164,9 +176,9 @@ class SideFaceSearch:
         excess = 2 * float(section.half_width[-1] - section.half_width[0])
         if not section.elongation.any() or excess <= 0:
             return []
-        unit = self._guess(LEAST_DEPTH, 1.0).widths(self.seen.shape)[section.elongation]
-        depth = LEAST_DEPTH * excess / max(float(np.median(np.abs(unit))), 1e-6)
-        if depth > MOST_DEPTH:
+        unit = self._guess(DEPTH_RATIO_MIN, 1.0).widths(self.seen.shape)[section.elongation]
+        depth = DEPTH_RATIO_MIN * excess / max(float(np.median(np.abs(unit))), 1e-6)
+        if depth > DEPTH_RATIO_MAX:
             return []
         return [(depth, 0.9), (depth, 1.0), (0.5 * depth, 1.0)]
 
@@ -176,7 +188,7 @@ class SideFaceSearch:
     def _guess(self, depth: float, share: float) -> SideFace:
         """A face, with the blur and the elongation's width that are left beside it."""
         section, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
-        side_face = SideFace(depth, share, centre, 1.0, 1.0)
+        side_face = SideFace(depth=depth, share=share, centre=centre, blur=1.0, elongation_half=1.0)
         wide = np.abs(side_face.widths(self.seen.shape))
         thick = 2 * float(section.half_width[-1])
         if not section.elongation.any():
@@ -189,7 +201,7 @@ class SideFaceSearch:
             half = max((thick - share * float(np.median(wide))) / 2, 0.5)
             own = (2 * half) ** 3 / 12 / (2 * half + share * wide)
             more = float(np.mean(own + _spread(2 * half, wide, share))) - thick**2 / 12
-        blur = float(np.sqrt(max(section.blur**2 - more, LEAST_BLUR_PX**2)))
+        blur = float(np.sqrt(max(section.blur**2 - more, BLUR_MIN_PX**2)))
         return replace(side_face, blur=blur, elongation_half=half)
 
     def _refined(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace:
@@ -209,12 +221,12 @@ class SideFaceSearch:
         used = slice(0, 6 if self.plain.elongation.any() else 5)
 
         def unlikely(p: FloatArray) -> float:
-            outside = max(0.0, p[1] - self.most_share) + max(0.0, LEAST_SHARE - p[1])
+            outside = max(0.0, p[1] - self.most_share) + max(0.0, FACE_RATIO_MIN - p[1])
             side_face = self._face(p)
             left = float(self._residual_squares(seen, side_face.on(self.plain, seen.shape)).sum())
             return left + self._prior_cost(side_face) + 100.0 * float(outside)
 
-        return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS))
+        return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS_MAX))
 
     def _prior_cost(self, side_face: SideFace) -> float:
         off = (np.array(side_face.centre) - self.centre) / self.spread
@@ -228,14 +240,16 @@ class SideFaceSearch:
         plain = self.plain
 
         def section(p: FloatArray) -> CrossSection:
-            low, high = [LEAST_BLUR_PX, 0.5, 0.5], [6.0, 40.0, 40.0]
+            low, high = [BLUR_MIN_PX, 0.5, 0.5], [6.0, 40.0, 40.0]
             blur, half, beyond = np.clip([np.exp(p[0]), p[1], p[2]], low, high)
             half = min(half, thickest)
             wide = replace(plain, half_width=np.full(len(self.used), half))
             return wide.with_look(float(blur), float(beyond))
 
         thin, beyond = float(plain.half_width[0]), float(plain.half_width[-1])
-        thickest = (1 + THICKER) * thin + max(0.0, plain.blur - IN_FOCUS_PX)
+        thickest = (1 + THICKNESS_EXCESS_MAX_RATIO) * thin + max(
+            0.0, plain.blur - FOCUS_BLUR_MAX_PX
+        )
         start = np.array([np.log(plain.blur), thin, beyond])
         used = slice(0, 3 if plain.elongation.any() else 2)
         steps = np.array([-0.3, 0.5, 0.3])
@@ -245,16 +259,22 @@ class SideFaceSearch:
 
         best = section(_lowest(unlikely, start, steps, used, 60))
         before, self.nothing = self.nothing, self._residual_squares(self.seen, best, tuned=True)
-        if float((before - self.nothing).sum()) > LEAST_GAIN:
+        if float((before - self.nothing).sum()) > SIDE_FACE_GAIN_MIN:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
         self.plain = plain.with_look(best.blur, float(best.half_width[-1]))
 
     def _face(self, p: FloatArray) -> SideFace:
         x, y = self.centre + self.spread * p[2:4]
-        blur = float(np.clip(np.exp(p[4]), LEAST_BLUR_PX, 6.0))
-        share = 1.0 if self.silhouette else float(np.clip(p[1], LEAST_SHARE, self.most_share))
-        depth = float(np.clip(np.exp(p[0]), LEAST_DEPTH, MOST_DEPTH))
-        return SideFace(depth, share, (float(x), float(y)), blur, max(float(p[5]), 0.5))
+        blur = float(np.clip(np.exp(p[4]), BLUR_MIN_PX, 6.0))
+        share = 1.0 if self.silhouette else float(np.clip(p[1], FACE_RATIO_MIN, self.most_share))
+        depth = float(np.clip(np.exp(p[0]), DEPTH_RATIO_MIN, DEPTH_RATIO_MAX))
+        return SideFace(
+            depth=depth,
+            share=share,
+            centre=(float(x), float(y)),
+            blur=blur,
+            elongation_half=max(float(p[5]), 0.5),
+        )
 
     def _gains(self, seen: _PixelsBeside, side_face: SideFace) -> FloatArray:
         """(pieces,) what a face explains, twice the log-likelihood."""
@@ -311,23 +331,25 @@ class _PixelsBeside:
             / 2
             / (thick + grey)
         )
-        return np.asarray(np.clip(middle, -MOST_SHIFT_PX, MOST_SHIFT_PX))
+        return np.asarray(np.clip(middle, -SHIFT_MAX_PX, SHIFT_MAX_PX))
 
 
-def _looked_at(fit: CurveFit) -> BoolArray:
+def _cells_to_explain(fit: CurveFit) -> BoolArray:
     """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
     section = fit.section
     free = ~section.elongation & fit.in_view
     if section.corrupted is not None:
         free &= ~section.corrupted
     free[: round(2.5 * section.blur) + 1] = False  # the clamp's blurred edge
-    hardly_used = free.any() and fit.used[free].mean() < LEAST_FREE_USED
+    hardly_used = free.any() and fit.used[free].mean() < FREE_PART_USED_SHARE_MIN
     return fit.used | free if section.elongation.any() and hardly_used else fit.used
 
 
 def _step(pull: Any, information: Any) -> FloatArray:
     """The best small step along a derivative."""
-    return np.asarray(np.clip(pull / np.maximum(information, 1e-9), -NEAR_PX, NEAR_PX))
+    return np.asarray(
+        np.clip(pull / np.maximum(information, 1e-9), -LINEAR_RANGE_PX, LINEAR_RANGE_PX)
+    )
 
 
 def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:

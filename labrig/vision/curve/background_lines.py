@@ -8,15 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision.thresholds import (
+    CROSSING_LENGTH_MAX_REACHES,
+    LINE_DIRECTION_MAX_RAD,
+    LINE_END_SIGMA_PX,
+    LINE_MATCH_MAX_PX,
+)
+
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 MaskArray = npt.NDArray[np.uint8]
 
-SAME_PX = 4.0
-END_PX = 16.0  # how well a line's end is found
-STRAIGHT_RAD = 0.35  # about a curve's direction at its end, which is found less well
-BACK = 12  # nodes that show a curve's direction
-MOST_CROSSING = 8.0  # reaches: at an angle of 25 degrees and more
+DIRECTION_NODES = 12  # nodes that show a curve's direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +35,10 @@ class BackgroundLine:
 
         A crossing is a gap in the curve; what runs with it pulls it aside.
         """
-        return self._length_px(self._gaps(curve) < self.half_px + reach) > MOST_CROSSING * reach
+        return (
+            self._length_px(self._gaps(curve) < self.half_px + reach)
+            > CROSSING_LENGTH_MAX_REACHES * reach
+        )
 
     def length_beside_px(self, curve: FloatArray, reach: float) -> float:
         """Of what is seen of it further than `reach` from a curve (n, 2)."""
@@ -47,7 +53,7 @@ class BackgroundLine:
         gap = np.hypot(*(self.path - clamp).T)
         at = int(gap.argmin())
         behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
-        return bool(gap[at] < SAME_PX + self.half_px and min(behind) < least_px)
+        return bool(gap[at] < LINE_MATCH_MAX_PX + self.half_px and min(behind) < least_px)
 
     def is_all_of(self, curve: FloatArray, reach: float) -> bool:
         """Whether a whole curve (n, 2) lies on it, and both end together: as a straight sheet does.
@@ -57,24 +63,29 @@ class BackgroundLine:
         ends = self.path[[0, -1]] - curve[-1]
         gap = curve[::4, None] - self.path[None]
         beside = np.hypot(gap[..., 0], gap[..., 1]).min(axis=1)
-        return bool(np.hypot(ends[:, 0], ends[:, 1]).min() < END_PX and beside.max() < reach)
+        return bool(
+            np.hypot(ends[:, 0], ends[:, 1]).min() < LINE_END_SIGMA_PX and beside.max() < reach
+        )
 
     def ends_with(self, curve: FloatArray) -> bool:
         """Whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
 
         That is what the last part of the sheet looks like where it is straight.
         """
-        ahead = curve[-1] - curve[-1 - BACK]
+        ahead = curve[-1] - curve[-1 - DIRECTION_NODES]
         ahead /= np.hypot(*ahead)
         away = self.path[self.seen] - curve[-1]
         along, beside = away @ ahead, np.abs(away @ [-ahead[1], ahead[0]])
-        straight_on = beside < SAME_PX + self.half_px + STRAIGHT_RAD * np.maximum(along, 0.0)
-        reaches = np.hypot(away[:, 0], away[:, 1]).min() < END_PX
-        return bool(reaches and along[straight_on].max(initial=0.0) < END_PX)
+        straight_on = (
+            beside
+            < LINE_MATCH_MAX_PX + self.half_px + LINE_DIRECTION_MAX_RAD * np.maximum(along, 0.0)
+        )
+        reaches = np.hypot(away[:, 0], away[:, 1]).min() < LINE_END_SIGMA_PX
+        return bool(reaches and along[straight_on].max(initial=0.0) < LINE_END_SIGMA_PX)
 
     def shows_at(self, place: FloatArray) -> bool:
         """Whether it is seen at a place (2,)."""
-        return bool(np.hypot(*(self.path - place).T).min() < SAME_PX + self.half_px)
+        return bool(np.hypot(*(self.path - place).T).min() < LINE_MATCH_MAX_PX + self.half_px)
 
     def _gaps(self, curve: FloatArray) -> FloatArray:
         gap = self.path[:, None] - curve[None]

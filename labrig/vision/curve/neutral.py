@@ -16,7 +16,7 @@ from model.measurements import Curve
 FloatArray = npt.NDArray[np.float64]
 
 
-USUAL_M = (0.04, 0.06)  # length of a strip
+USUAL_LENGTHS_M = (0.04, 0.06)  # length of a strip
 
 
 def smallness(length_m: float) -> float:
@@ -24,7 +24,7 @@ def smallness(length_m: float) -> float:
 
     From near it looks alike, and so does a larger one from afar.
     """
-    return float(np.clip(length_m, *USUAL_M)) / length_m
+    return float(np.clip(length_m, *USUAL_LENGTHS_M)) / length_m
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def _nothing() -> FloatArray:
     return np.empty(0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NeutralCurve:
     """The neutral curve found in one image; arrays run from the clamp to the visible end.
 

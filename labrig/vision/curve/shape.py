@@ -22,7 +22,7 @@ from labrig.vision.jit import jit
 FloatArray = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ShapeBasis:
     """The spline and its antiderivative on a fixed grid of `cells` equal steps."""
 
@@ -43,7 +43,7 @@ class ShapeBasis:
         return 2 + int(self.curvature.shape[1])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CurveShape:
     """A curve on a basis' grid."""
 

@@ -17,23 +17,24 @@ from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
 
-TURNS_RAD = 10.0 ** np.arange(-2.0, 2.0, 0.5)  # that a prior lets a whole sheet make
-USUAL_RAD = 2 * math.pi  # turn of a sheet with a curvature of usual size
-WANDERING = slice(0, len(TURNS_RAD))  # of the priors: those that forgive a jump
-LEAST_ODDS = 1e-4  # an answer less likely than this is left out
+PRIOR_TURNS_RAD = 10.0 ** np.arange(-2.0, 2.0, 0.5)  # that a prior lets a whole sheet make
+USUAL_TURN_RAD = 2 * math.pi  # turn of a sheet with a curvature of usual size
+JUMP_PRIORS = slice(0, len(PRIOR_TURNS_RAD))  # of the priors: those that forgive a jump
+PRIOR_PROBABILITY_MIN = 1e-4  # an answer less likely than this is left out
 
 
-def smooth_priors(wander: FloatArray, sway: FloatArray, length: float) -> FloatArray:
+def smooth_priors(first_form: FloatArray, second_form: FloatArray, length: float) -> FloatArray:
     """(16, n, n) information of each prior on the curvature's n coefficients.
 
-    `wander`, `sway` (n, n): int (dk/ds)^2 ds and int (d2k/ds2)^2 ds as quadratic forms, of a sheet
-    of this length. Weakly its curvature itself is of usual size, so that priors can be compared.
+    `first_form`, `second_form` (n, n): int (dk/ds)^2 ds and int (d2k/ds2)^2 ds as quadratic
+    forms, of a sheet of this length. Weakly its curvature itself is of usual size, so that priors
+    can be compared.
     """
-    usual = (length / USUAL_RAD) ** 2 * np.eye(len(wander))
-    wandering = [wander * length**3 / turn**2 for turn in TURNS_RAD]
+    usual = (length / USUAL_TURN_RAD) ** 2 * np.eye(len(first_form))
+    first_order = [first_form * length**3 / turn**2 for turn in PRIOR_TURNS_RAD]
     # a slope that so wanders leads about as far as a curvature that does
-    swaying = [sway * length**5 / 12 / turn**2 for turn in TURNS_RAD]
-    return np.asarray([usual + each for each in wandering + swaying])
+    second_order = [second_form * length**5 / 12 / turn**2 for turn in PRIOR_TURNS_RAD]
+    return np.asarray([usual + each for each in first_order + second_order])
 
 
 def log_weights(priors: FloatArray) -> FloatArray:
@@ -58,7 +59,7 @@ def covariance(
 ) -> FloatArray:
     """The parameters' covariance about that mean: each answer's own, and how much they differ."""
     answers, odds, factors = _answers(normal, pull, priors, log_weight)
-    likely = odds > LEAST_ODDS
+    likely = odds > PRIOR_PROBABILITY_MIN
     off = answers[likely] - odds @ answers
     root = np.linalg.inv(factors[likely])
     own = np.einsum("i,ikp,ikq->pq", odds[likely], root, root)

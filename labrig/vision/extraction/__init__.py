@@ -1,0 +1,1 @@
+"""From one image to the neutral curve: search, fit, check and report it."""

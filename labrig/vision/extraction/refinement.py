@@ -26,15 +26,15 @@ from labrig.vision.fit.curve_fit import (
 from labrig.vision.fit.edges import middle_of_edges
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import Trace, shape_through
+from labrig.vision.thresholds import COVERED_SHARE_GOOD
 
-WELL_COVERED = 0.95
 LONGEST_STEP_M = 0.45e-3  # between the points of a usual strip's curve, or a larger one's
-FACE_ROUNDS = 3
+SIDE_FACE_ROUNDS = 3
 EDGE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the image
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CurveCandidate:
     """A fitted curve and what the self-check says of it."""
 
@@ -106,10 +106,13 @@ class Refiner:
         shape = fit_points(shape, context, half_width=half)
         beyond = self.beyond()
         section = CrossSection(
-            np.where(beyond, half, self.thickness_px / 2), 1.0, beyond, np.zeros(len(beyond))
+            half_width=np.where(beyond, half, self.thickness_px / 2),
+            blur=1.0,
+            elongation=beyond,
+            side_face=np.zeros(len(beyond)),
         )
         best = self.judged(fit_intensities(shape, context, section), context)
-        if best.verdict.covered < WELL_COVERED:
+        if best.verdict.covered < COVERED_SHARE_GOOD:
             # parts were lost: look for them further from the curve, now that most of it is known
             again = fit_points(best.fit.shape, context, half_width=half, reaches=(9, 7, 5, 4))
             other = self.judged(fit_intensities(again, context, best.fit.section), context)
@@ -148,7 +151,7 @@ class Refiner:
             return plain
         search = SideFaceSearch(plain.fit, plain.context)
         found, side_face = plain, search.first()
-        for turn in range(FACE_ROUNDS):  # the curve moves when the face is taken off
+        for turn in range(SIDE_FACE_ROUNDS):  # the curve moves when the face is taken off
             if side_face is None:
                 # where the face led the curve, a band alone explains as much
                 wider_px = float(np.hypot(search.wider_px, 2 * search.possible_bias_px))
@@ -157,14 +160,19 @@ class Refiner:
             found = self.judged(
                 fit_intensities(found.fit.shape, found.context, section), found.context
             )
-            if turn < FACE_ROUNDS - 1:
+            if turn < SIDE_FACE_ROUNDS - 1:
                 side_face = search.again(found.fit, side_face)
         return replace(found, wider_px=2 * search.possible_bias_px)
 
     def judged(self, fit: CurveFit, context: FitContext) -> CurveCandidate:
         """A fit with its end and what the self-check says of it."""
         sheet_end = find_sheet_end(fit, context)
-        return CurveCandidate(fit, context, sheet_end, check_curve(fit, context, sheet_end))
+        return CurveCandidate(
+            fit=fit,
+            context=context,
+            sheet_end=sheet_end,
+            verdict=check_curve(fit, context, sheet_end),
+        )
 
     def _anchored(self, found: CurveCandidate) -> CurveCandidate:
         """Move the start along the clamped sheet to where its end says that it is.

@@ -20,7 +20,7 @@ WINDOW_CELLS = 8  # contrast and background are taken from this many cells to ea
 ROLL_MARGIN_PX = 2.5  # a roll's blurred rim
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FitContext:
     """What stays the same during a fit."""
 
@@ -37,7 +37,7 @@ class FitContext:
         return self.optics.world_to_pixel(plane / self.optics.px_per_m)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CrossSection:
     """How the sheet looks across: its width in each cell and the blur of its edges, pixels."""
 
@@ -95,15 +95,15 @@ def pixels_beside(shape: CurveShape, context: FitContext, reach: float) -> Pixel
     return collect(
         context.image.grey,
         plane_map(context.optics, context.image.grey.shape),
-        nodes[:, 0],
-        nodes[:, 1],
-        shape.x,
-        shape.y,
-        shape.phi,
-        shape.k,
-        reach,
-        0.9,
-        context.mask,
+        node_u=nodes[:, 0],
+        node_v=nodes[:, 1],
+        x=shape.x,
+        y=shape.y,
+        phi=shape.phi,
+        k=shape.k,
+        reach=reach,
+        pixel_size=0.9,
+        mask=context.mask,
     )
 
 
@@ -113,13 +113,13 @@ def measured(pixels: Pixels, section: CrossSection, noise: float, used: BoolArra
 
     return measure(
         *pixels,
-        section.half_width,
-        section.blur,
-        WINDOW_CELLS,
-        noise,
-        2,
-        used.astype(float),
-        section.elongation.astype(float),
-        section.side_face,
-        section.side_face_share,
+        half_width=section.half_width,
+        blur=section.blur,
+        window=WINDOW_CELLS,
+        noise=noise,
+        rounds=2,
+        used=used.astype(float),
+        widen=section.elongation.astype(float),
+        side_face=section.side_face,
+        side_face_share=section.side_face_share,
     )

@@ -17,8 +17,15 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.curve.shape import CurveShape
-from labrig.vision.curve.smoothness import WANDERING, averaged, covariance
+from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
 from labrig.vision.fit.context import WINDOW_CELLS, CrossSection, FitContext, look
+from labrig.vision.thresholds import (
+    CELL_CONTRAST_MIN_SIGMAS,
+    CELL_CONTRAST_RATIOS,
+    NEIGHBOURS_USED_SHARE_MIN,
+    PRESENT_SHARE_MIN,
+    UNHIDDEN_SHARE_MIN,
+)
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -26,11 +33,9 @@ BoolArray = npt.NDArray[np.bool_]
 # q in 1/m^3: curvature that wanders by 100 per m over 20 mm
 SPECTRAL_PER_M3 = 5e5
 POINT_NOISE_PX = 0.15
-SETTLED_PX = 0.008
-SETTLED_LOOK_PX = 0.03
-LEAST_PRESENT = 0.6  # of the pixels beside the curve
-WHOLLY_PRESENT = 0.97
-COMPANY_CELLS, LEAST_COMPANY = 12, 0.55
+CONVERGED_STEP_PX = 0.008
+CONVERGED_SECTION_PX = 0.03
+NEIGHBOUR_CELLS = 12
 
 
 def spectral_of(optics: Optics, strip: StripGeometry) -> float:
@@ -38,7 +43,7 @@ def spectral_of(optics: Optics, strip: StripGeometry) -> float:
     return SPECTRAL_PER_M3 * (smallness(strip.length_m) / optics.px_per_m) ** 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class CurveFit:
     """A fitted curve, with what each cell said about it."""
 
@@ -66,7 +71,7 @@ class CurveFit:
     @property
     def in_view(self) -> BoolArray:
         """(cells,): where nothing that is known to hide the sheet does."""
-        return self.present > LEAST_PRESENT
+        return self.present > PRESENT_SHARE_MIN
 
     @property
     def covariance(self) -> FloatArray:
@@ -78,7 +83,7 @@ class CurveFit:
     def cautious_covariance(self) -> FloatArray:
         """The same for a curvature that may jump where nothing is seen of it."""
         basis = self.shape.basis
-        priors, log_weight = basis.priors[WANDERING], basis.log_weight[WANDERING]
+        priors, log_weight = basis.priors[JUMP_PRIORS], basis.log_weight[JUMP_PRIORS]
         return covariance(self.normal, self.pull, priors, log_weight)
 
     @property
@@ -204,11 +209,11 @@ def fit_intensities(
     *,
     rounds: int = 8,
     contrast: float | None = None,
-    settled_px: float = SETTLED_PX,
+    converged_px: float = CONVERGED_STEP_PX,
 ) -> CurveFit:
     """Fit the image's own intensities beside the curve, and the band's look with it.
 
-    `contrast`: of the sheet, where it is known from before. `settled_px`: the last step's size.
+    `contrast`: of the sheet, where it is known from before. `converged_px`: the last step's size.
     """
     used = np.ones(len(section.half_width), dtype=bool)
     # before the first step the curve misses by more than the noise: allow a tenth of the sheet
@@ -218,7 +223,7 @@ def fit_intensities(
     for _ in range(rounds - 1):
         before = fit.section
         fit = _iteration(fit.shape, context, _retuned(fit), fit.noise, fit.used)
-        if fit.step_px < settled_px and fit.section.is_close_to(before, SETTLED_LOOK_PX):
+        if fit.step_px < converged_px and fit.section.is_close_to(before, CONVERGED_SECTION_PX):
             break
     return fit
 
@@ -312,7 +317,7 @@ def usable_cells(
     cells: FloatArray, present: FloatArray, context: FitContext, section: CrossSection, noise: float
 ) -> BoolArray:
     """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
-    there = present > LEAST_PRESENT
+    there = present > PRESENT_SHARE_MIN
     if section.corrupted is not None:
         there &= ~section.corrupted
     edge = round(2.5 * section.blur) + 1
@@ -322,8 +327,9 @@ def usable_cells(
     for part in (section.elongation, ~section.elongation):
         if (there & part).any():
             usual = float(np.median(contrast[there & part]))
-            there &= ~part | (contrast > 0.35 * usual) & (contrast < 2.5 * usual)
-    there &= contrast > 1.5 * noise
+            low, high = (ratio * usual for ratio in CELL_CONTRAST_RATIOS)
+            there &= ~part | (contrast > low) & (contrast < high)
+    there &= contrast > CELL_CONTRAST_MIN_SIGMAS * noise
     if there.sum() < 10:
         return there
     # what does not look like a band here, such as a roll's rim, would only pull the curve
@@ -338,10 +344,10 @@ def usable_cells(
 
 def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
     """Without odd ones in a gap beside what hides the sheet: they are what is left of that."""
-    beside = _grown(present < WHOLLY_PRESENT, 2)
-    company = around(good.astype(float), COMPANY_CELLS)
-    of = around(np.ones(len(good)), COMPANY_CELLS)
-    return np.asarray(good & (~beside | (company > LEAST_COMPANY * of)))
+    beside = _grown(present < UNHIDDEN_SHARE_MIN, 2)
+    company = around(good.astype(float), NEIGHBOUR_CELLS)
+    of = around(np.ones(len(good)), NEIGHBOUR_CELLS)
+    return np.asarray(good & (~beside | (company > NEIGHBOURS_USED_SHARE_MIN * of)))
 
 
 def around(values: npt.NDArray[Any], half: int) -> FloatArray:

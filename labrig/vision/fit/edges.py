@@ -15,18 +15,21 @@ import numpy.typing as npt
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit
 from labrig.vision.image.downscaling import scaled_places
+from labrig.vision.thresholds import (
+    EDGE_BLOCK_USED_SHARE_MIN,
+    EDGE_BLOCKS_SHARE_MIN,
+    EDGE_DISTANCE_RATIOS,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
 # in units of the thickness
-STEP, REACH = 0.04, 1.3
-NEAREST, FARTHEST = 0.25, 1.0  # from the curve to an edge: nearer, light ends and shade begins
-SMOOTHING = 0.08
-LEAST_APART, MOST_APART = 0.6, 1.6
-LEAST_USED = 0.5  # of a block, which is as long as the strip is thick
-LEAST_BLOCKS = 0.5  # that show both edges
-LEAST_SPREAD = 0.005
-AROUND = 4  # blocks to each side that say together where the middle is
+STEP_RATIO, REACH_RATIO = 0.04, 1.3
+# from the curve to an edge: nearer, light ends and shade begins
+NEAREST_RATIO, FARTHEST_RATIO = 0.25, 1.0
+SMOOTHING_RATIO = 0.08
+SPREAD_MIN_RATIO = 0.005
+MEAN_HALF_BLOCKS = 4  # blocks to each side that say together where the middle is
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +45,20 @@ def middle_of_edges(fit: CurveFit, context: FitContext) -> Middle | None:
     thick_px = 2 * np.append(fit.section.half_width, fit.section.half_width[-1])
     many = max(1, round(float(thick_px[0]) / fit.shape.basis.step_px))
     blocks = len(fit.used) // many
-    if blocks < 2 * AROUND:
+    if blocks < 2 * MEAN_HALF_BLOCKS:
         return None
-    used = fit.used[: blocks * many].reshape(blocks, many).mean(axis=1) > LEAST_USED
+    used = fit.used[: blocks * many].reshape(blocks, many).mean(axis=1) > EDGE_BLOCK_USED_SHARE_MIN
     strip = _straightened(fit, context, thick_px)[: blocks * many]
     low, high = _edges(strip.reshape(blocks, many, -1).mean(axis=1))
     apart = high - low
-    good = used & (apart > LEAST_APART) & (apart < MOST_APART)
-    if good.mean() < LEAST_BLOCKS:
+    least, most = EDGE_DISTANCE_RATIOS
+    good = used & (apart > least) & (apart < most)
+    if good.mean() < EDGE_BLOCKS_SHARE_MIN:
         return None
     at = (np.arange(blocks) + 0.5) * many
     beside = (0.5 * (low + high) * thick_px[at.astype(int)])[good]
     few, smooth = _smoothed(beside)
-    spread = max(1.48 * float(np.median(np.abs(beside - smooth))), LEAST_SPREAD * thick_px[0])
+    spread = max(1.48 * float(np.median(np.abs(beside - smooth))), SPREAD_MIN_RATIO * thick_px[0])
     cells = np.arange(len(fit.used)) + 0.5
     # neighbours are frayed alike: every third block says something of its own
     sigma = spread * float(np.sqrt(3 * many))
@@ -84,7 +88,7 @@ def _straightened(fit: CurveFit, context: FitContext, thick_px: FloatArray) -> F
 
 
 def _places() -> FloatArray:
-    return np.arange(-REACH, REACH + STEP / 2, STEP)
+    return np.arange(-REACH_RATIO, REACH_RATIO + STEP_RATIO / 2, STEP_RATIO)
 
 
 def _edges(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -92,17 +96,25 @@ def _edges(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     NaN where there is none.
     """
-    t = np.arange(-round(4 * SMOOTHING / STEP), round(4 * SMOOTHING / STEP) + 1) * STEP / SMOOTHING
+    t = (
+        np.arange(
+            -round(4 * SMOOTHING_RATIO / STEP_RATIO), round(4 * SMOOTHING_RATIO / STEP_RATIO) + 1
+        )
+        * STEP_RATIO
+        / SMOOTHING_RATIO
+    )
     kernel = -t * np.exp(-t * t / 2)  # the slope of a bell
     slope = np.stack([np.convolve(row, kernel, mode="same") for row in profiles])
-    return _steepest(slope, -FARTHEST, -NEAREST), _steepest(-slope, NEAREST, FARTHEST)
+    return _steepest(slope, -FARTHEST_RATIO, -NEAREST_RATIO), _steepest(
+        -slope, NEAREST_RATIO, FARTHEST_RATIO
+    )
 
 
 def _steepest(slope: FloatArray, low: float, high: float) -> FloatArray:
     """(blocks,) place of the highest peak between two places, to a part of a step."""
     places = _places()
     part = (places >= low) & (places <= high)
-    part &= np.abs(places) < REACH - 4 * SMOOTHING
+    part &= np.abs(places) < REACH_RATIO - 4 * SMOOTHING_RATIO
     inside, rows = places[part], np.arange(len(slope))
     seen = np.nan_to_num(slope[:, part], nan=-np.inf)
     peak = seen.argmax(axis=1)
@@ -111,11 +123,13 @@ def _steepest(slope: FloatArray, low: float, high: float) -> FloatArray:
     before, at, after = (seen[rows, peak + q] for q in (-1, 0, 1))
     with np.errstate(invalid="ignore", divide="ignore"):
         beside = 0.5 * (before - after) / (before - 2 * at + after)
-    return np.where(whole & (at > 0), inside[peak] + beside * STEP, np.nan)
+    return np.where(whole & (at > 0), inside[peak] + beside * STEP_RATIO, np.nan)
 
 
 def _smoothed(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Medians of few, as threads are odd ones, and means of some of these."""
     windows = np.lib.stride_tricks.sliding_window_view
     few = np.median(windows(np.pad(values, 2, mode="reflect"), 5), axis=1)
-    return few, windows(np.pad(few, AROUND, mode="reflect"), 2 * AROUND + 1).mean(axis=1)
+    return few, windows(
+        np.pad(few, MEAN_HALF_BLOCKS, mode="reflect"), 2 * MEAN_HALF_BLOCKS + 1
+    ).mean(axis=1)

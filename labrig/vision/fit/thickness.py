@@ -11,10 +11,10 @@ from labrig.vision.fit.context import FitContext, roll_mask
 from labrig.vision.fit.curve_fit import fit_points, ridge_points, spectral_of
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import ridge_maps, shape_through, trace_from_clamp
+from labrig.vision.thresholds import THICKNESS_CHANGE_MIN_PX
 
-BLURRED_PX = 2.7  # full width at half height of the thinnest sheet, by lens and smoothing
-REACH_PX = 30
-LEAST_CHANGE_PX = 1.0  # a guess that is as near as this is as good
+LINE_SPREAD_WIDTH_PX = 2.7  # full width at half height of the thinnest sheet, by lens and smoothing
+WIDTH_REACH_PX = 30
 
 
 def visible_thickness_m(image: GreyImage, optics: Optics, strip: StripGeometry) -> float:
@@ -39,12 +39,12 @@ def visible_thickness_m(image: GreyImage, optics: Optics, strip: StripGeometry) 
     )
     shape = shape_through(trace, optics, basis, context.spectral)
     shape = fit_points(shape, context, half_width=guess_px / 2)
-    _, height, width = ridge_points(shape, context, np.full(len(basis.s), REACH_PX))
+    _, height, width = ridge_points(shape, context, np.full(len(basis.s), WIDTH_REACH_PX))
     seen = np.isfinite(width) & (basis.s <= basis.free_px) & (height > 2 * image.noise)
     if not seen.any():
         return strip.thickness_m
     full_px = float(np.median(width[seen]))
-    thickness_px = float(np.sqrt(max(full_px**2 - BLURRED_PX**2, 0.0)))
-    if abs(thickness_px - guess_px) < LEAST_CHANGE_PX:
+    thickness_px = float(np.sqrt(max(full_px**2 - LINE_SPREAD_WIDTH_PX**2, 0.0)))
+    if abs(thickness_px - guess_px) < THICKNESS_CHANGE_MIN_PX:
         return strip.thickness_m
     return min(thickness_px / optics.px_per_m, 0.3 * strip.free_length_m)

@@ -16,16 +16,18 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.image.image import GreyImage, pixel_noise
+from labrig.vision.thresholds import DOWNSCALED_THICKNESS_PX, FULL_RESOLUTION_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
 
-THICK_PX = 8.0  # thinner strips are looked at as they are
-WANTED_PX = 3.5
-
 
 def downscaling_factor(thickness_px: float) -> int:
-    """How many times a image is reduced for a strip of this thickness."""
-    return round(thickness_px / WANTED_PX) if thickness_px > THICK_PX else 1
+    """How many times an image is reduced for a strip of this thickness."""
+    return (
+        round(thickness_px / DOWNSCALED_THICKNESS_PX)
+        if thickness_px > FULL_RESOLUTION_THICKNESS_MAX_PX
+        else 1
+    )
 
 
 def downscaled_image(image: GreyImage, by: int) -> GreyImage:
@@ -67,12 +69,12 @@ def downscaled_optics(optics: Optics, by: int) -> Optics:
 
 
 def scaled_places(places: FloatArray, by: float) -> FloatArray:
-    """Pixels (..., 2) in a image `by` times as large: a pixel's centre is an integer in both."""
+    """Pixels (..., 2) in an image `by` times as large: a pixel's centre is an integer in both."""
     return np.asarray((places + 0.5) * by - 0.5)
 
 
 def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
-    """A curve whose lengths in pixels are those of a image `by` times as large."""
+    """A curve whose lengths in pixels are those of an image `by` times as large."""
     return replace(
         curve,
         points_px=scaled_places(curve.points_px, by),

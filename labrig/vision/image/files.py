@@ -18,10 +18,10 @@ from labrig.config.sheet import Sheet
 from labrig.errors import BadInputError
 from labrig.vision.curve import NeutralCurve, StripGeometry
 
-PICTURES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
-VIDEOS = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
-LEAST_WIDE_PX = 800  # of an overlay; and the size of what is written on it
-LETTER_PX, LINE_PX = 10, 20
+IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
+VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
+OVERLAY_WIDTH_MIN_PX = 800  # of an overlay; and the size of what is written on it
+LETTER_WIDTH_PX, LINE_HEIGHT_PX = 10, 20
 COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm")
 
 
@@ -64,7 +64,7 @@ def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict
 
 
 def read_image(path: Path) -> npt.NDArray[Any]:
-    """A image as it is stored: 8 or 16 bit, grey or colour."""
+    """An image as it is stored: 8 or 16 bit, grey or colour."""
     import cv2
 
     try:
@@ -138,7 +138,7 @@ def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> N
     """The image, enlarged, with the curve on it: red where seen, yellow where not."""
     import cv2
 
-    zoom = max(2, round(LEAST_WIDE_PX / image.shape[1]))
+    zoom = max(2, round(OVERLAY_WIDTH_MIN_PX / image.shape[1]))
     canvas = cv2.resize(_colour(image), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_NEAREST)
     message = curve.why
     if curve.ok:
@@ -147,11 +147,22 @@ def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> N
             colour = (40, 40, 255) if seen else (0, 220, 255)
             cv2.line(canvas, tuple(map(int, first)), tuple(map(int, second)), colour, 1, 16, 4)
         message = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
-    lines = textwrap.wrap(message, canvas.shape[1] // LETTER_PX)
-    canvas[: LINE_PX * len(lines) + LINE_PX // 2] //= 3  # so that it can be read on any ground
+    lines = textwrap.wrap(message, canvas.shape[1] // LETTER_WIDTH_PX)
+    canvas[: LINE_HEIGHT_PX * len(lines) + LINE_HEIGHT_PX // 2] //= (
+        3  # so that it can be read on any ground
+    )
     for k, line in enumerate(lines, 1):
-        at = (LETTER_PX, LINE_PX * k)
-        cv2.putText(canvas, line, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, (90, 255, 90), 1, 16)
+        at = (LETTER_WIDTH_PX, LINE_HEIGHT_PX * k)
+        cv2.putText(
+            canvas,
+            line,
+            at,
+            cv2.FONT_HERSHEY_SIMPLEX,
+            fontScale=0.5,
+            color=(90, 255, 90),
+            thickness=1,
+            lineType=16,
+        )
     good, data = cv2.imencode(".png", canvas)
     if good:
         path.write_bytes(data.tobytes())

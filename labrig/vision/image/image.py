@@ -1,4 +1,4 @@
-"""A image as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
+"""An image as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
 
 from __future__ import annotations
 
@@ -10,19 +10,24 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
+from labrig.vision.thresholds import (
+    IMAGE_SIDE_MIN_PX,
+    LEVEL_RANGE_MAX_SIGMAS,
+    LEVEL_RANGE_MIN_RATIO,
+    SATURATED_SHARE_MAX,
+)
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 
 SMOOTHING_PX = 1.0
-MOST_OF_NOISE = 12.0  # standard deviations, from the darkest to the brightest of a million pixels
 
 
 class ImageError(ValueError):
     """The image cannot hold a curve; the text is the sentence for the user."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class GreyImage:
     """A grey image. `noise` is one pixel's standard deviation in grey levels."""
 
@@ -46,7 +51,7 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     """Check an image and turn it into floats; colour is turned into grey with a warning."""
     grey, warnings = _grey(image)
     rows, columns = grey.shape
-    if rows < 16 or columns < 16:
+    if min(rows, columns) < IMAGE_SIDE_MIN_PX:
         raise ImageError(f"the image is only {columns} x {rows} pixels; a sheet needs more.")
     if optics.image_size is not None and optics.image_size != (columns, rows):
         raise ImageError(
@@ -55,7 +60,7 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
         )
     full_scale = _full_scale(image, optics)
     clipped = float(np.mean(grey >= full_scale))
-    if clipped > 0.9:
+    if clipped > SATURATED_SHARE_MAX:
         raise ImageError(
             f"the image is saturated ({clipped:.0%} of the pixels are at full scale); "
             "shorten the exposure."
@@ -63,12 +68,14 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     noise = pixel_noise(grey, full_scale)
     low, high = float(grey.min()), float(grey.max())
     # a camera of ten bits leaves most of sixteen empty: what little there is may show all
-    if high - low < min(0.01 * full_scale, MOST_OF_NOISE * noise):
+    if high - low < min(LEVEL_RANGE_MIN_RATIO * full_scale, LEVEL_RANGE_MAX_SIGMAS * noise):
         raise ImageError(
             f"the image is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
             "check lens cap, light and exposure."
         )
-    return GreyImage(grey, noise, full_scale, clipped, tuple(warnings))
+    return GreyImage(
+        grey=grey, noise=noise, full_scale=full_scale, clipped=clipped, warnings=tuple(warnings)
+    )
 
 
 def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:

@@ -18,8 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 
-TURN = 0.012  # rad: bends come in this quantum a step
-PER_STEP = 2  # samples of the maps a step
+BEND_QUANTUM_RAD = 0.012  # rad: bends come in this quantum a step
+SAMPLES_PER_STEP = 2  # samples of the maps a step
 U, V, ANGLE, SCORE, FIRST, GAIN = 0, 1, 2, 3, 4, 5  # columns of a state
 
 
@@ -55,7 +55,7 @@ def ridge_score(
 
 
 @jit
-def _walk(
+def _step_along(
     maps: MapArray,
     sign: float,
     u: float,
@@ -69,17 +69,17 @@ def _walk(
 ) -> tuple[float, float, float]:
     """One step from a direction (cos, sin): where it ends, and how ridge-like it was."""
     gain = 0.0
-    for q in range(PER_STEP):
-        part = turn * (q + 0.5) / PER_STEP
+    for q in range(SAMPLES_PER_STEP):
+        part = turn * (q + 0.5) / SAMPLES_PER_STEP
         # a step turns by less than half a radian: these are good to 1e-7
         p2 = part * part
         dc = 1 - p2 * (1 / 2 - p2 * (1 / 24 - p2 / 720))
         ds = part * (1 - p2 * (1 / 6 - p2 * (1 / 120 - p2 / 5040)))
         c, s = cos * dc - sin * ds, sin * dc + cos * ds
-        u += c * length / PER_STEP
-        v += s * length / PER_STEP
-        gain += ridge_score(maps, sign, u, v, c, s, layers, half)
-    return u, v, gain / PER_STEP
+        u += c * length / SAMPLES_PER_STEP
+        v += s * length / SAMPLES_PER_STEP
+        gain += ridge_score(maps, sign, u, v, c, s, layers=layers, half=half)
+    return u, v, gain / SAMPLES_PER_STEP
 
 
 @jit
@@ -125,40 +125,49 @@ def _expand(
     half: float,
 ) -> int:
     """All children of the living states; their number."""
-    many = 0
+    count = 0
     cost = 0.002 if straight else 0.01
     for a in range(alive):
         cos, sin = math.cos(state[a, ANGLE]), math.sin(state[a, ANGLE])
         for change in range(-changes, changes + 1):
             # a straight rest has no bend, but room to correct the quantum of the angles before
             b = 0 if straight else bend[a] + change
-            turn = 0.4 * change * TURN if straight else b * TURN
+            turn = 0.4 * change * BEND_QUANTUM_RAD if straight else b * BEND_QUANTUM_RAD
             angle = state[a, ANGLE] + turn
             if abs(b) > most_bend or abs(angle - state[a, FIRST]) > most_turn:
                 continue
-            u, v, gain = _walk(
-                maps, sign, state[a, U], state[a, V], cos, sin, turn, length, layers, half
+            u, v, gain = _step_along(
+                maps,
+                sign,
+                state[a, U],
+                state[a, V],
+                cos=cos,
+                sin=sin,
+                turn=turn,
+                length=length,
+                layers=layers,
+                half=half,
             )
             gain -= cost * change * change
-            child[many, U], child[many, V], child[many, ANGLE] = u, v, angle
-            child[many, SCORE] = state[a, SCORE] + gain
-            child[many, FIRST] = state[a, FIRST]
-            child[many, GAIN] = gain
-            child_bend[many], child_of[many] = b, a
-            many += 1
-    return many
+            child[count, U], child[count, V], child[count, ANGLE] = u, v, angle
+            child[count, SCORE] = state[a, SCORE] + gain
+            child[count, FIRST] = state[a, FIRST]
+            child[count, GAIN] = gain
+            child_bend[count], child_of[count] = b, a
+            count += 1
+    return count
 
 
 @jit
 def _select(
-    child: FloatArray, child_bend: IntArray, many: int, width: int, fine: float
+    child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float
 ) -> IntArray:
     """The best children, few of one place, direction and bend, so that the beam stays broad."""
-    score = child[:many, SCORE].copy()
+    score = child[:count, SCORE].copy()
     # hardly more than the beam's width is ever taken: sort those, and all only if they are too few
     enough = 2 * width
-    if many > 2 * enough:
-        least = np.partition(score, many - enough)[many - enough]
+    if count > 2 * enough:
+        least = np.partition(score, count - enough)[count - enough]
         better = np.flatnonzero(score >= least)
         chosen = _spread(child, child_bend, better[np.argsort(-score[better])], width, fine)
         if len(chosen) == width:
@@ -226,14 +235,27 @@ def search(
         straight = j >= straight_from
         layers = maps.shape[0] if j >= wide_from else 1
         changes = 0 if j == 0 else 2
-        many = _expand(
-            maps, sign, state, bend, alive, child, child_bend, child_of, changes, straight,
-            layers, length, most_bend, most_turn, half,
-        )  # fmt: skip
-        if many == 0:
+        count = _expand(
+            maps,
+            sign,
+            state,
+            bend,
+            alive=alive,
+            child=child,
+            child_bend=child_bend,
+            child_of=child_of,
+            changes=changes,
+            straight=straight,
+            layers=layers,
+            length=length,
+            most_bend=most_bend,
+            most_turn=most_turn,
+            half=half,
+        )
+        if count == 0:
             return np.empty((0, 2)), np.empty(0), -1.0
         # a straight rest differs in little but its angle
-        chosen = _select(child, child_bend, many, width, 0.006 if straight else 0.1)
+        chosen = _select(child, child_bend, count, width, 0.006 if straight else 0.1)
         alive = len(chosen)
         for i in range(alive):
             t = chosen[i]

@@ -14,13 +14,12 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.curve.shape import CurveShape, ShapeBasis, fit_angles, make_shape
 from labrig.vision.image.image import GreyImage
+from labrig.vision.thresholds import CURVATURE_MAX_PER_M, TURN_MAX_RAD
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 MaskArray = npt.NDArray[np.uint8]
 
-MOST_CURVATURE_PER_M = 400.0  # of a usual strip
-MOST_TURN_RAD = 4.8  # 240 degrees and a little
 ANGLE_NOISE_RAD = 0.02  # of a step of the beam
 
 
@@ -35,7 +34,7 @@ class Trace:
 
 @dataclass(frozen=True, eq=False)
 class RidgeMaps:
-    """The ridge maps of a image, bright ridges positive; `scale` reduces large images."""
+    """The ridge maps of an image, bright ridges positive; `scale` reduces large images."""
 
     maps: MapArray  # (layers, 5, rows, columns), see path_search.ridge_score
     scale: int
@@ -82,7 +81,7 @@ def ridge_maps(image: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMap
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
-    # a image with hardly any noise has texture instead
+    # an image with hardly any noise has texture instead
     unit = max(image.noise, 0.01 * float(np.ptp(image.grey)))
     grey = image.grey * np.float32(1 / unit)
     if scale > 1:
@@ -134,15 +133,17 @@ def trace_from_clamp(
     `share` of the length is traced, with `width` states kept, from `offsets` beside the clamp in
     units of its uncertainty.
     """
-    from labrig.vision.search.path_search import TURN, search
+    from labrig.vision.search.path_search import BEND_QUANTUM_RAD, search
 
     heading, local_scale = _clamp_direction(optics)
     scale = ridges.scale
     total = strip.length_m * optics.px_per_m * local_scale / scale
     steps = int(np.clip(round(total / 6), 12, 400))
     length = total / steps
-    most = MOST_CURVATURE_PER_M * smallness(strip.length_m)
-    most_bend = math.ceil(most / (optics.px_per_m * local_scale) * scale * length / TURN)
+    most = CURVATURE_MAX_PER_M * smallness(strip.length_m)
+    most_bend = math.ceil(
+        most / (optics.px_per_m * local_scale) * scale * length / BEND_QUANTUM_RAD
+    )
     free_share = strip.free_length_m / strip.length_m
     u0, v0 = (np.array(optics.clamp_px) + 0.5) / scale - 0.5
     spread = np.array(
@@ -156,18 +157,18 @@ def trace_from_clamp(
     path, gains, score = search(
         ridges.maps,
         sign,
-        float(u0),
-        float(v0),
-        heading,
-        spread,
-        max(6, round(share * steps)),
-        steps if free_share >= 1 else bent_steps,
-        steps if free_share >= 1 and ridges.maps.shape[0] == 1 else bent_steps % steps,
-        length,
-        int(np.clip(most_bend, 3, 40)),
-        MOST_TURN_RAD,
-        width,
-        5.0,
+        u0=float(u0),
+        v0=float(v0),
+        heading=heading,
+        spread=spread,
+        steps=max(6, round(share * steps)),
+        straight_from=steps if free_share >= 1 else bent_steps,
+        wide_from=steps if free_share >= 1 and ridges.maps.shape[0] == 1 else bent_steps % steps,
+        length=length,
+        most_bend=int(np.clip(most_bend, 3, 40)),
+        most_turn=TURN_MAX_RAD,
+        width=width,
+        half=5.0,
     )
     if len(path) == 0:
         return None

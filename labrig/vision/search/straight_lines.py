@@ -12,32 +12,34 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.curve.background_lines import BACK, BackgroundLine
+from labrig.vision.curve.background_lines import DIRECTION_NODES, BackgroundLine
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import RidgeMaps
 from labrig.vision.search.straight_ridges import entries, followed
+from labrig.vision.thresholds import BRANCH_GAP_MAX_PX, LINE_GAP_MAX_PX, LINE_TWO_SIDED_SHARE_MIN
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 BoolArray = npt.NDArray[np.bool_]
 
-INSETS = (3, 8, 13)  # of the rings on which wires are looked for, from the border
-BESIDE_PX = 4.0  # from what is used beside a curve to where another thing is seen; in the maps
+RING_INSETS_PX = (3, 8, 13)  # of the rings on which wires are looked for, from the border
+OUTSIDE_DISTANCE_PX = (
+    4.0  # from what is used beside a curve to where another thing is seen; in the maps
+)
 WIDTH_REACH_PX = 8
-MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
-LEAST_WITH_TWO_SIDES = 0.4
-GAP_PX = 300.0  # that rolls, clamp and sheet may make in what reaches the border
-BRANCH_GAP_PX = 60.0  # and in what does not, which may end there
+FLANK_MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 
 
 def find_wires(image: GreyImage, ridges: RidgeMaps, sign: float) -> list[BackgroundLine]:
     """The straight ridges of a sign that reach the image's border."""
     maps = ridges.maps[:1]
     found: list[BackgroundLine] = []
-    for entry in (entry for inset in INSETS for entry in _from_border(maps[0], sign, inset)):
+    for entry in (
+        entry for inset in RING_INSETS_PX for entry in _from_border(maps[0], sign, inset)
+    ):
         if not any(wire.shows_at(ridges.raw(entry[:2])) for wire in found):
             u, v, angle, inset = (float(value) for value in entry)
-            line = followed(maps, sign, u, v, angle, inset, GAP_PX)
+            line = followed(maps, sign, u, v, angle, inset, LINE_GAP_MAX_PX)
             found += _wire(image, ridges, line, sign)
     return found
 
@@ -61,11 +63,11 @@ def find_branches(
     for u, v, angle in from_gaps + _from_curve(ridges, sign, curve, apart):
         if any(wire.shows_at(ridges.raw(np.array([u, v]))) for wire in found):
             continue
-        away = followed(maps, sign, u, v, angle, 0.0, BRANCH_GAP_PX)
+        away = followed(maps, sign, u, v, angle, 0.0, BRANCH_GAP_MAX_PX)
         if away is not None:
             # from its far end back, so that what lies along the curve belongs to it, too
             (du, dv), (far_u, far_v) = away[0][0] - away[0][-1], away[0][-1]
-            line = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0, BRANCH_GAP_PX)
+            line = followed(maps, sign, far_u, far_v, math.atan2(dv, du), 0.0, BRANCH_GAP_MAX_PX)
             found += _wire(image, ridges, line, sign)
     return found
 
@@ -126,7 +128,9 @@ def _from_gaps(ridges: RidgeMaps, curve: FloatArray, seen: BoolArray) -> list[Fl
     found = []
     for end in ends:
         before = bool(seen[end - 1])
-        inside = np.clip(end - BACK if before else end + BACK, 0, len(curve) - 1)
+        inside = np.clip(
+            end - DIRECTION_NODES if before else end + DIRECTION_NODES, 0, len(curve) - 1
+        )
         du, dv = curve[end] - curve[inside]
         place = (curve[end] + 0.5) / ridges.scale - 0.5
         found.append(np.append(place, math.atan2(dv, du)))
@@ -150,6 +154,6 @@ def _half_width(image: GreyImage, path: FloatArray, sign: float, scale: int) -> 
     across = (-ahead[:, 1].copy(), ahead[:, 0].copy())
     _, height, width = ridge_offsets(image.smooth, u, v, *across, reach, sign)
     good = np.isfinite(width) & (height > image.noise)
-    if good.mean() < LEAST_WITH_TWO_SIDES:
+    if good.mean() < LINE_TWO_SIDED_SHARE_MIN:
         return None
-    return 0.5 * float(np.median(width[good])) + MARGIN_PX
+    return 0.5 * float(np.median(width[good])) + FLANK_MARGIN_PX

@@ -9,21 +9,25 @@ import numpy.typing as npt
 
 from labrig.vision.jit import jit
 from labrig.vision.search.path_search import ridge_score
+from labrig.vision.thresholds import (
+    LINE_BEGIN_SCORE_MIN,
+    LINE_SCORE_MIN,
+    LINE_SEEN_SCORE_MIN,
+    RIDGE_BEND_MIN_SIGMAS,
+)
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-HALF_BEND = 4.0  # a ridge that bends by this is half sure
-LEAST_SURE, LEAST_BEGIN = 0.2, 0.1  # of the first stretch, on the line
-SEEN = 0.3  # of any piece, beside the line
-ANGLES = np.linspace(-0.45, 0.45, 37)  # about the direction that one place of the ring shows
-BEGINS_PX = 10.0  # a sheet ends further than that from the border
-FIRST_PX, STEP_PX, CORRIDOR_PX = 60.0, 2.0, 4
-MOST_ENTRIES = 10  # on a ring
-LEAST_BEND = 3.0  # of a ridge that crosses the ring there, in units of the noise
-BOW_PX = 10.0  # how far from straight the lens may make it
+BEND_AT_HALF_SCORE = 4.0  # a ridge that bends by this scores a half
+# about the direction that one place of the ring shows
+TRIED_TURNS_RAD = np.linspace(-0.45, 0.45, 37)
+BEGIN_LENGTH_PX = 10.0  # a sheet ends further than that from the border
+FIRST_LENGTH_PX, STEP_PX, CORRIDOR_PX = 60.0, 2.0, 4
+ENTRIES_MAX = 10  # on a ring
+BOW_SIGMA_PX = 10.0  # how far from straight the lens may make it
 PIECE_STEPS = 10
 
 
@@ -44,10 +48,10 @@ def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[Floa
 def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArray:
     """(n, 3) where ridges cross a closed ring of places, strongest first: u, v and angle."""
     bend, angle = _bends(layer, sign, u, v)
-    peaks = np.flatnonzero(bend > LEAST_BEND)
+    peaks = np.flatnonzero(bend > RIDGE_BEND_MIN_SIGMAS)
     around = peaks[:, None] + np.arange(-4, 5)
     peaks = peaks[bend[peaks] >= bend[around % len(bend)].max(axis=1)]
-    peaks = peaks[np.argsort(-bend[peaks])][:MOST_ENTRIES]
+    peaks = peaks[np.argsort(-bend[peaks])][:ENTRIES_MAX]
     return np.stack([u[peaks], v[peaks], angle[peaks]], axis=1)
 
 
@@ -61,14 +65,16 @@ def followed(
     """
     rows, columns = maps.shape[2:]
     t = np.arange(0.0, math.hypot(rows, columns), STEP_PX)
-    turn, sure = _direction(maps, sign, u, v, angle, ANGLES, inset, FIRST_PX)
+    turn, score = _direction(
+        maps, sign, u, v, angle, turns=TRIED_TURNS_RAD, back=inset, length=FIRST_LENGTH_PX
+    )
     here = np.array([turn])
-    _, begin = _direction(maps, sign, u, v, angle, here, inset, BEGINS_PX)
-    if sure < LEAST_SURE or begin < LEAST_BEGIN:
+    _, begin = _direction(maps, sign, u, v, angle, turns=here, back=inset, length=BEGIN_LENGTH_PX)
+    if score < LINE_SCORE_MIN or begin < LINE_BEGIN_SCORE_MIN:
         return None
     angle += turn
     u, v = u - inset * math.cos(angle), v - inset * math.sin(angle)
-    first = round(FIRST_PX / STEP_PX)
+    first = round(FIRST_LENGTH_PX / STEP_PX)
     terms = np.stack([np.ones_like(t), t / t[-1], (t / t[-1]) ** 2], axis=1)
     line = np.zeros(3)  # its offset beside the straight line, a parabola
     far, done = first, False
@@ -84,8 +90,8 @@ def followed(
     path = np.stack(place, axis=1)
     inside = (path >= 0).all(axis=1) & (path[:, 0] < columns) & (path[:, 1] < rows)
     mean = np.convolve(np.where(inside, weight, 0.0), np.ones(PIECE_STEPS) / PIECE_STEPS, "same")
-    last = _last_seen(mean > SEEN, gap_px)
-    return (path[:last], mean[:last] > SEEN) if last >= first else None
+    last = _last_seen(mean > LINE_SEEN_SCORE_MIN, gap_px)
+    return (path[:last], mean[:last] > LINE_SEEN_SCORE_MIN) if last >= first else None
 
 
 def _on(
@@ -118,7 +124,9 @@ def _direction(
         total = 0.0
         for q in range(count):
             place = (q + 0.5) * STEP_PX - back
-            total += ridge_score(maps, sign, u + c * place, v + s * place, c, s, 1, HALF_BEND)
+            total += ridge_score(
+                maps, sign, u + c * place, v + s * place, c, s, layers=1, half=BEND_AT_HALF_SCORE
+            )
         if total > most:
             best, most = turn, total
     return best, most / count
@@ -128,22 +136,24 @@ def _direction(
 def _beside(
     maps: MapArray, sign: float, u: FloatArray, v: FloatArray, angle: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Where the ridge is beside each place, pixels to its left, and how sure that is."""
+    """Where the ridge is beside each place, pixels to its left, and its score."""
     offset, weight = np.zeros(len(u)), np.zeros(len(u))
     c, s = math.cos(angle), math.sin(angle)
-    sure = np.empty(2 * CORRIDOR_PX + 1)
+    score = np.empty(2 * CORRIDOR_PX + 1)
     for i in range(len(u)):
-        for q in range(len(sure)):
+        for q in range(len(score)):
             d = q - CORRIDOR_PX
-            sure[q] = ridge_score(maps, sign, u[i] - s * d, v[i] + c * d, c, s, 1, HALF_BEND)
-        most = sure.max()
-        if most < LEAST_SURE:
+            score[q] = ridge_score(
+                maps, sign, u[i] - s * d, v[i] + c * d, c, s, layers=1, half=BEND_AT_HALF_SCORE
+            )
+        most = score.max()
+        if most < LINE_SCORE_MIN:
             continue
         total = 0.0
-        for q in range(len(sure)):
-            if sure[q] > 0.7 * most:
-                total += sure[q]
-                offset[i] += sure[q] * (q - CORRIDOR_PX)
+        for q in range(len(score)):
+            if score[q] > 0.7 * most:
+                total += score[q]
+                offset[i] += score[q] * (q - CORRIDOR_PX)
         offset[i] /= total
         weight[i] = most
     return offset, weight
@@ -156,7 +166,7 @@ def _parabola(
     for _ in range(3):
         miss = (offset - terms @ line) / 2.5
         robust = weight * np.maximum(0.0, 1 - miss**2) ** 2
-        normal = (terms * robust[:, None]).T @ terms + np.diag([1e-6, 1e-6, 1 / BOW_PX**2])
+        normal = (terms * robust[:, None]).T @ terms + np.diag([1e-6, 1e-6, 1 / BOW_SIGMA_PX**2])
         line = np.linalg.solve(normal, terms.T @ (robust * offset))
     return np.asarray(line)
 

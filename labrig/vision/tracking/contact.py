@@ -15,6 +15,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.image.image import ImageError, read_grey_image
+from labrig.vision.thresholds import NAMED_ROLLS_DISTANCE_MAX_M
 from labrig.vision.tracking.rolls import Roll, find_rolls
 from model.measurements import Contact
 
@@ -23,7 +24,6 @@ FloatArray = npt.NDArray[np.float64]
 # how well the image knows where the clamp ends, along the sheet: its edge and the length
 CLAMP_SIGMA_PX = 0.5
 ARC_SIGMA_M = 0.1e-3  # of the radius; a crossing at a slant moves with it
-NAMED_NEAR_M = 5e-3  # rolls that the optics name must be this near to where the curve meets the arc
 
 
 def contact_from_image(
@@ -67,7 +67,7 @@ def _named(optics: Optics, crossing: Contact) -> tuple[Roll, Roll] | None:
         return None
     table = np.array(optics.rolls_px)
     centres = optics.pixel_to_world(table[:, :2])
-    if math.dist(centres.mean(axis=0), (crossing.x_m, crossing.y_m)) > NAMED_NEAR_M:
+    if math.dist(centres.mean(axis=0), (crossing.x_m, crossing.y_m)) > NAMED_ROLLS_DISTANCE_MAX_M:
         return None
     sigma = 1.0 / optics.px_per_m  # a person's reading
     first, second = (

@@ -9,18 +9,18 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.curve import NeutralCurve
+from labrig.vision.thresholds import (
+    FRAME_DISTANCE_WARNED_PX,
+    FRAME_DISTANCE_WARNED_SIGMAS,
+    FRAME_SCATTER_WARNED_PX,
+)
 from model.measurements import Curve
 
 FloatArray = npt.NDArray[np.float64]
 Line = NeutralCurve | Curve
 
-MOVED_PX = 1.0  # RMS scatter of the frames' curves that blurs their mean image
-# mean image and frames may differ by this much: what both leave over, and the frames' noise
-AGREE_PX = 0.15
-AGREE_SIGMAS = 4.0
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FrameAverage:
     """The mean of the single frames' curves; arrays are (points,)."""
 
@@ -68,7 +68,9 @@ def average_of_frames(frames: Sequence[Line]) -> FrameAverage | None:
     y = np.array([np.interp(s, curve.s_m, curve.y_m) for curve in good])
     middle_x, middle_y = x.mean(axis=0), y.mean(axis=0)
     across = _across(middle_x, middle_y, x - middle_x, y - middle_y)
-    return FrameAverage(len(good), s, middle_x, middle_y, across.std(axis=0, ddof=1))
+    return FrameAverage(
+        frames=len(good), s_m=s, x_m=middle_x, y_m=middle_y, scatter_m=across.std(axis=0, ddof=1)
+    )
 
 
 def compare_with_frames(mean: Line | None, frames: Sequence[Line], px_per_mm: float) -> Comparison:
@@ -82,13 +84,15 @@ def compare_with_frames(mean: Line | None, frames: Sequence[Line], px_per_mm: fl
     apart = None if mean is None or not mean.s_m.size else average.apart_m(mean)
     scatter, px_m = average.scatter_rms_m, 1e-3 / px_per_mm
     warnings = []
-    if scatter > MOVED_PX * px_m:
+    if scatter > FRAME_SCATTER_WARNED_PX * px_m:
         warnings.append(
             f"the curves of the single frames scatter by {scatter * 1e3:.3f} mm (RMS), so the "
             "sheet moved between them; trust their mean more than the mean image"
         )
     elif apart is not None and (
-        apart > AGREE_PX * px_m + AGREE_SIGMAS * scatter / average.frames**0.5
+        apart
+        > FRAME_DISTANCE_WARNED_PX * px_m
+        + FRAME_DISTANCE_WARNED_SIGMAS * scatter / average.frames**0.5
     ):
         warnings.append(
             f"the mean image's curve lies {apart * 1e3:.3f} mm (RMS) from the mean of the curves "

@@ -16,20 +16,22 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.image.image import GreyImage, MapArray
+from labrig.vision.thresholds import (
+    ROLL_EDGE_MIN_RATIO,
+    ROLL_EDGE_MIN_SIGMAS,
+    ROLL_RADIUS_MAX_RATIO,
+    ROLL_RESIDUAL_MAX_PX,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
-SEARCH_M = 4e-3  # along the sheet, to either side of where the rolls should be
-RADII_M = (0.35e-3, 5e-3)
+SEARCH_RANGE_M = 4e-3  # along the sheet, to either side of where the rolls should be
+RADIUS_RANGE_M = (0.35e-3, 5e-3)
 # rim angles from the direction away from the sheet; near the sheet its own edge is in the way
-ANGLES = np.radians(np.linspace(-115, 115, 24))
-RAYS = np.radians(np.linspace(-115, 115, 64))
+RIM_ANGLES_RAD = np.radians(np.linspace(-115, 115, 24))
+RAY_ANGLES_RAD = np.radians(np.linspace(-115, 115, 64))
 STEP_PX = 1.5  # an edge is looked for between this far inside and this far outside
-LEAST_EDGE = 2.5  # of three quarters of the rim, in units of the smoothed image's noise
-LEAST_SHARE = 0.06  # the same, as a share of the sheet's contrast
 SMOOTHED_NOISE = 0.28  # of a pixel's, after smoothing with a Gaussian of one pixel
-MOST_RESIDUAL_PX = 0.8
-MOST_RADIUS_RATIO = 1.25
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Roll:
 
 @dataclass(frozen=True, eq=False)
 class _PlaneSampler:
-    """A image sampled in the sheet's plane, lengths in pixels of that plane."""
+    """An image sampled in the sheet's plane, lengths in pixels of that plane."""
 
     smooth: MapArray
     optics: Optics
@@ -83,7 +85,7 @@ def find_rolls(
     if first is None or second is None:
         return None
     larger, smaller = sorted((first.radius_m, second.radius_m), reverse=True)
-    if larger > MOST_RADIUS_RATIO * smaller:
+    if larger > ROLL_RADIUS_MAX_RATIO * smaller:
         return None
     gap_px = optics.px_per_m * (
         math.hypot(first.x_m - second.x_m, first.y_m - second.y_m) - larger - smaller
@@ -94,7 +96,7 @@ def find_rolls(
     return first, second
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Pair:
     """Where both rolls may be: the place between them, the sheet's direction, their radius."""
 
@@ -113,7 +115,7 @@ class _Pair:
 def _best_pair(look: _PlaneSampler, curve: NeutralCurve, near: float) -> _Pair | None:
     ppm = look.optics.px_per_m
     s = curve.s_m * ppm
-    places = np.arange(near - SEARCH_M * ppm, near + SEARCH_M * ppm + 0.5, 1.0)
+    places = np.arange(near - SEARCH_RANGE_M * ppm, near + SEARCH_RANGE_M * ppm + 0.5, 1.0)
     places = places[(places > s[0] + 5) & (places < s[-1])]
     if not len(places):
         return None
@@ -122,16 +124,21 @@ def _best_pair(look: _PlaneSampler, curve: NeutralCurve, near: float) -> _Pair |
     held = np.interp(places, s, _half_widths_px(curve, ppm))
     radius = _radii_px(ppm)
     edges = np.stack([_rim_edges(look, x, y, angle, held, radius, side) for side in (1.0, -1.0)])
-    quarter = ANGLES.size // 4
+    quarter = RIM_ANGLES_RAD.size // 4
     # both rims together, three quarters of each: one straight edge is no roll
     scores = [np.partition(q * edges, quarter, axis=-1)[..., quarter].min(axis=0) for q in (1, -1)]
     sign = 0 if scores[0].max() >= scores[1].max() else 1
     i, j = np.unravel_index(int(np.argmax(scores[sign])), scores[sign].shape)
-    least = max(LEAST_EDGE * look.noise, LEAST_SHARE * curve.contrast)
+    least = max(ROLL_EDGE_MIN_SIGMAS * look.noise, ROLL_EDGE_MIN_RATIO * curve.contrast)
     if not scores[sign][i, j] > least:
         return None
     return _Pair(
-        float(x[i]), float(y[i]), float(angle[i]), float(radius[j]), float(held[i]), 1.0 - 2 * sign
+        x=float(x[i]),
+        y=float(y[i]),
+        angle=float(angle[i]),
+        radius=float(radius[j]),
+        held_px=float(held[i]),
+        sign=1.0 - 2 * sign,
     )
 
 
@@ -147,7 +154,7 @@ def _half_widths_px(curve: NeutralCurve, px_per_m: float) -> FloatArray:
 
 
 def _radii_px(px_per_m: float) -> FloatArray:
-    least, most = max(2.5, RADII_M[0] * px_per_m), max(4.0, RADII_M[1] * px_per_m)
+    least, most = max(2.5, RADIUS_RANGE_M[0] * px_per_m), max(4.0, RADIUS_RANGE_M[1] * px_per_m)
     radii = [least]
     while radii[-1] < most:
         radii.append(radii[-1] + max(0.8, 0.07 * radii[-1]))
@@ -167,7 +174,7 @@ def _rim_edges(
     away = side * (radius[None, :] + held[:, None])
     u = x[:, None] - away * np.sin(angle)[:, None]
     v = y[:, None] + away * np.cos(angle)[:, None]
-    turn = angle[:, None] + side * np.pi / 2 + ANGLES[None, :]  # (places, angles)
+    turn = angle[:, None] + side * np.pi / 2 + RIM_ANGLES_RAD[None, :]  # (places, angles)
     c, s = np.cos(turn)[:, None, :], np.sin(turn)[:, None, :]
     levels = []
     for reach in (radius - STEP_PX, radius + STEP_PX):
@@ -178,7 +185,7 @@ def _rim_edges(
 
 def _fitted(look: _PlaneSampler, u: float, v: float, pair: _Pair, side: float) -> Roll | None:
     """The circle through the rim's own edge points; None where they are on none."""
-    turn = pair.angle + side * np.pi / 2 + RAYS
+    turn = pair.angle + side * np.pi / 2 + RAY_ANGLES_RAD
     reach = min(4.0, 0.5 * pair.radius + 1.0)
     radial = np.arange(-reach, reach + 0.01, 0.25)
     centre, radius = np.array([u, v]), pair.radius
@@ -194,12 +201,12 @@ def _fitted(look: _PlaneSampler, u: float, v: float, pair: _Pair, side: float) -
         strong = np.take_along_axis(edge, peak[:, None], axis=1)[:, 0]
         inner = (peak > 0) & (peak < len(radial) - 1) & np.isfinite(strong)
         good = inner & (strong > 0.4 * np.nanmedian(strong[inner]) if inner.any() else inner)
-        if good.sum() < RAYS.size // 2:
+        if good.sum() < RAY_ANGLES_RAD.size // 2:
             return None
         at = out[peak[good]] + 0.25 * _peak_offset(edge[good], peak[good])
         points = centre + at[:, None] * ray[good]
         centre, radius, residual, kept = _circle(points)
-    if residual > MOST_RESIDUAL_PX or math.hypot(centre[0] - u, centre[1] - v) > 3 + reach:
+    if residual > ROLL_RESIDUAL_MAX_PX or math.hypot(centre[0] - u, centre[1] - v) > 3 + reach:
         return None
     ppm = look.optics.px_per_m
     # neighbouring rays share their noise

@@ -24,7 +24,7 @@ class Tracker:
         self.last: NeutralCurve | None = None
 
     def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
-        """The curve in the next image. A image without one does not end the tracking."""
+        """The curve in the next image. An image without one does not end the tracking."""
         found = self.find(image, self.optics, self.strip, start=self.last)
         if found.ok:
             self.last = found

@@ -14,15 +14,17 @@ from labrig.vision.curve import NeutralCurve
 from labrig.vision.curve.background_lines import BackgroundLine, hidden_by
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit, spread
+from labrig.vision.thresholds import (
+    BIAS_WARNED_PX,
+    EXCESS_WIDTH_WARNED_PX,
+    LINE_COVER_WARNED_SHARE,
+    OFFSET_WARNED_PX,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
-LOOK_SIGMA_PX = 0.004
-FACE_SIGMA = 0.06  # of what a side face adds beside the edge, when it has been taken off
-LEAST_EXCESS_PX = 0.5
-LEAST_PULL_PX = 0.05
-LEAST_BESIDE_PX = 0.3
-LEAST_TOLD = 0.02  # of the sheet hidden by wires
+SECTION_SIGMA_PX = 0.004
+SIDE_FACE_SIGMA_RATIO = 0.06  # of what a side face adds beside the edge, when it has been taken off
 
 
 def report(
@@ -53,7 +55,7 @@ def report(
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
     excess = np.zeros(len(shape.x)) if excess_px is None else excess_px
-    if excess.max() > LEAST_EXCESS_PX:
+    if excess.max() > EXCESS_WIDTH_WARNED_PX:
         message = (
             f"the sheet looks, or may look, up to {excess.max():.1f} pixels wider than it is "
             "thick; its face is seen with its edge, or it is out of focus; the curve may be off by "
@@ -67,14 +69,14 @@ def report(
         else np.zeros_like(excess)
     )
     pull = np.zeros_like(excess) if bias_px is None else bias_px
-    if pull.max() > LEAST_PULL_PX:
+    if pull.max() > BIAS_WARNED_PX:
         message = (
             "something touches the sheet on one side, such as its reflection, and may pull the "
             f"curve by up to {pull.max():.2f} pixels; the credible band holds it"
         )
         warnings = (*warnings, message)
     beside = offset_px(fit, context)
-    if beside.max() > LEAST_BESIDE_PX:
+    if beside.max() > OFFSET_WARNED_PX:
         message = (
             f"what looks like the sheet lies up to {beside.max():.1f} pixels beside the curve "
             "where it is not as thick or as smooth as a sheet; the credible band holds both"
@@ -83,7 +85,7 @@ def report(
     side_face = (
         float(np.abs(fit.section.side_face).max()) if fit.section.side_face_share > 0 else 0.0
     )
-    if side_face * fit.section.side_face_share > LEAST_EXCESS_PX:
+    if side_face * fit.section.side_face_share > EXCESS_WIDTH_WARNED_PX:
         message = (
             f"the sheet's side face shows beside its edge, up to {side_face:.1f} pixels wide and "
             f"{fit.section.side_face_share:.0%} as strong; it was separated "
@@ -137,7 +139,7 @@ def with_wires(
     u, v = np.clip(np.round(curve.points_px).astype(int), 0, (shape[1] - 1, shape[0] - 1)).T
     share = float(hidden[v, u].mean())
     message = f"a wire lies along {share:.0%} of the sheet, or crosses it; it was left out there"
-    more = (message,) if share > LEAST_TOLD else ()
+    more = (message,) if share > LINE_COVER_WARNED_SHARE else ()
     return replace(curve, warnings=curve.warnings + more, wires=tuple(wires))
 
 
@@ -164,9 +166,9 @@ def systematic_m(fit: CurveFit, context: FitContext) -> FloatArray:
     side_face = (
         np.append(fit.section.side_face, fit.section.side_face[-1])
         * fit.section.side_face_share
-        * FACE_SIGMA
+        * SIDE_FACE_SIGMA_RATIO
     )
-    look = np.hypot(LOOK_SIGMA_PX, side_face) / optics.px_per_m
+    look = np.hypot(SECTION_SIGMA_PX, side_face) / optics.px_per_m
     return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
 
 

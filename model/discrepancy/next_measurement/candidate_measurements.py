@@ -28,7 +28,7 @@ ZERO_MINUTES = 0.5  # the sheet out of the rolls, ten readings, and in again
 TURN_MINUTES = 3.0  # the rig over, and everything in its place again
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CandidateMeasurement:
     """Something that can be measured besides."""
 
@@ -106,10 +106,12 @@ def _longer(seen: ConditionData) -> ConditionData:
         session=np.full(count, float(np.mean(clock.session))),
         opposite=np.resize(clock.opposite, count),
         rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
-        pulse=on(clock.pulse, pulses), run_s=on(clock.run_s, seconds),
-        wetted_s=on(clock.wetted_s, seconds), driven_s=on(clock.driven_s, seconds),
+        pulse=on(clock.pulse, pulses),
+        run_s=on(clock.run_s, seconds),
+        wetted_s=on(clock.wetted_s, seconds),
+        driven_s=on(clock.driven_s, seconds),
         worked_s=on(np.asarray(clock.worked_s), seconds),
-    )  # fmt: skip
+    )
     own = seen.own_curves[-len(seen.kept_N) :]
     curves = tuple(own[k % len(own)] for k in range(count)) if own else ()
     counts = np.ones(count, dtype=bool)
@@ -124,11 +126,12 @@ def _half(one: DataVector) -> tuple[ConditionData, ...]:
     """Half the voltage at every position; 0 V there, too."""
     return tuple(
         replace(
-            _again(s, 93), voltage_V=0.5 * s.voltage_V,
+            _again(s, 93),
+            voltage_V=0.5 * s.voltage_V,
             clock=replace(s.clock, voltage_V=0.5 * s.clock.voltage_V),
         )
         for s in _touching(one)
-    )  # fmt: skip
+    )
 
 
 def _free(one: DataVector) -> tuple[ConditionData, ...]:
@@ -139,15 +142,22 @@ def _free(one: DataVector) -> tuple[ConditionData, ...]:
             like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
             if like is None:
                 continue
-            clock = ReadingTimes(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
+            clock = ReadingTimes(
+                voltage_V=volts, zeros=0, ratio=1.0, rise_s=one.sheet.rise_time_s, worked_s=0.0
+            ).of_no_reading(0.5)
             result.append(
                 replace(
-                    like, name=f"{one.sheet.configuration}, free, {volts:+g} V",
-                    run=(one.sheet.configuration, np.inf, mounting, 0, 0.0), tilt_rad=0.0,
+                    like,
+                    name=f"{one.sheet.configuration}, free, {volts:+g} V",
+                    run=(one.sheet.configuration, np.inf, mounting, 0, 0.0),
+                    tilt_rad=0.0,
                     position_m=np.nan,
-                    force_N=np.zeros(0), clock=clock, counts=np.zeros(0, dtype=bool), own_curves=(),
+                    force_N=np.zeros(0),
+                    clock=clock,
+                    counts=np.zeros(0, dtype=bool),
+                    own_curves=(),
                 )
-            )  # fmt: skip
+            )
     return tuple(result)
 
 
@@ -185,11 +195,17 @@ def _zeros(one: DataVector) -> tuple[ConditionData, ...]:
 def _load_cell_alone(like: ConditionData, mounting: int) -> ConditionData:
     count = len(like.kept_N)
     return replace(
-        like, name=f"{like.configuration}, without contact, +0 V",
-        run=(like.configuration, np.inf, mounting, 0, 0.0), position_m=np.nan,
-        force_N=np.zeros(count), clock=like.kept_clock, counts=np.ones(count, dtype=bool),
-        curve=None, own_curves=(), zero=True,
-    )  # fmt: skip
+        like,
+        name=f"{like.configuration}, without contact, +0 V",
+        run=(like.configuration, np.inf, mounting, 0, 0.0),
+        position_m=np.nan,
+        force_N=np.zeros(count),
+        clock=like.kept_clock,
+        counts=np.ones(count, dtype=bool),
+        curve=None,
+        own_curves=(),
+        zero=True,
+    )
 
 
 def _minutes(runs: float) -> Callable[[DataVector], float]:
@@ -213,35 +229,76 @@ def _turned_runs(one: DataVector) -> float:
 
 MENU: tuple[CandidateMeasurement, ...] = (
     CandidateMeasurement(
-        "free_shapes", "six free shapes of each configuration, the load cell moved away",
-          _minutes(1.5), _free, {"extras": {"free_shapes": 6}}),
+        name="free_shapes",
+        what="six free shapes of each configuration, the load cell moved away",
+        minutes=_minutes(1.5),
+        add=_free,
+        protocol={"extras": {"free_shapes": 6}},
+    ),
     CandidateMeasurement(
-        "remount", "three positions set anew", _minutes(3.0), _remount,
-          {"extras": {"remount": 3}}),
+        name="remount",
+        what="three positions set anew",
+        minutes=_minutes(3.0),
+        add=_remount,
+        protocol={"extras": {"remount": 3}},
+    ),
     CandidateMeasurement(
-        "long_runs", "three positions with three times as many pulses",
-          _minutes(3.0 * LONG_MINUTES), _long, {"pulse_train": {"readings_per_voltage": 30}}),
+        name="long_runs",
+        what="three positions with three times as many pulses",
+        minutes=_minutes(3.0 * LONG_MINUTES),
+        add=_long,
+        protocol={"pulse_train": {"readings_per_voltage": 30}},
+    ),
     CandidateMeasurement(
-        "no_touch_zero", "all positions again, each after the load cell's zero without contact",
-          _zero_runs, _zeros, {"extras": {"no_touch_zero": True}}),
+        name="no_touch_zero",
+        what="all positions again, each after the load cell's zero without contact",
+        minutes=_zero_runs,
+        add=_zeros,
+        protocol={"extras": {"no_touch_zero": True}},
+    ),
     CandidateMeasurement(
-        "reversed_approach", "all positions again, approached from the other side", _runs,
-          _reversed, {"extras": {"reversed_approach": True}}),
+        name="reversed_approach",
+        what="all positions again, approached from the other side",
+        minutes=_runs,
+        add=_reversed,
+        protocol={"extras": {"reversed_approach": True}},
+    ),
     CandidateMeasurement(
-        "between", "positions half-way between those measured", _runs, _between,
-          {"extras": {"between": True}}),
+        name="between",
+        what="positions half-way between those measured",
+        minutes=_runs,
+        add=_between,
+        protocol={"extras": {"between": True}},
+    ),
     CandidateMeasurement(
-        "half_voltage", "all positions at half the voltage", _runs, _half,
-          {"extras": {"half_voltage": True}}),
+        name="half_voltage",
+        what="all positions at half the voltage",
+        minutes=_runs,
+        add=_half,
+        protocol={"extras": {"half_voltage": True}},
+    ),
     CandidateMeasurement(
-        "random_order", "all positions again in random order", _runs, _shuffled,
-          {"extras": {"random_order": True}}),
+        name="random_order",
+        what="all positions again in random order",
+        minutes=_runs,
+        add=_shuffled,
+        protocol={"extras": {"random_order": True}},
+    ),
     CandidateMeasurement(
-        "turned_over", "all positions again with the rig turned over", _turned_runs, _turned,
-          {"extras": {"tilt_deg": 180.0}}),
+        name="turned_over",
+        what="all positions again with the rig turned over",
+        minutes=_turned_runs,
+        add=_turned,
+        protocol={"extras": {"tilt_deg": 180.0}},
+    ),
     CandidateMeasurement(
-        "more_repeats", "everything once more", _runs, _repeat, {"extras": {"repeat": 1}}),
-)  # fmt: skip
+        name="more_repeats",
+        what="everything once more",
+        minutes=_runs,
+        add=_repeat,
+        protocol={"extras": {"repeat": 1}},
+    ),
+)
 
 
 def separation(fitted: MixedModelFit, which: Sequence[Candidate], size: float) -> float:
@@ -286,7 +343,14 @@ def next_measurement(
         f"{entry.what}: it would set {first} and {second} {then:.1f} sigma apart"
         f" (now {now:.1f}), in about {minutes:.0f} minutes"
     )
-    return Next(why, entry.name, now, then, minutes, entry.protocol)
+    return Next(
+        why=why,
+        extra=entry.name,
+        separation=now,
+        expected=then,
+        minutes=minutes,
+        protocol=entry.protocol,
+    )
 
 
 @dataclass(frozen=True)
@@ -349,7 +413,15 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
     log_sigma = larger.guess.copy()
     n = min(len(log_sigma), len(fitted.solution.log_sigma))
     log_sigma[:n] = fitted.solution.log_sigma[:n]
-    return MixedModelFit(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
+    return MixedModelFit(
+        problem=larger,
+        theta=theta,
+        found=(),
+        linear=linear,
+        solution=weigh(linear.data, log_sigma),
+        deviance=0.0,
+        spans=(),
+    )
 
 
 def _with_half(problem: FitProblem, study: ForwardModel) -> Bases:

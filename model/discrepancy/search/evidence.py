@@ -26,7 +26,7 @@ SURPRISE = -4.0  # ln of the odds of a sign that an effect does not have as a ru
 BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Candidate:
     """An effect with one choice of its shape, as columns (N, 1 + J)."""
 
@@ -39,7 +39,7 @@ class Candidate:
     part: str = ""  # of the location; empty: all of it
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Score:
     """What a candidate is worth at a solution."""
 
@@ -81,7 +81,16 @@ def candidates(
             steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
             columns = atoms(study, states, effect, steps, tolerant=tolerant)
             sizes = FULL if effect.amplitude.starting_values else SIZES
-            result.append(Candidate(effect.name, values, columns, sizes, effect, effect.location))
+            result.append(
+                Candidate(
+                    name=effect.name,
+                    values=values,
+                    columns=columns,
+                    sizes=sizes,
+                    effect=effect,
+                    location=effect.location,
+                )
+            )
     return result
 
 
@@ -128,7 +137,11 @@ def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Sc
     variance = scales[best] ** 2
     c = U @ (variance * z / (1.0 + variance * D))
     return Score(
-        candidate, value, float(c[0]), float(scales[best]), float(np.sqrt(max(A[0, 0], 0.0)))
+        candidate=candidate,
+        log_bayes=value,
+        amplitude=float(c[0]),
+        scale=float(scales[best]),
+        length=float(np.sqrt(max(A[0, 0], 0.0))),
     )
 
 

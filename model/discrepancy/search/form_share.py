@@ -7,7 +7,7 @@ import numpy as np
 from model.discrepancy.verdict.prediction_error import variance
 from model.identification.likelihood.form_error import whole_step
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.identification.likelihood.model_state import Perturbation
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only

@@ -41,7 +41,16 @@ def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
                     both[own] = 0.05 * state.by_eibm[k]
                     columns.append(both)
             name = f"outlier:{number}"
-            result.append(Candidate(name, {}, np.stack(columns, axis=1), SIZES, None, "outlier"))
+            result.append(
+                Candidate(
+                    name=name,
+                    values={},
+                    columns=np.stack(columns, axis=1),
+                    sizes=SIZES,
+                    effect=None,
+                    location="outlier",
+                )
+            )
             number += 1
     return result
 
@@ -64,7 +73,14 @@ def _setups(fitted: MixedModelFit) -> list[Candidate]:
         if len(own_numbers) > 1:
             name = "outlier:" + ",".join(own_numbers)
             result.append(
-                Candidate(name, {}, np.stack(columns, axis=1), SET_UP_SIZES, None, "outlier")
+                Candidate(
+                    name=name,
+                    values={},
+                    columns=np.stack(columns, axis=1),
+                    sizes=SET_UP_SIZES,
+                    effect=None,
+                    location="outlier",
+                )
             )
     return result
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search.evidence import (
     Candidate,
     Projected,
@@ -19,6 +18,7 @@ from model.discrepancy.search.evidence import (
     score,
     surprise,
 )
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.outliers import outlier_candidates
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model import Solution, weigh
@@ -31,7 +31,7 @@ TINY = 1e-9
 BENT = 0.1  # share of the evidence by which a straight line may misjudge the shape of a strong one
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RankedCandidate:
     """A candidate with its evidence."""
 
@@ -73,7 +73,7 @@ def rank(
         outlier = one.candidate.location == "outlier"
         promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
         if not promising and name not in hidden:
-            result.append(RankedCandidate(one, one.log_bayes))
+            result.append(RankedCandidate(score=one, gain=one.log_bayes))
             continue
         tried += promising and not outlier
         looks = [one]
@@ -84,7 +84,11 @@ def rank(
         shapes = _other_shapes(chosen, scores.get(name, []))
         among = _among(fitted, [c for c in every if c.name == name], solution)
         among += surprise(chosen)
-        result.append(RankedCandidate(chosen, gain + among, solution, shapes=shapes, among=among))
+        result.append(
+            RankedCandidate(
+                score=chosen, gain=gain + among, solution=solution, shapes=shapes, among=among
+            )
+        )
     result.sort(key=lambda c: -c.gain)
     return result
 

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from model.discrepancy.locations.nonparametric import form_of, unknown_of, with_free_form
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement
 from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
@@ -20,6 +19,7 @@ from model.discrepancy.search.signatures import class_of, classes, forms, invisi
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
+from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
 from model.discrepancy.verdict.posterior import (
@@ -43,10 +43,12 @@ from model.discrepancy.verdict.result import (
     Unknown,
     Verdict,
 )
-from model.effects.interface import Effect
+from model.effects import Effect
+from model.effects import origins as origins_of_effects
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
+from model.locations import origins as origins_of_locations
 from model.measurements import Measurements
 
 MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
@@ -79,7 +81,7 @@ class _LeftOut:
     rows: tuple[ErrorRow, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Finding:
     """A search that is over, and what it was asked."""
 
@@ -111,15 +113,33 @@ class Finding:
             decision.known, decision.unknown, self.measurements, self.options, fitted.after
         )
         return Diagnosis(
-            verdict, sentence(verdict, named, decision.unknown, apart.gap, doubt), named, unseen,
-            decision.unknown, places(base, noise), fitted, apart.gap, apart.closed,
-            self._next(named), self._ranking(seen), self.threshold, self.threshold_from, seen,
-            classes(seen, unseen), apart.rows,
-            _scatter(decision.final), outliers,
-            (*self.ready.notes, *remarks(self.measurements, base),
-             *notes(named, outliers, apart.chosen)), model,
+            verdict=verdict,
+            sentence=sentence(verdict, named, decision.unknown, apart.gap, doubt),
+            effects=named,
+            invisible=unseen,
+            unknown=decision.unknown,
+            where=places(base, noise),
+            fitted=fitted,
+            held_out=apart.gap,
+            closed=apart.closed,
+            next_measurement=self._next(named),
+            ranking=self._ranking(seen),
+            threshold=self.threshold,
+            threshold_from=self.threshold_from,
+            signatures=seen,
+            classes=classes(seen, unseen),
+            rows=apart.rows,
+            scatter=_scatter(decision.final),
+            outliers=outliers,
+            notes=(
+                *self.ready.notes,
+                *remarks(self.measurements, base),
+                *notes(named, outliers, apart.chosen),
+            ),
+            model=model,
+            plugins={**origins_of_locations(), **origins_of_effects()},
             base=base_parameters(decision.known),
-        )  # fmt: skip
+        )
 
     @property
     def _enough(self) -> bool:
@@ -218,11 +238,15 @@ class Finding:
         )
         return tuple(
             Ranked(
-                c.name, c.score.candidate.location, c.gain, c.score.amplitude,
-                lengths.get(c.name, c.score.length),
+                name=c.name,
+                location=c.score.candidate.location,
+                log_bayes=c.gain,
+                size=c.score.amplitude,
+                detectability=lengths.get(c.name, c.score.length),
             )
-            for c in first if c.score.candidate.location != "outlier"
-        )  # fmt: skip
+            for c in first
+            if c.score.candidate.location != "outlier"
+        )
 
 
 def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
@@ -239,6 +263,7 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
     own = {name: parameters_of(found, name, final) for name in found.values}
     return Named(
-        effect.name, effect.location, next(iter(own.values())),
-        own if effect.by_configuration else {}, one.confidence, confusable, share, form,
+        name=effect.name, location=effect.location, parameters=next(iter(own.values())),
+        by_configuration=own if effect.by_configuration else {}, confidence=one.confidence,
+        confusable_with=confusable, form_share=share, form=form,
     )  # fmt: skip

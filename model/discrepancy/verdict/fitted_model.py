@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.locations.nonparametric import unknown_effect
 from model.discrepancy.prepare import Options
+from model.discrepancy.verdict.inferred_form import unknown_effect
 from model.discrepancy.verdict.result import Gap, Unknown
 from model.effects.interface import EffectParameter
 from model.identification.likelihood.form_error import Found
@@ -37,16 +37,19 @@ def sheet_model(
     }  # fmt: skip
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
-        sheets, tuple(effects), measurements.source, measurements.checksum, held,
-        {k: v for k, v in figures.items() if np.isfinite(v)},
+        sheets=sheets, effects=tuple(effects), source=measurements.source,
+        checksum=measurements.checksum, held_out=held,
+        merit={k: v for k, v in figures.items() if np.isfinite(v)},
     )  # fmt: skip
 
 
 def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
     own = {name: parameters_of(one, name, final) for name in one.values}
     if one.effect.by_configuration:
-        return ActiveEffect(one.effect.name, {}, own)
-    return ActiveEffect(one.effect.name, next(iter(own.values())), {})
+        return ActiveEffect(name=one.effect.name, parameters={}, by_configuration=own)
+    return ActiveEffect(
+        name=one.effect.name, parameters=next(iter(own.values())), by_configuration={}
+    )
 
 
 def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:

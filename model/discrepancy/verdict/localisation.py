@@ -84,4 +84,12 @@ def _where(
 ) -> Where:
     at, name = float(scene.stated_m[k]), scene.sheet.configuration
     position = None if np.isnan(at) else round(at * 1e3, 6)
-    return Where(observable, name, float(scene.voltage_V[k]), position, s_mm, z, detail)
+    return Where(
+        observable=observable,
+        configuration=name,
+        voltage_V=float(scene.voltage_V[k]),
+        position_mm=position,
+        s_mm=s_mm,
+        z=z,
+        detail=detail,
+    )

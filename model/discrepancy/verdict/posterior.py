@@ -21,7 +21,7 @@ LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
 SLOT_MARGIN = 4.5  # ln of the Bayes factor by which a free form must be better than a name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Choice:
     """A named effect with what it was chosen from."""
 
@@ -56,7 +56,14 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
     )
     alike = {c.name for c in ranking if c.known and c.score.candidate.location == effect.location}
     of_location = sum(p for n, p in chances.items() if n in alike)
-    return Choice(effect, own, tuple(others), chosen.gain, of_location, chosen.tried)
+    return Choice(
+        effect=effect,
+        confidence=own,
+        alternatives=tuple(others),
+        gain=chosen.gain,
+        of_location=of_location,
+        tried=chosen.tried,
+    )
 
 
 def choices(
@@ -148,7 +155,7 @@ def rest_of_another(named: Sequence[Choice]) -> int | None:
     return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Leftover:
     """What free forms find in what a model leaves."""
 
@@ -184,4 +191,11 @@ def leftover(
     gain = rest.gain if rest is not None else 0.0
     total = max(best.gain, explained + max(gain, 0.0))
     beside = apart(final, rest) if rest is not None else 0.0
-    return Leftover(gain, total, best.name.split(":")[1], best, rest, beside)
+    return Leftover(
+        gain=gain,
+        total=total,
+        location=best.name.split(":")[1],
+        first=best,
+        last=rest,
+        apart=beside,
+    )

@@ -15,7 +15,7 @@ from model.measurements import FloatArray
 CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cells:
     """Rows by what people ask for: numbers are indices into all rows, each group one number."""
 
@@ -24,13 +24,15 @@ class Cells:
     drift: tuple[Index, ...]  # trends and first pulses of each condition's readings
     sway: tuple[Index, ...]  # the same of how far out their curves are
     pulse: tuple[Index, ...]  # parts of a pulse
-    weight: FloatArray  # (N,) of squares: trends are told for a reading
+    weight: FloatArray  # (N,) of squares: trends are expected for a reading
 
 
 def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
     """Where all that stands; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
-    found = Cells((), (), (), (), (), np.ones(study.layout.size))
+    found = Cells(
+        force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(study.layout.size)
+    )
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
         # without contact there is nothing that the sheet's model could be wrong about
         counts = np.array(
@@ -93,7 +95,14 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
 
     kinds = (where.force, where.curve, where.drift, where.sway, where.pulse)
     force, curve, drift, sway, pulse = (rms(groups) for groups in kinds)
-    return Gap(force, curve, chi2, drift, pulse, sway)
+    return Gap(
+        force_rmse_mN=force,
+        curve_rmse_mm=curve,
+        chi2_per_dof=chi2,
+        drift_rmse_mN=drift,
+        pulse_rmse_mN=pulse,
+        drift_rmse_mm=sway,
+    )
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:
@@ -141,16 +150,29 @@ def table(
             mean = part.trend_rows[(part.trend_of == k) & part.is_mean]
             force = float(np.mean(one.kept_N)) if len(mean) else np.nan
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
-            told = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
+            expected = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
             measured = base.problem.study.scenes[c].measured(k)
             first, last = (_simulated(fitted, c, k) for fitted in (base, final))
             rows.append(
                 ErrorRow(
-                    one.configuration, None if one.free else one.position_m, one.voltage_V, force,
-                    sigma, told[0], told[1], *measured, first[0], last[0], first[1], last[1],
-                    told[2], told[3],
-                )
-            )  # fmt: skip
+                    configuration=one.configuration,
+                    position_m=None if one.free else one.position_m,
+                    voltage_V=one.voltage_V,
+                    force_N=force,
+                    sigma_N=sigma,
+                    before_N=expected[0],
+                    after_N=expected[1],
+                    s_m=measured[0],
+                    x_m=measured[1],
+                    y_m=measured[2],
+                    before_xy_m=first[0],
+                    after_xy_m=last[0],
+                    before_off_m=first[1],
+                    after_off_m=last[1],
+                    held_out_before_N=expected[2],
+                    held_out_after_N=expected[3],
+                ),
+            )
     return tuple(rows)
 
 

@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from model.effects.interface import Location
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
@@ -19,12 +18,12 @@ Verdict = Literal[
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Named:
     """An effect that the model now includes."""
 
     name: str
-    location: Location
+    location: str
     parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
     by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
     confidence: float
@@ -33,7 +32,7 @@ class Named:
     form: FormCurve | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FormCurve:
     """An effect's form as the data have it, beside the catalogue's: the family, not the formula."""
 
@@ -46,11 +45,11 @@ class FormCurve:
     what: str  # of the values
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Unknown:
     """Something that no effect of the catalogue explains."""
 
-    location: Location
+    location: str
     configuration: str
     s_mm: FloatArray  # the coordinate, in `at_unit`: along sheet or arc, force, or time
     profile: FloatArray
@@ -67,7 +66,7 @@ class Unknown:
         return float(self.s_mm[int(np.argmax(np.abs(self.profile)))])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Where:
     """A cell in which simulation and measurement disagree."""
 
@@ -80,7 +79,7 @@ class Where:
     detail: str = ""  # reading or time, where it is that
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gap:
     """How far a model is from the measurements: mean forces, curves, and both in time."""
 
@@ -108,7 +107,7 @@ class BeforeAfter:
         return {"before": self.before.to_json(), "after": self.after.to_json()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ranked:
     """A line of the ranking."""
 
@@ -120,7 +119,7 @@ class Ranked:
     why_not: str = ""  # why it is not named although it may rank high
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ErrorRow:
     """One condition, measured and simulated; curves in metres, at the measured points."""
 
@@ -142,7 +141,7 @@ class ErrorRow:
     held_out_after_N: float = float("nan")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Next:
     """What to measure to be sure."""
 
@@ -164,7 +163,7 @@ class Signatures:
     cosine: FloatArray  # (n, n)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Everything that was found."""
 
@@ -190,6 +189,8 @@ class Diagnosis:
     model: SheetModel
     seconds: float = 0.0
     base: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)  # B, EIBM
+    # "distribution version" by name of the effects and locations of other distributions
+    plugins: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """The object that `diagnose --json` prints."""
@@ -208,6 +209,7 @@ class Diagnosis:
             },
             "sentence": self.sentence,
             "notes": list(self.notes),
+            **({"plugins": dict(self.plugins)} if self.plugins else {}),
         }
 
 

@@ -35,7 +35,7 @@ class Sensitivities:
     modes: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SolvedConditions:
     """What a `BeamProblem` gives."""
 
@@ -163,10 +163,11 @@ class ConfigurationModel:
         none = np.zeros(K)
         change = np.zeros((K, G)) if rest is None else np.broadcast_to(rest, (K, G)).copy()
         return BeamProblem(
-            self.sheet, self.s_m, self.voltage_V, self.stated_m, self.up, np.full(K, stiffness),
-            change, bent, np.zeros((K, G)), np.ones((K, G)),
-            none, none.copy(), none.copy(), none.copy(), self.piece_m, self.clock, self.reading_of,
-            self.share, self.upright,
+            sheet=self.sheet, s_m=self.s_m, voltage_V=self.voltage_V, stated_m=self.stated_m,
+            up=self.up, stiffness=np.full(K, stiffness), rest=change, eibm=bent,
+            bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
+            shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m,
+            clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
         )  # fmt: skip
 
     # -- solving
@@ -207,7 +208,15 @@ class ConfigurationModel:
         off = (self.curve_x - px) * nx + (self.curve_y - py) * ny
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
-        return SolvedConditions(contact, contact.force_N.copy(), modes, px, py, nx, ny)
+        return SolvedConditions(
+            contact=contact,
+            force_N=contact.force_N.copy(),
+            modes_m=modes,
+            x_m=px,
+            y_m=py,
+            nx=nx,
+            ny=ny,
+        )
 
     def forces(self, beam: BeamProblem) -> FloatArray:
         """Forces alone (K,); the solution kept for derivatives stays as it is."""
@@ -273,7 +282,17 @@ class ConfigurationModel:
     ) -> Equilibria:
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        found = solve(Problems(self.breaks, kappa, soft, radius_m, reach, angle), start)
+        found = solve(
+            Problems(
+                breaks_m=self.breaks,
+                kappa=kappa,
+                softness=soft,
+                radius_m=radius_m,
+                reach_m=reach,
+                angle_rad=angle,
+            ),
+            start,
+        )
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
@@ -388,11 +407,13 @@ class ConfigurationModel:
 
 
 def _nothing_held(K: int, G: int) -> ContactSolution:
-    nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
+    by_condition = ("force_N", "normal_N", "gamma_rad", "s_hat_m")
+    along = ("lever", "offset", "x_m", "y_m", "phi_rad", "curvature")
     return ContactSolution(
-        nan, nan.copy(), nan.copy(), nan.copy(), along, along.copy(), along.copy(), along.copy(),
-        along.copy(), along.copy(), zero,
-    )  # fmt: skip
+        **{name: np.full(K, np.nan) for name in by_condition},
+        **{name: np.zeros((K, G)) for name in along},
+        end_phi_rad=np.zeros(K),
+    )
 
 
 def projection(s: FloatArray, modes: int) -> FloatArray:

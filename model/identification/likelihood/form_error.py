@@ -18,9 +18,9 @@ from model.identification.likelihood.linearisation import Linearisation
 from model.identification.likelihood.model_state import (
     AppliedEffect,
     ModelState,
-    Perturbation,
     acting_in,
 )
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.effect_hooks import Acting, applied
 

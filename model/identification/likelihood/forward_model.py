@@ -18,7 +18,6 @@ from model.identification.likelihood.contact_solution import (
 from model.identification.likelihood.model_state import (
     AppliedEffect,
     ModelState,
-    Perturbation,
     acting_in,
 )
 from model.identification.likelihood.row_index import RowBlock, RowIndex
@@ -31,6 +30,7 @@ from model.identification.likelihood.time_courses import (
     modes_in_images,
     of_free_shapes,
 )
+from model.locations.quantities import Perturbation
 from model.measurements import Curve, FloatArray
 from model.mechanics.field import Field
 from model.sheet.effect_hooks import (
@@ -190,10 +190,17 @@ class ForwardModel:
             added_N = added_force_N([one], state.weighed, part.in_time)
             step = replace(step, force_N=step.force_N + added_N)
         if type(one.effect).curve is not Effect.curve:
-            points = ImagePoints(state.solved.x_m, state.solved.y_m, scene.length)
-            dx, dy = image_displacement_m([one], points, scene.curve_s)
+            dx, dy = image_displacement_m([one], self.points(c, state.solved))
             step = replace(step, points_m=dx * state.solved.nx + dy * state.solved.ny)
         return step
+
+    def points(self, c: int, solved: SolvedConditions) -> ImagePoints:
+        """Return the points of all curves."""
+        scene = self.scenes[c]
+        return ImagePoints(
+            s_m=scene.curve_s, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx,
+            normal_y=solved.ny, scale_m=scene.length,
+        )  # fmt: skip
 
     def _rise_s(self, c: int) -> float:
         return max(self.scenes[c].sheet.rise_time_s, 1e-6)

@@ -19,7 +19,6 @@ from model.identification.likelihood.model_state import (
     AppliedEffect,
     ModelState,
     Mounting,
-    Perturbation,
 )
 from model.identification.likelihood.random_effects import (
     Added,
@@ -30,6 +29,7 @@ from model.identification.likelihood.random_effects import (
     scatter_columns,
 )
 from model.identification.likelihood.row_noise import RowNoise, width_of
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
@@ -152,8 +152,9 @@ def linearise(
     if added:
         y = y + restored(dict(zip(noise.random_effects, groups, strict=True)), added)
     data = Data(
-        y, pad(columns), groups, [pad(m) for m in noise.masks],
-        np.where(empty, 1.0, pad(noise.fixed)), width**-2.0, theta - mean, width_of(noise),
+        y=y, X=pad(columns), groups=groups, masks=[pad(m) for m in noise.masks],
+        fixed=np.where(empty, 1.0, pad(noise.fixed)), precision=width**-2.0, away=theta - mean,
+        width=width_of(noise),
     )  # fmt: skip
     return Linearisation(states, residual, columns, data)
 

@@ -30,20 +30,6 @@ def acting_in(active: Sequence[AppliedEffect], configuration: str) -> list[Actin
     ]
 
 
-@dataclass(kw_only=True)
-class Perturbation:
-    """A change of one configuration's prediction, to first order."""
-
-    beam: FloatArray  # (K, Q) columns of `ConfigurationModel.answers`
-    eibm: FloatArray  # (n,) relative, of each reading
-    stiffness: FloatArray  # (n,)
-    force_N: FloatArray  # (n,) of each reading
-    bin_eibm: FloatArray  # (b,) relative to the sampling point
-    bin_stiffness: FloatArray
-    points_m: FloatArray  # (K, S) of the predicted points along the normal
-    frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older
-
-
 @dataclass(frozen=True, kw_only=True)
 class Mounting:
     """How the set-up of each condition differs from the nominal one, arrays (K,)."""

@@ -13,7 +13,8 @@ import numpy as np
 
 from model.effects.rise import rise_left
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.model_state import ModelState, Mounting, Perturbation
+from model.identification.likelihood.model_state import ModelState, Mounting
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).

@@ -38,7 +38,7 @@ TASK: Table[Task] = {
 
 
 def _planned(kind: str, get: Callable[[InputPlan], Any], field: str) -> Attribute[Task]:
-    """A timing value that the board coerces: asking for it verifies the task."""
+    """Make a timing value that the board coerces: reading it verifies the task."""
 
     def ask(_: Engine, task: Task) -> Any:
         plan = task.verify()
@@ -125,7 +125,7 @@ def _acquired(engine: Engine, task: Task) -> int:
 
 
 def _default_count(engine: Engine, task: Task) -> int:
-    """What `read all available` means here; drivers from 24.5 on tell it, clients ask."""
+    """Return what `read all available` means; drivers from 24.5 on report it, clients ask."""
     acquisition, timing = task.acquisition, task.timing
     if timing.kind is TimingType.ON_DEMAND:
         return 1

@@ -57,7 +57,7 @@ def create_ai_voltage_chan(engine: Engine, request: Message, call: Call) -> Mess
 
 
 def refuse_scales(units: int, scale: str) -> None:
-    """Custom scales are not simulated."""
+    """Refuse custom scales: they are not simulated."""
     if scale or units != VOLTS:
         raise NotSimulatedError("the simulated boards know no unit but volts")
 
@@ -111,7 +111,7 @@ def _take(engine: Engine, request: Message, call: Call) -> Taken:
 
 
 def _laid_out(rows: AnyArray, request: Message, size: int) -> AnyArray:
-    """The caller's flat array. By channel, each row has the room of the samples asked for."""
+    """Fill the caller's flat array. By channel, a row has the room of the samples asked for."""
     channels, count = rows.shape
     room = max(request.num_samps_per_chan, count)
     if channels * room > size:

@@ -62,7 +62,7 @@ def write_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Mes
 
 
 def rows_of(flat: FloatArray, task: Task, samples: int, *, by_channel: bool) -> FloatArray:
-    """The data as (channels, samples); -200524 when there are too few or too many."""
+    """Return the data as (channels, samples); -200524 when there are too few or too many."""
     channels = len(task.channels)
     if flat.size != channels * samples or samples < 1:
         raise StatusError(

@@ -115,7 +115,7 @@ def _written_task(engine: Engine, request: Message, call: Call) -> Task:
 
 
 def _rows(flat: Words, task: Task, request: Message, width: int) -> Words:
-    """The data as (channels, samples, width)."""
+    """Return the data as (channels, samples, width)."""
     channels, samples = len(task.channels), request.num_samps_per_chan
     if samples < 1 or flat.size != channels * samples * width:
         raise StatusError(

@@ -14,7 +14,7 @@ from sim_hardware.ni.tasks.task import Task
 
 
 def register_every_n_samples_event(engine: Engine, request: Message, call: Call) -> Stream:
-    """Hear of every n samples that have been acquired."""
+    """Register for an event after every n samples."""
     task = task_of(engine, request, call)
     _check_type(task, request)
     task.refuse_while_running(Code.EVENT_WHILE_RUNNING)
@@ -27,7 +27,7 @@ def register_every_n_samples_event(engine: Engine, request: Message, call: Call)
 
 
 def register_done_event(engine: Engine, request: Message, call: Call) -> Stream:
-    """Hear of the end of an acquisition."""
+    """Register for the end of an acquisition."""
     task = task_of(engine, request, call)
     task.refuse_while_running(Code.EVENT_WHILE_RUNNING)
     if task.events.done is not None and not task.events.done.closed:
@@ -62,7 +62,7 @@ def _stopped_task(engine: Engine, request: Message, call: Call) -> Task:
 
 
 def _check_type(task: Task, request: Message) -> None:
-    """Inputs fill buffers, clocked outputs empty them; a static board has none."""
+    """Refuse events that the task cannot have: inputs fill buffers, clocked outputs empty them."""
     kind = raw_enum(request, "every_n_samples_event_type")
     if kind == ACQUIRED_INTO_BUFFER:
         if task.channels and not task.inputs:

@@ -49,7 +49,7 @@ def take(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) 
 
 
 def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> Taken:
-    """Samples from now on, as fast as the board converts."""
+    """Acquire samples from now on, as fast as the board converts."""
     started = not task.running
     if started:
         engine.start(task)
@@ -90,7 +90,7 @@ def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: C
 
 
 def _how_many(engine: Engine, task: Task, acquisition: Acquisition, wanted: int) -> int:
-    """A finite acquisition gives what is left of it, and nothing after its end."""
+    """Return how many samples a read gets: of a finite acquisition what is left of it."""
     total = acquisition.plan.total
     if wanted == ALL_AVAILABLE:
         if total is None or task.read_all_available:

@@ -23,12 +23,12 @@ def self_test_device(engine: Engine, request: Message, _call: Call) -> Message:
 
 
 def get_error_string(_engine: Engine, request: Message, _call: Call) -> Message:
-    """The text of a status code."""
+    """Return the text of a status code."""
     return pb.GetErrorStringResponse(error_string=error_string(request.error_code))
 
 
 def enumerate_devices(engine: Engine, _request: Message, _call: Call) -> Message:
-    """The boards, as the server's own service lists them."""
+    """List the boards, as the server's own service does."""
     devices = [
         session_pb2.DeviceProperties(
             name=device.name,

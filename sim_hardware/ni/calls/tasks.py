@@ -17,12 +17,12 @@ _START, _STOP, _VERIFY, _COMMIT, _RESERVE, _UNRESERVE, _ABORT = range(7)  # cons
 
 
 def task_of(engine: Engine, request: Message, call: Call) -> Task:
-    """The task that a request names."""
+    """Return the task that a request names."""
     return engine.sessions.find(request.task.name, call.client)
 
 
 def create_task(engine: Engine, request: Message, call: Call) -> Message:
-    """A new task, or the one that has the name already."""
+    """Return a new task, or the one that has the name already."""
     behaviour = int(request.initialization_behavior)
     task, new = engine.sessions.create(request.session_name, behaviour, call.client)
     return pb.CreateTaskResponse(task=Session(name=task.name), new_session_initialized=new)
@@ -106,7 +106,7 @@ def cfg_samp_clk_timing(engine: Engine, request: Message, call: Call) -> Message
 
 
 def sample_mode(raw: int) -> SampleMode:
-    """The enum of a number that a client sent."""
+    """Return the enum of a number that a client sent."""
     try:
         return SampleMode(raw)
     except ValueError:

@@ -1,7 +1,7 @@
-"""A running acquisition: which samples have been taken by now, and what they are.
+"""A running acquisition: which samples have been acquired by now, and their values.
 
-Nothing runs in the background. That a sample has been taken follows from the time; what it is, is
-asked of the bench when somebody reads it.
+Nothing runs in the background. The time determines which samples have been acquired; their values
+are computed by the simulated rig when a client reads them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from sim_hardware.ni.signals.timing import InputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.simulated_rig import AnalogSide
 
-_TINY = 1e-6  # of a sample period: a sample due exactly now has been taken
+_TINY = 1e-6  # of a sample period: a sample due exactly now is acquired
 
 
 @dataclass(frozen=True)
@@ -31,22 +31,22 @@ class Samples:
 
 
 class Sampler:
-    """Takes samples of a task's channels at given times."""
+    """Acquires samples of a task's channels at given times."""
 
     def __init__(
         self,
-        bench: AnalogSide,
+        rig: AnalogSide,
         channels: Sequence[AnalogInputChannel],
         converters: Sequence[Converter],
     ) -> None:
-        self._bench = bench
+        self._rig = rig
         self._channels = tuple(channels)
         self._converters = tuple(converters)
 
     def take(self, times_s: FloatArray, convert_s: float, latest_s: float) -> Samples:
-        """Samples at `times_s`; each channel is converted `convert_s` after the one before it.
+        """Return samples at `times_s`; each channel is converted `convert_s` after the last one.
 
-        No sample is taken after `latest_s`: rounding must not reach into the future.
+        No sample is acquired after `latest_s`: rounding must not reach into the future.
         """
         shape = (len(self._channels), len(times_s))
         when = times_s + convert_s * np.arange(shape[0])[:, None]
@@ -60,7 +60,7 @@ class Sampler:
         return Samples(codes, volts)
 
     def _terminals(self, when: FloatArray) -> FloatArray:
-        """The bench's volts. A terminal that is in the task twice is asked in the order of time."""
+        """Return the rig's volts. A terminal that occurs twice is read in the order of time."""
         raw = np.empty(when.shape)
         rows: dict[tuple[str, str], list[int]] = {}
         for row, channel in enumerate(self._channels):
@@ -69,7 +69,7 @@ class Sampler:
             times = when[places].ravel()
             order = np.argsort(times, kind="stable") if len(places) > 1 else slice(None)
             answer = np.empty(times.shape)
-            answer[order] = self._bench.read(device, physical, times[order])
+            answer[order] = self._rig.read(device, physical, times[order])
             raw[places] = answer.reshape(len(places), -1)
         return raw
 
@@ -87,7 +87,7 @@ class Acquisition:
         self._stopped_at: int | None = None
 
     def acquired(self, now_s: float) -> int:
-        """Samples per channel taken so far."""
+        """Return the samples per channel acquired so far."""
         if self._stopped_at is not None:
             return self._stopped_at
         periods = (now_s - self.start_s - self._last_channel_s) * self.plan.rate_hz
@@ -95,11 +95,11 @@ class Acquisition:
         return count if self.plan.total is None else min(count, self.plan.total)
 
     def time_of(self, count: int) -> float:
-        """When `count` samples of every channel have been taken."""
+        """Return when `count` samples of every channel have been acquired."""
         return self.start_s + self._last_channel_s + (count - 1) / self.plan.rate_hz
 
     def available(self, now_s: float) -> int:
-        """Samples per channel to be read; -200279 once unread ones have been overwritten."""
+        """Return the samples per channel to be read; -200279 once unread ones were overwritten."""
         unread = self.acquired(now_s) - self.position
         if self.overflowed or (self.plan.total is None and unread > self.plan.buffer):
             self.overflowed = True
@@ -111,20 +111,20 @@ class Acquisition:
         return unread
 
     def overflow_s(self) -> float:
-        """When the buffer overflows if nobody reads."""
+        """Return when the buffer overflows if no client reads."""
         return self.time_of(self.position + self.plan.buffer + 1)
 
     def is_done(self, now_s: float) -> bool:
-        """All samples of a finite acquisition have been taken, or it has been stopped."""
+        """Return whether a finite acquisition has all its samples, or has been stopped."""
         total = self.plan.total
         return self._stopped_at is not None or (total is not None and self.acquired(now_s) >= total)
 
     def end(self, now_s: float) -> None:
-        """No more samples are taken."""
+        """Acquire no more samples."""
         self._stopped_at = self.acquired(now_s)
 
     def read(self, count: int, now_s: float) -> Samples:
-        """The next `count` samples, which must have been taken."""
+        """Return the next `count` samples, which must have been acquired."""
         index = np.arange(self.position, self.position + count)
         times_s = self.start_s + index / self.plan.rate_hz
         self.position += count

@@ -24,7 +24,7 @@ class Lines:
     def __init__(self) -> None:
         self._high: dict[str, bool] = {}
         self.edges: deque[LineEdge] = deque(maxlen=self.KEPT_EDGES)
-        self.wired: Callable[[str, float], None] | None = None  # told of each edge: line, time
+        self.wired: Callable[[str, float], None] | None = None  # called for each edge: line, time
 
     def level(self, line: str) -> bool:
         """Whether a line is high; it is low until written."""
@@ -39,5 +39,5 @@ class Lines:
         self._high[line] = high
 
     def last_edge_s(self, line: str) -> float | None:
-        """When a line last changed, as a one-shot behind it would see; None if never."""
+        """When a line last changed, as a one-shot behind it sees; None if never."""
         return next((edge.time_s for edge in reversed(self.edges) if edge.line == line), None)

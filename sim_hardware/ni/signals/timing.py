@@ -1,4 +1,4 @@
-"""When samples are taken: what a client asked for, and what the board makes of it."""
+"""Sample timing: as a client asked for it, and as the board coerces it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class TaskTiming:
     convert_rate_hz: float | None = None
 
     def buffer_size(self) -> int:
-        """Samples per channel that the driver keeps in the computer's memory."""
+        """Return the samples per channel that the driver keeps in the computer's memory."""
         if self.kind is TimingType.ON_DEMAND:
             return 0
         if self.buffer is not None:
@@ -54,7 +54,7 @@ class TaskTiming:
 
 @dataclass(frozen=True)
 class InputPlan:
-    """How the board takes samples, checked and coerced."""
+    """The timing of an acquisition, checked and coerced."""
 
     rate_hz: float
     convert_s: float  # from one channel's conversion to the next one's; 0: simultaneous
@@ -88,7 +88,7 @@ def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPl
 
 
 def coerced_rate(asked_hz: float, side: AnalogInputs, channels: int) -> float:
-    """The rate nearest above `asked_hz` that divides the timebase; -200077 out of limits."""
+    """Return the rate next above `asked_hz` that divides the timebase; -200077 out of limits."""
     most = side.max_rate(channels)
     if not side.min_rate_hz <= asked_hz <= most * (1 + 1e-9):
         raise StatusError(

@@ -54,7 +54,7 @@ class Engine:
         self._reservations: Reservations[Task] = Reservations()
 
     def now(self) -> float:
-        """The clock's time."""
+        """Return the clock's time."""
         return self.clock.now()
 
     def wait_until(self, when: float, call: Call) -> bool:
@@ -77,7 +77,7 @@ class Engine:
         task.state = max(task.state, TaskState.VERIFIED)
 
     def reserve(self, task: Task, state: TaskState = TaskState.RESERVED) -> None:
-        """Verify, and take the boards' resources (-50103 when somebody else has them)."""
+        """Verify, and take the boards' resources (-50103 when another task holds them)."""
         self.verify(task)
         self._reservations.take(task.resources(), task)
         task.state = max(task.state, state)
@@ -139,7 +139,7 @@ class Engine:
                 self.write_volts(device.name, f"ao{number}", 0.0)
 
     def client_gone(self, client: str) -> None:
-        """A client's connection has closed: with strict ownership its tasks go, outputs stay."""
+        """Clear the tasks of a closed connection, with strict ownership; outputs stay."""
         with self.lock:
             for task in self.sessions.of_client(client):
                 self.clear(task)
@@ -147,7 +147,7 @@ class Engine:
     # --------------------------------------------------------------------------------- terminals
 
     def _sampler(self, task: Task) -> Sampler:
-        """What takes the samples of a task's inputs."""
+        """Return the sampler of a task's inputs."""
         task.starts += 1
         converters = [
             Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
@@ -160,11 +160,11 @@ class Engine:
         return None if self._seed is None else (self._seed, task.number, task.starts, row)
 
     def write_volts(self, device: str, channel: str, volts: float) -> None:
-        """An output takes a new voltage, now."""
+        """Put a new voltage on an output, now."""
         if f"{device}/{channel}" not in self.faults.stuck_outputs:
             self._rig.write(device, channel, volts, self.now())
 
     def write_line(self, line: str, high: bool) -> None:
-        """A digital line takes a level, now."""
+        """Set a digital line's level, now."""
         if line not in self.faults.stuck_outputs:
             self.lines.write(line, high, self.now())

@@ -20,7 +20,7 @@ _WAIT_PIECE_S = 0.1  # a thread notices so soon that its task has been stopped
 
 def start_event_threads(clock: Clock, task: Task, acquisition: Acquisition) -> None:
     """Start a thread for each registration of a task that has just started."""
-    events = _Events(clock, task, acquisition)
+    events = _AcquisitionEvents(clock, task, acquisition)
     every_n, done = task.events.every_n, task.events.done
     if every_n is not None:
         clock.start_thread(lambda: events.every_n_samples(every_n), f"events of {task.name}")
@@ -29,7 +29,7 @@ def start_event_threads(clock: Clock, task: Task, acquisition: Acquisition) -> N
 
 
 @dataclass(frozen=True)
-class _Events:
+class _AcquisitionEvents:
     """The events of one acquisition of a task."""
 
     clock: Clock

@@ -13,8 +13,8 @@ from sim_hardware.ni.rpc import Message
 class Stream:
     """Events for one listener, in their order. Ends when it is closed from either side."""
 
-    # How long `send_and_wait` allows a listener that has stopped listening without a word.
-    PATIENCE_S = 30.0
+    # How long `send_and_wait` waits for a listener that has stopped listening.
+    LISTENER_TIMEOUT_S = 30.0
 
     def __init__(self) -> None:
         self._events: queue.SimpleQueue[Message | None] = queue.SimpleQueue()
@@ -33,10 +33,10 @@ class Stream:
     def send_and_wait(self, event: Message) -> None:
         """Send, and return when the listener asks for the next one (or has gone)."""
         self.send(event)
-        self._handled.acquire(timeout=self.PATIENCE_S)
+        self._handled.acquire(timeout=self.LISTENER_TIMEOUT_S)
 
     def drop_pending(self) -> None:
-        """Forget what has not been taken yet."""
+        """Remove the events that have not been sent yet."""
         try:
             while True:
                 if self._events.get_nowait() is None:
@@ -59,7 +59,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class EveryNSamples:
-    """A wish to hear of every `samples` samples."""
+    """A registration for an event after every `samples` samples."""
 
     samples: int
     stream: Stream

@@ -17,7 +17,7 @@ class Reservations(Generic[Holder]):
         self._holders: dict[str, Holder] = {}
 
     def take(self, resources: Iterable[str], holder: Holder) -> None:
-        """Take all of them, or none: -50103 names the first that somebody else holds."""
+        """Take all of them, or none: -50103 names the first that another task holds."""
         wanted = list(resources)
         for resource in wanted:
             if self._holders.get(resource, holder) is not holder:

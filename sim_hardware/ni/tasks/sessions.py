@@ -30,7 +30,7 @@ class Sessions:
         self._numbers = itertools.count()
 
     def create(self, name: str, behaviour: int, client: str) -> tuple[Task, bool]:
-        """The task of that name, and whether it is a new one."""
+        """Return the task of that name, and whether it is a new one."""
         owner = client if self._strict else ""
         found = self._tasks.get((owner, name)) if name else None
         if behaviour == Behaviour.ATTACH and found is None:
@@ -50,14 +50,14 @@ class Sessions:
         return found, False
 
     def find(self, name: str, client: str) -> Task:
-        """The task of that name; -200088 when there is none (for this client)."""
+        """Return the task of that name; -200088 when there is none (for this client)."""
         task = self._tasks.get((client if self._strict else "", name))
         if task is None:
             raise StatusError(Code.INVALID_TASK, task=name)
         return task
 
     def forget(self, task: Task) -> None:
-        """The task is no more."""
+        """Remove a task."""
         self._tasks.pop((task.owner, task.name), None)
 
     def all(self) -> list[Task]:
@@ -65,7 +65,7 @@ class Sessions:
         return list(self._tasks.values())
 
     def of_client(self, client: str) -> list[Task]:
-        """The tasks that belong to a client; none where tasks have no owner."""
+        """Return the tasks that belong to a client; none where tasks have no owner."""
         return [task for task in self._tasks.values() if task.owner and task.owner == client]
 
     def _new(self, name: str, owner: str) -> Task:

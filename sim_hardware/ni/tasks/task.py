@@ -91,7 +91,7 @@ class Task:
         self.changed()
 
     def changed(self) -> None:
-        """A setting has changed: it will be verified again."""
+        """Note that a setting has changed: it will be verified again."""
         if self.state is TaskState.VERIFIED:
             self.state = TaskState.UNVERIFIED
 
@@ -101,7 +101,7 @@ class Task:
             raise StatusError(code, task=self.name)
 
     def select(self, names: str) -> Iterator[Channel]:
-        """The channels in a list of names; all for an empty one."""
+        """Return the channels in a list of names; all for an empty one."""
         wanted = {name.lower() for name in split_list(names)}
         found = [c for c in self.channels if not wanted or c.name.lower() in wanted]
         if len(found) < max(1, len(wanted)):
@@ -140,7 +140,7 @@ class Task:
         )
 
     def resources(self) -> list[str]:
-        """What must be reserved for it."""
+        """Return the names of what must be reserved for it."""
         found: list[str] = []
         for channel in self.channels:
             device = channel.device.name

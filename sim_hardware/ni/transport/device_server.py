@@ -66,7 +66,7 @@ class NiDeviceServer:
         return self._engine.lines
 
     def in_process_channel(self) -> grpc.Channel:
-        """A connection without a socket; each is a client of its own."""
+        """Open a connection without a socket; each is a client of its own."""
         return InProcessChannel(self._engine, self._methods)
 
     def listen(self, port: int = 0) -> int:

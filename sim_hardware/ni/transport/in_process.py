@@ -40,13 +40,13 @@ class _ChannelCall:
 
 
 class _Outcome:
-    """What grpc.Call and grpc.Future tell of a call that has ended well."""
+    """The part of grpc.Call and grpc.Future for a call that has succeeded."""
 
     def __init__(self, value: Any = None) -> None:
         self._value = value
 
     def result(self, timeout: float | None = None) -> Any:  # noqa: ARG002 - grpc.Future has it
-        """The response."""
+        """Return the response."""
         return self._value
 
     def exception(self, timeout: float | None = None) -> Exception | None:  # noqa: ARG002
@@ -54,7 +54,7 @@ class _Outcome:
         return None
 
     def done(self) -> bool:
-        """True."""
+        """Return True."""
         return True
 
     def cancel(self) -> bool:
@@ -66,11 +66,11 @@ class _Outcome:
         callback(self)
 
     def code(self) -> grpc.StatusCode:
-        """The status."""
+        """Return the status."""
         return grpc.StatusCode.OK
 
     def details(self) -> str:
-        """The status in words."""
+        """Return the status in words."""
         return ""
 
     def initial_metadata(self) -> tuple[_Entry, ...]:
@@ -90,19 +90,19 @@ class InProcessRpcError(grpc.RpcError, _Outcome):  # type: ignore[misc] # grpc i
         self._fault = fault
 
     def result(self, timeout: float | None = None) -> Any:  # noqa: ARG002
-        """Raises the error."""
+        """Raise the error."""
         raise self
 
     def exception(self, timeout: float | None = None) -> Exception:  # noqa: ARG002
-        """The error."""
+        """Return the error."""
         return self
 
     def code(self) -> grpc.StatusCode:
-        """The status."""
+        """Return the status."""
         return self._fault.status
 
     def details(self) -> str:
-        """The status in words."""
+        """Return the status in words."""
         return self._fault.details
 
     def trailing_metadata(self) -> tuple[_Entry, ...]:
@@ -205,7 +205,7 @@ class InProcessChannel(grpc.Channel):  # type: ignore[misc] # grpc is untyped
         callback: Callable[[grpc.ChannelConnectivity], None],
         try_to_connect: bool | None = None,  # noqa: ARG002 - grpc.Channel has it
     ) -> None:
-        """Always connected."""
+        """Report that it is connected, as it always is."""
         callback(grpc.ChannelConnectivity.READY)
 
     def unsubscribe(self, callback: Callable[[grpc.ChannelConnectivity], None]) -> None:

@@ -1,4 +1,4 @@
-"""A bench of wires: each leads from an output to an input."""
+"""A simulated rig of wires alone: each leads from an output to an input."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from sim_hardware.simulated_rig import FloatArray
 
 
-class LoopbackBench:
+class LoopbackWires:
     """Inputs see the outputs they are wired to; all others see 0 V.
 
     An end is `ao0`, on whichever board has it, or `PCI6703/ao0`.
@@ -28,7 +28,7 @@ class LoopbackBench:
         self._lock = threading.Lock()
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
-        """See `Bench.write`."""
+        """See `AnalogSide.write`."""
         with self._lock:
             for output in _names(device, channel):
                 self._times.setdefault(output, [-np.inf]).append(when)
@@ -38,7 +38,7 @@ class LoopbackBench:
                     del self._volts[output][: self.KEPT_CHANGES // 2]
 
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:
-        """See `Bench.read`."""
+        """See `AnalogSide.read`."""
         sources = (self._source[name] for name in _names(device, channel) if name in self._source)
         source = next(sources, None)
         with self._lock:

@@ -25,7 +25,7 @@ _OPTIONS = (
 
 
 class PortTakenError(Exception):
-    """Somebody else listens on the port."""
+    """Another program listens on the port."""
 
 
 class TcpServer:
@@ -34,7 +34,7 @@ class TcpServer:
     def __init__(
         self, engine: Engine, methods: dict[str, Method], port: int, *, watch_clients: bool
     ) -> None:
-        """`watch_clients`: tell the engine when a client's connection closes."""
+        """`watch_clients`: notify the engine when a client's connection closes."""
         self._server = grpc.server(
             futures.ThreadPoolExecutor(_WORKERS, "ni-server"), options=_OPTIONS
         )
@@ -83,7 +83,7 @@ class _Handlers(grpc.GenericRpcHandler):  # type: ignore[misc] # grpc is untyped
         self._handlers = {path: _handler(engine, method) for path, method in methods.items()}
 
     def service(self, handler_call_details: grpc.HandlerCallDetails) -> Any:
-        """The handler of a path; None, and so UNIMPLEMENTED, when there is none."""
+        """Return the handler of a path; None, and so UNIMPLEMENTED, when there is none."""
         return self._handlers.get(handler_call_details.method)
 
 
@@ -95,7 +95,7 @@ def _handler(engine: Engine, method: Method) -> grpc.RpcMethodHandler:
         stream: Stream = _answer(engine, method, request, context)
         if not context.add_callback(stream.close):
             stream.close()  # the client has gone already
-        context.send_initial_metadata(())  # tells the client that it is registered
+        context.send_initial_metadata(())  # notifies the client that it is registered
         yield from stream
 
     make = (

@@ -1,6 +1,6 @@
 """All calls that the server answers, and the one place where faults become gRPC statuses.
 
-Both ways in (a TCP port, a channel in this process) end here. What is not in the table is
+Both transports (a TCP port, a channel in this process) end here. What is not in the table is
 UNIMPLEMENTED.
 """
 
@@ -90,7 +90,7 @@ def _of_service(service: Any, handlers: Mapping[str, Any], *, streams: bool) -> 
 
 
 def answer(engine: Engine, method: Method, request: Message, call: Call) -> Message | Stream:
-    """The response; raises CallError for whatever goes wrong."""
+    """Return the response; raise CallError for whatever goes wrong."""
     try:
         _suffer_faults(engine, method, call)
         with engine.lock:

@@ -1,6 +1,6 @@
 """Hands TCP connections on to the server and notices when one closes.
 
-A gRPC server in Python never hears that a client has gone; a local driver does. With strict
+A gRPC server in Python is not notified that a client has gone; a local driver does. With strict
 ownership the relay stands in front, so that a dead client's tasks can be cleared.
 """
 

@@ -95,7 +95,7 @@ class Chain:
         self._on_sheet = (np.arange(self.links) >= 1) & (np.arange(self.links) <= cut)
 
     def hinges(self, drive: float) -> Hinges:
-        """The kernels' `Hinges` at this drive."""
+        """Return the kernels' `Hinges` at this drive."""
         from sim_hardware.world.chain.kernels import Hinges
 
         sheet = self.sheet
@@ -149,7 +149,7 @@ class Chain:
         return values
 
     def free(self, drive: float) -> Equilibrium:
-        """The chain with nothing touching it."""
+        """Return the chain with nothing touching it."""
         from sim_hardware.world.chain import kernels
 
         phi = np.full(self.links, self.sheet.clamp_rad)

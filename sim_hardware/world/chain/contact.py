@@ -45,7 +45,7 @@ class ContactState:
         self.arc = arc
 
     def free_crossing(self, free: Equilibrium) -> Equilibrium | None:
-        """The free chain, touched without force where it first crosses the arc; None: nowhere."""
+        """Return the free chain, touched without force where it first crosses the arc, or None."""
         from sim_hardware.world.chain import contact_kernels
 
         chain, offset = self.chain, self.arc.roll_offset_m
@@ -75,7 +75,7 @@ class ContactState:
         return math.atan2(y, x)
 
     def solve(self, start: Equilibrium, drive: float, angle_rad: float) -> Equilibrium | None:
-        """The equilibrium near `start` at a drive and a polar angle; None: there is none."""
+        """Return the equilibrium near `start` at a drive and a polar angle; None: there is none."""
         from sim_hardware.world.chain import contact_kernels, kernels
 
         arc, chain = self.arc, self.chain
@@ -124,7 +124,7 @@ class ContactState:
     def drive_to(
         self, start: Equilibrium, drive: float, angle_rad: float
     ) -> tuple[Equilibrium, bool]:
-        """Follow a held chain while the drive changes; tells how far, and whether all the way."""
+        """Follow a held chain as the drive changes; return the state, and whether it got there."""
         state, step = start, _LONGEST_DRIVE
         while state.drive != drive:
             there = state.drive + max(-step, min(step, drive - state.drive))
@@ -138,7 +138,7 @@ class ContactState:
         return state, True
 
     def yielded(self, state: Equilibrium, angle_rad: float) -> Equilibrium:
-        """The state when an object put at `angle_rad` has given way to the force on it."""
+        """Return the state after an object at `angle_rad` has given way to the force on it."""
         if self.arc.give_rad_m2 == 0.0:
             return state
         for _ in range(_GIVE_ROUNDS):
@@ -149,6 +149,6 @@ class ContactState:
         return state
 
     def place(self, drive: float, angle_rad: float) -> Equilibrium | None:
-        """The held chain at a drive, reached from its free shape; None: not reachable."""
+        """Return the held chain at a drive, reached from its free shape; None: not reachable."""
         start = self.free_crossing(self.chain.free(drive))
         return None if start is None else self.push_to(start, angle_rad)

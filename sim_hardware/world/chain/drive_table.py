@@ -59,15 +59,15 @@ class DriveTable:
         return (drive <= self.lowest) | (drive >= self.highest)
 
     def forces_per_m2(self, drive: FloatArray) -> FloatArray:
-        """Forces on the object over B (2, n): along the arc and outward. All must be held."""
+        """Return the held object's forces over B (2, n): along the arc and outward."""
         return self._values(drive, slice(0, 2))
 
     def contact(self, drive: FloatArray) -> FloatArray:
-        """Normal force over B, and the place along the sheet (2, n). All must be held."""
+        """Return the normal force over B and the place along the held sheet (2, n)."""
         return self._values(drive, slice(NORMAL, S + 1))
 
     def state(self, drive: float) -> Equilibrium:
-        """The whole equilibrium at a drive that is held."""
+        """Return the whole equilibrium at a drive that is held."""
         row = self._values(np.array([drive]), slice(None))[:, 0]
         s, angle = (float(row[S]), float(row[ANGLE])) if self._angle_rad is not None else _NOWHERE
         return Equilibrium(

@@ -3,7 +3,7 @@
 from sim_hardware.world.settings.faults import FaultKind, FaultSettings
 from sim_hardware.world.settings.rig import (
     AmplifierSettings,
-    LoadCellSettings,
+    CellSettings,
     Signal,
     WiringSettings,
 )
@@ -11,9 +11,9 @@ from sim_hardware.world.settings.world import WorldSettings
 
 __all__ = [
     "AmplifierSettings",
+    "CellSettings",
     "FaultKind",
     "FaultSettings",
-    "LoadCellSettings",
     "Signal",
     "WiringSettings",
     "WorldSettings",

@@ -44,7 +44,7 @@ class FaultSettings(ClosedSettings):
     until_s: Positive | None = None
     """None: for good."""
     since: Literal["beginning", "first_voltage"] = "beginning"
-    """Of the world's time, or when the board was first told of a voltage other than 0."""
+    """Of the world's time, or from the first voltage other than 0 written to the board."""
     amount_s: Positive = 0.2
     """Of a delay, or a jump."""
 

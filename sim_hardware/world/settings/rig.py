@@ -60,16 +60,16 @@ class ArcSettings(ClosedSettings):
     origin_deg: Annotated[float, Field(ge=-180, le=180)]
     """Polar angle of position 0."""
     scale_error: Annotated[float, Field(ge=-0.2, le=0.2)]
-    """The rolls go relatively so much further than they are told."""
+    """Relative excess of the rolls' travel over the commanded one."""
     screw_mm: Annotated[float, Field(ge=-2, le=2)]
     """Amplitude of an error that comes again with every turn of the stage's screw."""
     screw_pitch_mm: Positive
     slip_mm: Annotated[float, Field(ge=-5, le=5)]
-    """From `slip_from_mm` on the rolls are so much further than they are told."""
+    """Excess of the rolls' position over the commanded one, from `slip_from_mm` on."""
     slip_from_mm: float
 
     def reached_m(self, position_m: float) -> float:
-        """Where the rolls are when they are told to go to a position."""
+        """Return the rolls' position for a commanded one."""
         error_mm = self.screw_mm * math.sin(2 * math.pi * position_m * 1e3 / self.screw_pitch_mm)
         if position_m * 1e3 >= self.slip_from_mm - 1e-9:
             error_mm += self.slip_mm
@@ -135,7 +135,7 @@ class InterlockSettings(ClosedSettings):
     """After the last edge the relay opens."""
 
 
-class LoadCellSettings(ClosedSettings):
+class CellSettings(ClosedSettings):
     """The load cell and its wiring."""
 
     sensitivity_V_per_N: float
@@ -175,7 +175,7 @@ class LoadCellSettings(ClosedSettings):
 
 
 class ViewSettings(ClosedSettings):
-    """How the picture deceives whoever believes the calibration."""
+    """Errors of the image that its calibration does not know of."""
 
     scale_error: Annotated[float, Field(ge=-0.5, le=0.5)]
     """Lengths look relatively so much longer."""
@@ -193,14 +193,14 @@ class ViewSettings(ClosedSettings):
     """... less and less within this distance of it."""
 
     @property
-    def honest(self) -> bool:
+    def is_undistorted(self) -> bool:
         """Whether everything is seen where it is."""
         errors = (self.scale_error, self.stretch, self.perspective_x, self.perspective_y)
         return not any(errors) and self.dent_mm == 0
 
     def seen(self, points_m: FloatArray) -> FloatArray:
-        """Where points (n, 2) appear to be."""
-        if self.honest:
+        """Return where points (n, 2) appear to be."""
+        if self.is_undistorted:
             return points_m
         x, y = points_m.T
         grown = 1 + self.scale_error + (self.perspective_x * x + self.perspective_y * y) / 0.05

@@ -166,5 +166,5 @@ class BumpSettings(ClosedSettings):
         return self
 
     def along(self, s_m: FloatArray) -> FloatArray:
-        """What is added at s."""
+        """Return the amount at s."""
         return self.amount * bump(s_m, self.at_mm * 1e-3, self.width_mm * 1e-3)

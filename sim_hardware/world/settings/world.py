@@ -18,10 +18,10 @@ from sim_hardware.world.settings.faults import FaultSettings
 from sim_hardware.world.settings.rig import (
     AmplifierSettings,
     ArcSettings,
+    CellSettings,
     ClampSettings,
     ElectricalSettings,
     InterlockSettings,
-    LoadCellSettings,
     RollsSettings,
     ViewSettings,
     WiringSettings,
@@ -46,7 +46,7 @@ class ScatterSettings(ClosedSettings):
     position_mm: NotNegative
     clamp_tilt_rad: NotNegative
     registration_mm: NotNegative
-    """Of the clamp's end in the picture, in each direction."""
+    """Of the clamp's end in the image, in each direction."""
 
 
 class ChainSettings(ClosedSettings):
@@ -70,11 +70,11 @@ class WorldSettings(ClosedSettings):
     water: WaterSettings
     amplifier: AmplifierSettings
     electrical: ElectricalSettings
-    load_cell: LoadCellSettings
+    load_cell: CellSettings
     clamp: ClampSettings
     rolls: RollsSettings
     gravity_N_per_m: float
-    """Weight of sheet per length that acts in the picture's plane, along -y."""
+    """Weight of sheet per length that acts in the image's plane, along -y."""
     frame_delay_s: Annotated[float, Field(ge=0, le=1)]
     """The camera shows what was there so long ago."""
     creep: CreepSettings
@@ -93,7 +93,7 @@ class WorldSettings(ClosedSettings):
         return sheet.eibm_ratio * along + self.bumped("eibm", configuration, s_m)
 
     def bumped(self, of: BumpOf, configuration: str, s_m: FloatArray) -> FloatArray:
-        """What bumps add to a property of a sheet."""
+        """Return the sum of the bumps of a property of a sheet."""
         result = np.zeros_like(s_m)
         for each in self.bumps:
             if each.of == of and each.configuration in ("", configuration):

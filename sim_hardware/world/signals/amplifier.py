@@ -42,12 +42,12 @@ class SimulatedAmplifier:
         return max(-s.rail_V, min(s.rail_V, s.gain * self._board_V))
 
     def write(self, board_V: float, when: float) -> None:
-        """The board's output changes; not earlier than the write before."""
+        """Change the board's output; not earlier than the write before."""
         self._board_V = board_V
         self._turn(when)
 
     def supply(self, when: float, *, on: bool) -> None:
-        """The relay in its supply closes or opens; not earlier than the last write."""
+        """Close or open the relay in its supply; not earlier than the last write."""
         self._supplied = on
         self._turn(when)
 
@@ -67,7 +67,7 @@ class SimulatedAmplifier:
         return np.where(span > 0, integral / np.where(span > 0, span, 1.0), there)
 
     def forget(self, before_s: float) -> None:
-        """Nobody will ask for times before this any more."""
+        """Forget the output before a time; it is not asked for again."""
         keep = 0
         while keep + 1 < len(self._history) and self._history[keep + 1][0] <= before_s:
             keep += 1

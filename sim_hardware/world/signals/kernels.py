@@ -30,7 +30,7 @@ def _mixed(bits: np.uint64) -> np.uint64:
 
 @brief_jit
 def white(ticks: npt.NDArray[np.int64], key: np.uint64) -> Floats:
-    """A standard normal value for each tick, independent of its neighbours."""
+    """Return a standard normal value for each tick, independent of its neighbours."""
     result = np.empty(ticks.shape[0])
     for k in range(ticks.shape[0]):
         first = _mixed(key + np.uint64(ticks[k]) * _ODD)

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
-from sim_hardware.world.settings import LoadCellSettings
+from sim_hardware.world.settings import CellSettings
 from sim_hardware.world.signals.noise import SlowWander, WhiteNoise
 
 FloatArray = npt.NDArray[np.float64]
@@ -30,13 +30,13 @@ class CellFault(StrEnum):
     NONE = "none"
     OPEN = "open"  # a broken signal wire: the input drifts to a rail
     NO_EXCITATION = "no_excitation"  # the bridge gives nothing but noise
-    OVERLOADED = "overloaded"  # somebody leans on it
+    OVERLOADED = "overloaded"  # loaded beyond its capacity
 
 
 class SimulatedLoadCell:
     """Volts of a force; noise is a function of the time since the world's beginning."""
 
-    def __init__(self, settings: LoadCellSettings, seed: int) -> None:
+    def __init__(self, settings: CellSettings, seed: int) -> None:
         from sim_hardware.world.signals import kernels
 
         self._approach, self._waves = kernels.approach, kernels.waves
@@ -51,14 +51,14 @@ class SimulatedLoadCell:
         return np.array([self._settings.hysteresis_reach_mN * 1e-3, sticking_N])
 
     def felt_N(self, force_N: FloatArray, turned_N: FloatArray) -> FloatArray:
-        """What the cell makes of the force, without noise; `turned_N` (n, 2): what lags behind."""
+        """Return the cell's response to a force, without noise; `turned_N` (n, 2): hysteresis."""
         s = self._settings
         bend = s.nonlinearity * force_N * np.abs(force_N) / (s.capacity_mN * 1e-3)
         loop = s.hysteresis_mN / s.hysteresis_reach_mN * turned_N[:, 0]
         return np.asarray(force_N + bend - loop - turned_N[:, 1])
 
     def stray_N(self, position_m: float | None, sheet_V: FloatArray) -> FloatArray:
-        """What cables do to it: its own by where it stands, the drive's by its voltage."""
+        """Return the force of cables: its own by its position, the drive's by its voltage."""
         s = self._settings
         cable_mN = s.cable_mN * ((position_m or 0.0) / _CABLE_M) ** 2
         return np.asarray((cable_mN + s.pickup_mN * sheet_V / 2.0) * 1e-3)
@@ -98,7 +98,7 @@ class SimulatedLoadCell:
     def filtered_N(
         self, force_N: float, since_s: FloatArray, random: np.random.Generator
     ) -> FloatArray:
-        """Readings of a steady force, each the mean over 0.2 s at 1 kHz, in newtons.
+        """Return readings of a steady force, each the mean over 0.2 s at 1 kHz, in newtons.
 
         Only for sessions without signals, in which nothing lags behind.
         """

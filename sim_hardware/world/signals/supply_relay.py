@@ -6,21 +6,21 @@ import math
 
 
 class SupplyRelay:
-    """Closed by an edge for `hold_s`; each edge begins that time anew."""
+    """Closed by an edge for `hold_s`; each edge restarts that time."""
 
     def __init__(self, hold_s: float, *, closed: bool) -> None:
-        """`closed`: there is no interlock, and nothing opens it."""
+        """Set the time it holds; `closed`: there is no interlock, and nothing opens it."""
         self._hold_s = hold_s
         self._opens_s = math.inf if closed else -math.inf
         self.closed = closed
 
     def edge(self, when: float) -> None:
-        """An edge has come."""
+        """Close the relay, or hold it: an edge has come."""
         self.closed = True
         self._opens_s = max(self._opens_s, when + self._hold_s)
 
     def drop(self, until_s: float) -> float | None:
-        """When it opened, if it has by this time and nobody was told yet."""
+        """Return when it opened, once, if it has by this time."""
         if not self.closed or until_s <= self._opens_s:
             return None
         self.closed = False

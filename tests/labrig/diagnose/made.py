@@ -45,7 +45,7 @@ def constant(model: SheetModel) -> SheetModel:
 
 def named_effect() -> ActiveEffect:
     decay = Parameter(1e3 * DECAY_M, 0.4, "mm")
-    return ActiveEffect("nonuniform_eibm", {"decay_length_mm": decay})
+    return ActiveEffect(name="nonuniform_eibm", parameters={"decay_length_mm": decay})
 
 
 @cache
@@ -68,29 +68,93 @@ def found() -> Diagnosis:
         sentence="The EIBM falls along the sheet: to 1/e within 12.0 ± 0.4 mm.",
         effects=(
             Named(
-                "nonuniform_eibm", "eibm",
-                {"decay_length_mm": Parameter(12.0, 0.4, "mm"),
-                 "end_to_root_ratio": Parameter(0.016, 0.002, "")},
-                {}, 0.993, (), 0.08,
-                FormCurve("s", "mm", s, form, 1.02 * form, 0.05 * form, "of the EIBM"),
+                name="nonuniform_eibm",
+                location="eibm",
+                parameters={
+                    "decay_length_mm": Parameter(12.0, 0.4, "mm"),
+                    "end_to_root_ratio": Parameter(0.016, 0.002, ""),
+                },
+                by_configuration={},
+                confidence=0.993,
+                confusable_with=(),
+                form_share=0.08,
+                form=FormCurve(
+                    along="s",
+                    unit="mm",
+                    at=s,
+                    catalogue=form,
+                    inferred=1.02 * form,
+                    band=0.05 * form,
+                    what="of the EIBM",
+                ),
             ),
         ),
         invisible={"charging_lag": "the force over a whole pulse"},
         unknown=None,
         where=(
-            Where("force", "long", 2.0, 0.0, None, 41.2),
-            Where("curve", "long", 2.0, 0.0, 38.0, -22.7),
-            Where("signal", "long", -2.0, 10.0, None, 5.1, "0.02 s after the edge"),
+            Where(
+                observable="force",
+                configuration="long",
+                voltage_V=2.0,
+                position_mm=0.0,
+                s_mm=None,
+                z=41.2,
+            ),
+            Where(
+                observable="curve",
+                configuration="long",
+                voltage_V=2.0,
+                position_mm=0.0,
+                s_mm=38.0,
+                z=-22.7,
+            ),
+            Where(
+                observable="signal",
+                configuration="long",
+                voltage_V=-2.0,
+                position_mm=10.0,
+                s_mm=None,
+                z=5.1,
+                detail="0.02 s after the edge",
+            ),
         ),
-        fitted=BeforeAfter(Gap(0.41, 1.62, 900.0), Gap(0.03, 0.02, 1.1)),
-        held_out=BeforeAfter(Gap(0.45, 1.71, 950.0), Gap(0.04, 0.03, 1.3)),
+        fitted=BeforeAfter(
+            Gap(force_rmse_mN=0.41, curve_rmse_mm=1.62, chi2_per_dof=900.0),
+            Gap(force_rmse_mN=0.03, curve_rmse_mm=0.02, chi2_per_dof=1.1),
+        ),
+        held_out=BeforeAfter(
+            Gap(force_rmse_mN=0.45, curve_rmse_mm=1.71, chi2_per_dof=950.0),
+            Gap(force_rmse_mN=0.04, curve_rmse_mm=0.03, chi2_per_dof=1.3),
+        ),
         closed=0.994,
         next_measurement=None,
         ranking=(
-            Ranked("nonuniform_eibm", "eibm", 812.4, 2.5, 300.0),
-            Ranked("load_cell_hysteresis", "load_cell", 310.0, 4.0, 60.0, "less likely"),
-            Ranked("unknown:eibm", "eibm", 250.0, 0.3, 90.0, "a known effect does better"),
-            Ranked("gravity", "even_moment", -1.8, 0.0, 12.0),
+            Ranked(
+                name="nonuniform_eibm",
+                location="eibm",
+                log_bayes=812.4,
+                size=2.5,
+                detectability=300.0,
+            ),
+            Ranked(
+                name="load_cell_hysteresis",
+                location="load_cell",
+                log_bayes=310.0,
+                size=4.0,
+                detectability=60.0,
+                why_not="less likely",
+            ),
+            Ranked(
+                name="unknown:eibm",
+                location="eibm",
+                log_bayes=250.0,
+                size=0.3,
+                detectability=90.0,
+                why_not="a known effect does better",
+            ),
+            Ranked(
+                name="gravity", location="even_moment", log_bayes=-1.8, size=0.0, detectability=12.0
+            ),
         ),
         threshold=6.2,
         threshold_from="the 95th percentile of 200 simulated sessions with nothing missing",
@@ -105,11 +169,14 @@ def found() -> Diagnosis:
         model=model,
         seconds=3.4,
         base={
-            name: {"B_Nm2": Parameter(B, 0.006e-6, "N m^2"),
-                   "EIBM_Nm +2 V": Parameter(3.6e-5, 1e-7, "N m")}
-            for name, B in STIFFNESS.items() if name in measurements.sheets
+            name: {
+                "B_Nm2": Parameter(B, 0.006e-6, "N m^2"),
+                "EIBM_Nm +2 V": Parameter(3.6e-5, 1e-7, "N m"),
+            }
+            for name, B in STIFFNESS.items()
+            if name in measurements.sheets
         },
-    )  # fmt: skip
+    )
 
 
 def _row(condition, base: SheetModel, model: SheetModel) -> ErrorRow:
@@ -117,19 +184,25 @@ def _row(condition, base: SheetModel, model: SheetModel) -> ErrorRow:
     before, after = predict(base, *where), predict(model, *where)
     curve, empty = condition.curve, np.zeros(0)
     force = float(np.mean([r.force_N for r in condition.used()]))
+    known = {
+        "configuration": condition.configuration, "position_m": condition.position_m,
+        "voltage_V": condition.voltage_V, "force_N": force, "sigma_N": SIGMA_N,
+        "before_N": before.F_N, "after_N": after.F_N,
+    }  # fmt: skip
     if curve is None:
         return ErrorRow(
-            *where, force, SIGMA_N, before.F_N, after.F_N, empty, empty, empty, (empty, empty),
-            (empty, empty), empty, empty,
+            **known, s_m=empty, x_m=empty, y_m=empty, before_xy_m=(empty, empty),
+            after_xy_m=(empty, empty), before_off_m=empty, after_off_m=empty,
         )  # fmt: skip
 
     def off(one):
         return (curve.y_m - one.y_m) * np.cos(np.gradient(one.y_m, one.s_m))
 
     return ErrorRow(
-        *where, force, SIGMA_N, before.F_N, after.F_N, curve.s_m, curve.x_m, curve.y_m,
-        (before.x_m, before.y_m), (after.x_m, after.y_m), off(before), off(after),
-        before.F_N, after.F_N,
+        **known, s_m=curve.s_m, x_m=curve.x_m, y_m=curve.y_m,
+        before_xy_m=(before.x_m, before.y_m), after_xy_m=(after.x_m, after.y_m),
+        before_off_m=off(before), after_off_m=off(after), held_out_before_N=before.F_N,
+        held_out_after_N=after.F_N,
     )  # fmt: skip
 
 
@@ -157,8 +230,8 @@ def indistinguishable() -> Diagnosis:
         one, verdict="indistinguishable", effects=(first,),
         sentence="Either the EIBM falls along the sheet or the load cell hangs behind.",
         next_measurement=Next(
-            "Six free shapes would tell nonuniform_eibm from load_cell_hysteresis.",
-            "free_shapes", 1.8, 14.0, 2.0, protocol,
+            why="Six free shapes would tell nonuniform_eibm from load_cell_hysteresis.",
+            extra="free_shapes", separation=1.8, expected=14.0, minutes=2.0, protocol=protocol,
         ),
     )  # fmt: skip
 
@@ -167,17 +240,31 @@ def unknown() -> Diagnosis:
     one = found()
     s = np.linspace(0.0, 50.0, 51)
     bump = 0.2 * np.exp(-(((s - 30.0) / 6.0) ** 2))
-    profile = Profile("s", tuple(1e-3 * s), tuple(bump), tuple(0.02 + 0.0 * s), "relative")
-    term = ActiveEffect("unknown", profile=profile, location="eibm", configurations=("long",))
+    profile = Profile(
+        along="s",
+        at=tuple(1e-3 * s),
+        values=tuple(bump),
+        sigma=tuple(0.02 + 0.0 * s),
+        unit="relative",
+    )
+    term = ActiveEffect(name="unknown", profile=profile, location="eibm", configurations=("long",))
     return replace(
-        one, verdict="unknown_effect", effects=(),
+        one,
+        verdict="unknown_effect",
+        effects=(),
         sentence="Something that no effect of the catalogue explains acts on the EIBM.",
         unknown=Unknown(
-            "eibm", "long", s, bump, 0.02 + 0.01 * bump, "relative", "s",
-            "in proportion to the EIBM, so it changes sign with the voltage",
+            location="eibm",
+            configuration="long",
+            s_mm=s,
+            profile=bump,
+            band=0.02 + 0.01 * bump,
+            unit="relative",
+            along="s",
+            depends="in proportion to the EIBM, so it changes sign with the voltage",
         ),
         model=one.model.with_effects(term),
-    )  # fmt: skip
+    )
 
 
 def cannot_tell() -> Diagnosis:

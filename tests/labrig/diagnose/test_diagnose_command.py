@@ -271,7 +271,14 @@ def test_an_effect_that_does_not_exist_is_refused_with_those_that_do(capsys):
 @pytest.fixture
 def proposing(monkeypatch):
     def propose(extra):
-        found = Next("Six free shapes tell them apart.", extra, 1.5, 9.0, 3.0, {})
+        found = Next(
+            why="Six free shapes tell them apart.",
+            extra=extra,
+            separation=1.5,
+            expected=9.0,
+            minutes=3.0,
+            protocol={},
+        )
         monkeypatch.setattr(model.discrepancy, "next_measurement", lambda *_: found)
 
     return propose

@@ -18,7 +18,8 @@ from labrig.extractors.conformance import faults
 from labrig.extractors.examples import CLAMP_PX, PX_PER_MM, STRIP, examples
 from labrig.session import load_measurements, stored_curve_extractor
 from labrig.vision import NeutralCurve, neutral_curve
-from protocols import Place, PulseTrain, make_schedule
+from protocols import Place, make_schedule
+from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import record_with, with_pictures
 
 OTHER = '''

@@ -32,7 +32,9 @@ def a_model() -> SheetModel:
     s_m, per_m = sheet.initial_curvature
     rest = Along(s_m, per_m, np.zeros(len(s_m)), "1/m")
     eibm = {v: Along.constant(Parameter(v * 4e-6, 1e-7, "N m")) for v in (2.0, -2.0)}
-    return SheetModel({"long": ConfiguredSheet(sheet, Parameter(5e-7, 0.0, "N m^2"), rest, eibm)})
+    return SheetModel(
+        sheets={"long": ConfiguredSheet(sheet, Parameter(5e-7, 0.0, "N m^2"), rest, eibm)}
+    )
 
 
 def drawn(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:

@@ -15,7 +15,12 @@ def test_odd_pieces_in_a_gap_are_not_the_sheet():
     seen[100:220] = False
     odd = seen.copy()
     odd[[118, 119, 123, 126, 130, 131, 132, 150, 151, 190]] = True
-    section = CrossSection(np.full(count, 1.0), 0.8, np.zeros(count, dtype=bool), np.zeros(count))
+    section = CrossSection(
+        half_width=np.full(count, 1.0),
+        blur=0.8,
+        elongation=np.zeros(count, dtype=bool),
+        side_face=np.zeros(count),
+    )
     cells = np.zeros((count, 10))
     cells[:, 0], cells[:, 5], cells[:, 6] = 80.0, 10.0, 2 * section.reach
     present = np.where(odd, 1.0, 0.3)

@@ -232,9 +232,10 @@ def test_a_picture_without_a_sheet_does_not_end_the_tracking(plain, known):
 
 
 @pytest.mark.slow
-def test_mixed_scenes_give_no_silent_failure(scenes, known):
+@pytest.mark.parametrize("count", [20, pytest.param(60, marks=pytest.mark.thorough)])
+def test_mixed_scenes_give_no_silent_failure(scenes, known, count):
     wrong, refused, errors = [], 0, []
-    for seed in range(1000, 1060):
+    for seed in range(1000, 1000 + count):
         try:
             scene = scenes.make_scene(scenes.mixed(seed))
         except RuntimeError:

@@ -5,7 +5,7 @@ import pytest
 
 from labrig.vision import neutral_curve
 from labrig.vision.curve.shape import make_basis
-from labrig.vision.curve.smoothness import TURNS_RAD, averaged, covariance, smooth_priors
+from labrig.vision.curve.smoothness import PRIOR_TURNS_RAD, averaged, covariance, smooth_priors
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def test_the_mean_of_all_answers_is_weighed_by_how_likely_their_priors_make_the_
     assert odds.max() < 0.9  # else one prior alone would do
 
 
-@pytest.mark.parametrize("kind", [0, len(TURNS_RAD)])
+@pytest.mark.parametrize("kind", [0, len(PRIOR_TURNS_RAD)])
 @pytest.mark.parametrize("strength", [1, 3, 5])
 def test_a_prior_of_either_kind_lets_a_sheet_turn_by_about_what_its_strength_says(
     basis, kind, strength
@@ -57,7 +57,7 @@ def test_a_prior_of_either_kind_lets_a_sheet_turn_by_about_what_its_strength_say
     wave = np.cos(np.pi * basis.s / basis.free_px) / basis.free_px
     c = np.linalg.lstsq(basis.curvature, wave, rcond=None)[0]
     likely_rad = 1 / np.sqrt(c @ basis.priors[kind + strength] @ c)
-    assert 0.2 < likely_rad / TURNS_RAD[strength] < 3
+    assert 0.2 < likely_rad / PRIOR_TURNS_RAD[strength] < 3
 
 
 def test_curvature_that_falls_off_at_the_root_is_found_better_than_by_one_that_wanders(basis):

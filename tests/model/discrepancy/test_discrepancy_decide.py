@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy.locations.slots import unknowns
 from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
 from model.discrepancy.search.forward_selection import SelectionStep, search
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import FALSE_NAMES, null_gains, threshold
 from model.discrepancy.search.outliers import (
     condition_name,
@@ -41,8 +41,13 @@ from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 
 def contender(name: str, gain: float) -> RankedCandidate:
     known = effect(name) if ":" not in name else None
-    candidate = Candidate(name, {}, np.zeros((1, 1)), (1.0,), known, "")
-    return RankedCandidate(Score(candidate, gain, 1.0, 1.0, 1.0), gain)
+    candidate = Candidate(
+        name=name, values={}, columns=np.zeros((1, 1)), sizes=(1.0,), effect=known, location=""
+    )
+    return RankedCandidate(
+        score=Score(candidate=candidate, log_bayes=gain, amplitude=1.0, scale=1.0, length=1.0),
+        gain=gain,
+    )
 
 
 def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
@@ -71,7 +76,13 @@ def test_a_free_form_cannot_be_chosen_as_a_name():
 
 
 def named(name: str, gain: float, confidence: float, of_location: float) -> Choice:
-    return Choice(effect(name), confidence, (), gain, of_location)
+    return Choice(
+        effect=effect(name),
+        confidence=confidence,
+        alternatives=(),
+        gain=gain,
+        of_location=of_location,
+    )
 
 
 @pytest.mark.parametrize(
@@ -93,7 +104,9 @@ def test_what_several_effects_explain_as_well_is_the_rest_of_a_stronger_one(seco
 @pytest.mark.parametrize(("gain", "total", "share"), [(5.0, 50.0, 0.1), (-1.0, 50.0, 0.0)])
 def test_what_is_left_is_a_share_of_all_there_was(gain, total, share):
     first = contender("unknown:time", total)
-    assert Leftover(gain, total, "time", first, first, gain).share == pytest.approx(share)
+    assert Leftover(
+        gain=gain, total=total, location="time", first=first, last=first, apart=gain
+    ).share == pytest.approx(share)
 
 
 # ------------------------------------------------------------------------------- nulls
@@ -244,7 +257,9 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
         return replace(base_fit(), found=found, deviance=deviance)
 
     best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)
-    alone = Choice(relaxing, 1.0, (), 50.0, 1.0, (best,))
+    alone = Choice(
+        effect=relaxing, confidence=1.0, alternatives=(), gain=50.0, of_location=1.0, tried=(best,)
+    )
     assert with_shapes(best, [alone]) is best
     sigma = with_shapes(best, [replace(alone, tried=(best, other))]).found[-1].sigma["long"]
     assert sigma["relative_loss_at_sample"] == pytest.approx(np.hypot(0.002, 0.03 / np.sqrt(2.0)))

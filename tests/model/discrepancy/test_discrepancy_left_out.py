@@ -62,7 +62,14 @@ def test_a_model_is_not_more_likely_than_itself():
 def gap(
     force: float, curve: float = 0.01, drift: float = 0.01, sway: float = 0.01, chi2: float = 1.0
 ) -> Gap:
-    return Gap(force, curve, chi2, drift, 0.01, sway)
+    return Gap(
+        force_rmse_mN=force,
+        curve_rmse_mm=curve,
+        chi2_per_dof=chi2,
+        drift_rmse_mN=drift,
+        pulse_rmse_mN=0.01,
+        drift_rmse_mm=sway,
+    )
 
 
 @pytest.mark.parametrize(

@@ -47,7 +47,15 @@ def small(seed: int = 0):
     random = np.random.default_rng(seed)
     X, Z = random.standard_normal((3, 4, 2)), random.standard_normal((3, 4, 1))
     y = random.standard_normal((3, 4))
-    data = Data(y, X, [Z], [np.ones((3, 4))], np.full((3, 4), 0.1), np.full(2, 0.25), np.zeros(2))
+    data = Data(
+        y=y,
+        X=X,
+        groups=[Z],
+        masks=[np.ones((3, 4))],
+        fixed=np.full((3, 4), 0.1),
+        precision=np.full(2, 0.25),
+        away=np.zeros(2),
+    )
     return data, weigh(data, np.log([0.7, 0.6])), random.standard_normal((12, 3))
 
 
@@ -64,7 +72,9 @@ def test_evidence_is_the_ratio_of_marginal_likelihoods():
     ]
     wanted = np.logaddexp.reduce(with_it) - np.log(3) - multivariate_normal(None, V).logpdf(y)
     weighed = Projected.of(SmallStudy(), SmallLinear(data), solution)
-    found = score(SmallStudy(), weighed, Candidate("it", {}, columns, sizes))
+    found = score(
+        SmallStudy(), weighed, Candidate(name="it", values={}, columns=columns, sizes=sizes)
+    )
     assert found.log_bayes == pytest.approx(wanted, rel=1e-9)
     best = int(np.argmax(with_it))
     assert found.scale == sizes[best]
@@ -78,7 +88,7 @@ def test_evidence_is_the_ratio_of_marginal_likelihoods():
 def test_what_is_in_the_data_scores_and_what_is_not_pays():
     data, _, columns = small(1)
     shown = replace(data, y=(10.0 * columns[:, 0]).reshape(3, 4))
-    one = Candidate("it", {}, columns[:, :1], (1.0, 3.0, 10.0))
+    one = Candidate(name="it", values={}, columns=columns[:, :1], sizes=(1.0, 3.0, 10.0))
     gains = []
     for of in (shown, replace(data, y=np.zeros((3, 4)))):
         weighed = Projected.of(SmallStudy(), SmallLinear(of), weigh(of, np.log([0.7, 0.6])))
@@ -106,8 +116,15 @@ def test_every_effect_of_the_catalogue_has_a_shape_to_try():
 def made(name: str, amplitude: float) -> Score:
     one = effect(name)
     values = members(one)[0]
-    candidate = Candidate(name, values, np.zeros((1, 1)), (1.0,), one, one.location)
-    return Score(candidate, 0.0, amplitude, 1.0, 1.0)
+    candidate = Candidate(
+        name=name,
+        values=values,
+        columns=np.zeros((1, 1)),
+        sizes=(1.0,),
+        effect=one,
+        location=one.location,
+    )
+    return Score(candidate=candidate, log_bayes=0.0, amplitude=amplitude, scale=1.0, length=1.0)
 
 
 @pytest.mark.parametrize(
@@ -153,8 +170,29 @@ def test_first_pulses_that_exceed_the_others_are_a_surprise():
     transient = effect("first_pulse_transient")
     values = members(transient)[0]
     for amplitude, wanted in ((1.0, 0.0), (-1.0, -4.0)):
-        one = Candidate(transient.name, values, columns, (1.0,), transient, transient.location)
-        assert surprise(Score(one, 0.0, amplitude, 1.0, 1.0)) == wanted
+        one = Candidate(
+            name=transient.name,
+            values=values,
+            columns=columns,
+            sizes=(1.0,),
+            effect=transient,
+            location=transient.location,
+        )
+        assert (
+            surprise(
+                Score(candidate=one, log_bayes=0.0, amplitude=amplitude, scale=1.0, length=1.0)
+            )
+            == wanted
+        )
     either = effect("initial_curvature")
-    one = Candidate(either.name, members(either)[0], columns, (1.0,), either, either.location)
-    assert surprise(Score(one, 0.0, -1.0, 1.0, 1.0)) == 0.0
+    one = Candidate(
+        name=either.name,
+        values=members(either)[0],
+        columns=columns,
+        sizes=(1.0,),
+        effect=either,
+        location=either.location,
+    )
+    assert (
+        surprise(Score(candidate=one, log_bayes=0.0, amplitude=-1.0, scale=1.0, length=1.0)) == 0.0
+    )

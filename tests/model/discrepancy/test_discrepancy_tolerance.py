@@ -7,13 +7,13 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy.locations.nonparametric import unknown_effect, unknown_of
-from model.discrepancy.locations.slots import _MAKERS, shapes, unknowns
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search import ranking
 from model.discrepancy.search.evidence import Score
+from model.discrepancy.search.nonparametric_terms import linearised, shapes, unknowns
 from model.discrepancy.search.ranking import RankedCandidate
-from model.effects import LOCATIONS, catalogue, effect
+from model.discrepancy.verdict.inferred_form import unknown_effect, unknown_of
+from model.effects import catalogue, effect
 from model.effects.conformance import plausible
 from model.identification.likelihood.form_error import (
     FORM,
@@ -28,7 +28,8 @@ from model.identification.likelihood.form_error import (
     waves_along,
     whole_step,
 )
-from model.identification.likelihood.model_state import Perturbation
+from model.locations import locations
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from tests.model.discrepancy.sessions import base_fit, fitted
 
@@ -158,11 +159,11 @@ ALLOWED = {
 }
 
 
-@pytest.mark.parametrize("location", LOCATIONS)
+@pytest.mark.parametrize("location", locations())
 def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(location):
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
-    made = [one.step for one in _MAKERS[location](study, 0, state)]
+    made = [one.step for one in locations()[location].bases(linearised(study, 0, state))]
     found = set().union(*(acting(step, study.scenes[0].count) for step in made))
     assert found == ALLOWED[location]
 
@@ -172,7 +173,7 @@ def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not
     study, state = base.problem.study, base.linear.states[0]
     volts, G = study.scenes[0].voltage_V, study.scenes[0].count
     for location, sign in (("eibm", -1.0), ("even_moment", 1.0)):
-        for one in _MAKERS[location](study, 0, state):
+        for one in locations()[location].bases(linearised(study, 0, state)):
             step = one.step
             up, down = (step.beam[volts == v, :G][0] for v in (2.0, -2.0))
             assert np.all(np.sign(up) == sign * np.sign(down))
@@ -190,7 +191,7 @@ def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forc
 
 def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see(measure):
     found = [c.name for c in unknowns(base_fit()) if not c.part]
-    assert found == [f"unknown:{s}" for s in LOCATIONS]
+    assert found == [f"unknown:{s}" for s in locations()]
     blind = prepare(measure(curves=False, scatter=0.0), Options())
     assert "unknown:camera" not in [c.name for c in unknowns(fitted(measure(curves=False)))]
     assert any("has no curves" in note for note in blind.notes)
@@ -245,7 +246,7 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
     for one in unknowns(base):
         found = shapes(base, one.location, one.part)
         assert len(found) == one.columns.shape[1]
-        assert one.location == "camera" or any(shape.wave for shape in found), (
+        assert one.location == "camera" or any(shape.function for shape in found), (
             one.location,
             one.part,
         )
@@ -254,7 +255,13 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
 def test_whatever_is_unknown_can_be_told():
     base = base_fit()
     for one in unknowns(base):
-        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(
+            base,
+            RankedCandidate(
+                score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+                gain=9.0,
+            ),
+        )
         assert told.location == one.location
         assert np.all(np.isfinite(told.profile)), (one.location, one.part)
         assert np.any(told.band > 0.0), (one.location, one.part)
@@ -272,7 +279,13 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         found = shapes(base, one.location, one.part)
         keys = {(s.configuration, s.part, s.along) for s in found}
         assert len(keys) == 1
-        told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+        told = unknown_of(
+            base,
+            RankedCandidate(
+                score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+                gain=9.0,
+            ),
+        )
         assert told.along == found[0].along
         during = one.part.rpartition(", ")[2]
         if during in ends:
@@ -287,7 +300,13 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
 def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
     base = base_fit()
     one = next(c for c in unknowns(base) if (c.location, c.part) == ("load_cell", "force"))
-    told = unknown_of(base, RankedCandidate(Score(one, 9.0, 1.0, 0.1, 1.0), 9.0))
+    told = unknown_of(
+        base,
+        RankedCandidate(
+            score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
+            gain=9.0,
+        ),
+    )
     measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])
@@ -323,7 +342,7 @@ def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(location):
     base = base_fit()
     study, state = base.problem.study, base.linear.states[0]
     part, volts = study.part(0), study.scenes[0].voltage_V
-    for one in _MAKERS[location](study, 0, state):
+    for one in locations()[location].bases(linearised(study, 0, state)):
         if one.part != "voltage":
             continue
         acts = part.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]

@@ -8,19 +8,26 @@ from model.discrepancy.verdict.messages import sentence
 from model.discrepancy.verdict.result import BeforeAfter, Gap, Named
 
 NAN = float("nan")
-NAMED = Named("gravity", "even_moment", {}, {}, 1.0, (), 0.0)
+NAMED = Named(
+    name="gravity", location="even_moment", parameters={}, by_configuration={}, confidence=1.0,
+    confusable_with=(), form_share=0.0,
+)  # fmt: skip
+
+
+def gap(force_mN: float, curve_mm: float, chi2: float, **further: float) -> Gap:
+    return Gap(force_rmse_mN=force_mN, curve_rmse_mm=curve_mm, chi2_per_dof=chi2, **further)
 
 
 @pytest.mark.parametrize(
     ("before", "after", "wanted"),
     [
-        (Gap(0.2, 1.5, 9.0), Gap(0.03, 0.04, 1.0),
+        (gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0),
          "goes from 0.200 to 0.030 mN and from 1.500 to 0.040 mm."),
-        (Gap(0.2, NAN, 9.0), Gap(0.03, NAN, 1.0), "goes from 0.200 to 0.030 mN."),
-        (Gap(NAN, 1.5, 9.0), Gap(NAN, 0.04, 1.0), "goes from 1.500 to 0.040 mm."),
-        (Gap(NAN, NAN, NAN), Gap(NAN, NAN, NAN), "the gap cannot be told."),
+        (gap(0.2, NAN, 9.0), gap(0.03, NAN, 1.0), "goes from 0.200 to 0.030 mN."),
+        (gap(NAN, 1.5, 9.0), gap(NAN, 0.04, 1.0), "goes from 1.500 to 0.040 mm."),
+        (gap(NAN, NAN, NAN), gap(NAN, NAN, NAN), "the gap cannot be told."),
         # fine shapes are little in mm, where coarse ones scatter
-        (Gap(0.026, 0.045, 15.3), Gap(0.026, 0.044, 1.08),
+        (gap(0.026, 0.045, 15.3), gap(0.026, 0.044, 1.08),
          "from 0.026 to 0.026 mN, from 0.045 to 0.044 mm and from 3.91 to 1.04 times the noise."),
     ],
 )  # fmt: skip
@@ -33,8 +40,8 @@ def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
 
 def test_several_are_missing():
     before, after = (
-        Gap(0.2, 1.5, 9.0, 0.02, 0.114, 0.013),
-        Gap(0.03, 0.04, 1.0, 0.02, 0.008, 0.0004),
+        gap(0.2, 1.5, 9.0, drift_rmse_mN=0.02, pulse_rmse_mN=0.114, drift_rmse_mm=0.013),
+        gap(0.03, 0.04, 1.0, drift_rmse_mN=0.02, pulse_rmse_mN=0.008, drift_rmse_mm=0.0004),
     )
     both = BeforeAfter(before, after)
     said = sentence("effect_named", [NAMED, NAMED], None, both, "")

@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from model.effects import LOCATIONS, Effect, EffectParameter, catalogue
+from model.effects import Effect, EffectParameter, catalogue
 from model.effects.conformance import acts, faults, faults_of_form, neutral, plausible
+from model.locations import locations
 
 # name: location, parameters people are told, further parameters that are only tried
 TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
@@ -57,9 +58,8 @@ UNITS = {
 EFFECTS = catalogue()
 
 
-def test_the_catalogue_holds_these_effects_and_no_others():
-    assert set(EFFECTS) == set(TABLE)
-    assert len(TABLE) == 28
+def test_the_catalogue_holds_these_effects():
+    assert set(EFFECTS) >= set(TABLE)
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -73,7 +73,7 @@ def test_slot_and_parameters_are_those_agreed_on(name: str):
     )  # nobody refines them from nothing
 
 
-@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("name", EFFECTS)
 def test_an_effect_conforms(name: str):
     assert faults(EFFECTS[name]) == []
 
@@ -115,7 +115,7 @@ class Offset(Effect):
 
 def made(kind: type[Effect] = Offset, **other) -> Effect:
     words = dict.fromkeys(("meaning", "form", "signature", "isolates", "source"), "words")
-    parameters = (EffectParameter("force_mN", "more", "mN", 0.1),)
+    parameters = (EffectParameter(name="force_mN", meaning="more", unit="mN", prior_scale=0.1),)
     return kind(
         **{"name": "mine", "location": "load_cell", "parameters": parameters, **words, **other}
     )
@@ -134,19 +134,32 @@ def test_a_good_effect_of_somebody_else_conforms():
         ({"form_error_along": ("mood",)}, "along mood, which is none of s, "),
         ({"parameters": ()}, "it has no parameter"),
         (
-            {"parameters": (EffectParameter("a", "", "", 1.0), EffectParameter("a", "", "", 1.0))},
+            {
+                "parameters": (
+                    EffectParameter(name="a", meaning="", unit="", prior_scale=1.0),
+                    EffectParameter(name="a", meaning="", unit="", prior_scale=1.0),
+                )
+            },
             "the same name",
         ),
         (
-            {"parameters": (EffectParameter("a", "", "", 5.0, high=1.0),)},
+            {
+                "parameters": (
+                    EffectParameter(name="a", meaning="", unit="", prior_scale=5.0, high=1.0),
+                )
+            },
             "must lie between -inf and 1",
         ),
         (
-            {"parameters": (EffectParameter("a", "", "", 1.0, log=True),)},
+            {
+                "parameters": (
+                    EffectParameter(name="a", meaning="", unit="", prior_scale=1.0, log=True),
+                )
+            },
             "lower bound must be positive",
         ),
         (
-            {"parameters": (EffectParameter("a", "", "", 0.0),)},
+            {"parameters": (EffectParameter(name="a", meaning="", unit="", prior_scale=0.0),)},
             "plausible value is the neutral one",
         ),
         ({"kind": Effect}, "so it changes nothing"),
@@ -235,7 +248,7 @@ def test_neutral_and_plausible_values_name_every_parameter():
         for values in (neutral(effect), plausible(effect)):
             assert set(values) == {parameter.name for parameter in effect.parameters}
         assert neutral(effect)[effect.amplitude.name] == effect.amplitude.neutral
-        assert effect.location in LOCATIONS
+        assert effect.location in locations()
 
 
 def test_an_effect_is_a_value_that_can_be_changed_into_another():

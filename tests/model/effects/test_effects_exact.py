@@ -10,7 +10,10 @@ import pytest
 from model.effects import catalogue, effect
 from model.effects._memory import lagging
 from model.effects.conformance import plausible
-from model.effects.examples import (
+from model.effects.interface import AcquisitionTimes, LoadCellInput
+from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
+from model.effects.roll_friction import slid
+from model.locations.examples import (
     LENGTH_M,
     NODES,
     RADIUS_M,
@@ -21,9 +24,6 @@ from model.effects.examples import (
     example_sheet,
     example_weighed,
 )
-from model.effects.interface import AcquisitionTimes, LoadCellInput
-from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
-from model.effects.roll_friction import slid
 
 WEIGHTS = np.polynomial.legendre.leggauss(NODES)[1] / 2.0  # of a mean over the nodes
 
@@ -310,7 +310,13 @@ def weighed(force_mN: list[float], position_mm: float | list[float] = 20.0) -> L
     force = np.array(force_mN) * 1e-3
     one = np.ones_like(force)
     return LoadCellInput(
-        force, force, 0.0 * one, 1e-3 * np.array(position_mm) * one, 0.5 * one, one
+        force_N=force,
+        normal_N=force,
+        gamma_rad=0.0 * one,
+        position_m=1e-3 * np.array(position_mm) * one,
+        voltage_V=0.0 * one,
+        session=0.5 * one,
+        touching=one,
     )
 
 
@@ -346,7 +352,10 @@ def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
     assert both[3] == 0.0
     rows = [[0.0, 2.0, -1.0], [-1.0, 2.0, 1.0]]
     w = LoadCellInput(
-        *(np.stack([getattr(weighed(r), f) for r in rows]) for f in LoadCellInput.__annotations__)
+        **{
+            f: np.stack([getattr(weighed(r), f) for r in rows])
+            for f in LoadCellInput.__annotations__
+        }
     )
     for row, alone in zip(loop.force(w, p), rows, strict=True):
         assert row == pytest.approx(loop.force(weighed(alone), p))
@@ -495,8 +504,9 @@ def sampled(pulses: int, pulse_s: float) -> AcquisitionTimes:
     """One reading in each of so many pulses."""
     pulse, zero = np.arange(float(pulses)), np.zeros(pulses)
     return AcquisitionTimes(
-        np.where(pulse % 2 == 0.0, 2.0, -2.0), zero + pulse_s, pulse, zero, zero, zero,
-        0.6 * pulse, np.where(pulse > 0.0, -1.0, 0.0),
+        voltage_V=np.where(pulse % 2 == 0.0, 2.0, -2.0), pulse_s=zero + pulse_s, pulse=pulse,
+        run_s=zero, session=zero, wetted_s=zero, driven_s=0.6 * pulse,
+        opposite=np.where(pulse > 0.0, -1.0, 0.0),
     )  # fmt: skip
 
 

@@ -6,8 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from model.effects import LOCATIONS, catalogue
-from model.effects.page import LOCATION_MEANINGS, page
+from model.effects import catalogue
+from model.effects.page import page
+from model.locations import locations
 
 PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
 
@@ -21,7 +22,7 @@ def test_the_page_is_what_the_catalogue_makes():
 def test_every_effect_and_slot_has_a_section():
     text = page()
     assert all(f"\n### {name}\n" in text for name in catalogue())
-    assert set(LOCATION_MEANINGS) == set(LOCATIONS)
+    assert all(f"\n## {name}: {one.meaning}\n" in text for name, one in locations().items())
 
 
 def test_the_page_is_printed_by_the_command_it_names():

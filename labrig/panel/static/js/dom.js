@@ -45,7 +45,7 @@ export function put(element, ...children) {
 }
 
 /** Change text only when it differs, so that nothing is laid out or read aloud anew for nothing. */
-export function say(element, text) {
+export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 

@@ -65,7 +65,7 @@ export class Job {
     if (header.type === "picture") {
       this.counts.pictures += 1;
       this.picture = { ...header, bytes: new Uint8Array(buffer, start), came: performance.now() };
-      this.hear(header.time_s);
+      this.setLatest(header.time_s);
     } else if (header.type === "signals") {
       this.counts.signals += header.count;
       if (header.fresh || header.run !== this.signals.run) this.signals = new Signals(header.run);
@@ -80,14 +80,14 @@ export class Job {
   }
 
   take(message) {
-    this.hear(message.time_s);
-    const way = WAYS[message.type];
-    if (way) way(this, message);
+    this.setLatest(message.time_s);
+    const handle = HANDLERS[message.type];
+    if (handle) handle(this, message);
     if (message.log)
       this.log.push({ time_s: message.time_s, type: message.type, text: message.log });
   }
 
-  hear(time_s) {
+  setLatest(time_s) {
     if (time_s != null) this.latest_s = time_s;
   }
 
@@ -137,7 +137,7 @@ export class Job {
   }
 }
 
-const WAYS = {
+const HANDLERS = {
   job: (job, m) => {
     job.job = m;
     if (m.state === "ended" || m.state === "lost") job.prompt = null;

@@ -1,7 +1,7 @@
 // The page's beginning: the bar, the socket, and whichever page the address asks for.
 
 import { Control, controlView } from "./control.js";
-import { h, put, say, svg } from "./dom.js";
+import { h, put, setText, svg } from "./dom.js";
 import { Job } from "./job.js";
 import { get, setClient } from "./net.js";
 import { Socket } from "./socket.js";
@@ -17,7 +17,7 @@ function netFault(text) {
   const place = at("net-said");
   place.hidden = !text;
   place.dataset.kind = "bad";
-  say(place, text ?? "");
+  setText(place, text ?? "");
 }
 
 // ------------------------------------------------------------------------------------ the socket
@@ -75,11 +75,11 @@ function showBar() {
       svg("path", { d: SHAPES[output.state], "fill-rule": "evenodd" }),
     );
   }
-  say(lamp.querySelector(".lamp-word"), output.word);
-  say(lamp.querySelector(".lamp-why"), output.why);
+  setText(lamp.querySelector(".lamp-word"), output.word);
+  setText(lamp.querySelector(".lamp-why"), output.why);
   const going = goingOf(job);
-  say(at("going").querySelector(".going-word"), going.word);
-  say(at("going").querySelector(".going-why"), going.why);
+  setText(at("going").querySelector(".going-word"), going.word);
+  setText(at("going").querySelector(".going-why"), going.why);
   const asks = job.prompt ? "\u25B6 " : "";
   const title = `${asks}${output.word} \u00B7 ${going.word} \u2014 labrig`;
   if (document.title !== title) document.title = title;

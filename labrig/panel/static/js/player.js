@@ -1,6 +1,6 @@
 // A recorded session on a socket of its own, and its controls.
 
-import { h, newId, put, say } from "./dom.js";
+import { h, newId, put, setText } from "./dom.js";
 import { clock } from "./format.js";
 import { Job } from "./job.js";
 import { Socket } from "./socket.js";
@@ -181,7 +181,7 @@ export class Transport {
   }
 
   update() {
-    say(
+    setText(
       this.fault,
       this.players
         .map((one) => one.fault)
@@ -191,10 +191,10 @@ export class Transport {
     const [first] = this.players;
     const { replay } = first.job;
     if (!replay) return;
-    say(this.play, this.playing ? "Pause" : "Play");
+    setText(this.play, this.playing ? "Pause" : "Play");
     this.slider.max = this.longest;
     if (!this.dragging) this.slider.value = replay.at_s;
-    say(this.time, `${clock(replay.at_s)} of ${clock(this.longest)}`);
+    setText(this.time, `${clock(replay.at_s)} of ${clock(this.longest)}`);
     for (const button of this.speeds)
       button.setAttribute("aria-pressed", String(Number(button.dataset.speed) === replay.speed));
     if (this.marked === replay.marks) return;

@@ -1,6 +1,6 @@
 // Pointing at a pixel of a picture: by the pointer or the arrow keys, with a magnifier.
 
-import { h, say } from "./dom.js";
+import { h, setText } from "./dom.js";
 import { plain } from "./format.js";
 import { Picture } from "./live/picture.js";
 
@@ -80,8 +80,8 @@ export class Pointing {
     this.chosen(this.cross.map((value) => Math.round(100 * value) / 100));
   }
 
-  say(text) {
-    say(this.said, text);
+  setText(text) {
+    setText(this.said, text);
   }
 
   setMarks(marks) {

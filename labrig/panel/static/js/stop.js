@@ -19,7 +19,7 @@
     sessionStorage.setItem(KEY, url);
   }
 
-  function say(text, kind) {
+  function show(text, kind) {
     const place = document.getElementById("stop-said");
     if (!place) return;
     place.textContent = text;
@@ -59,7 +59,7 @@
     const now = performance.now();
     if (now - pressedAt < DOUBLE_MS) return;
     pressedAt = now;
-    say("STOP pressed.", "sent");
+    show("STOP pressed.", "sent");
     let settled = false;
     const urls = stopUrl ? [stopUrl, "/api/stop"] : ["/api/stop"];
     const all = urls.map(function (url) {
@@ -67,17 +67,17 @@
         if (settled) return;
         settled = Boolean(answer.output) || url === stopUrl || !stopUrl;
         const [text, kind] = told(answer, performance.now() - now);
-        say(text, kind);
+        show(text, kind);
       });
     });
     setTimeout(function () {
       if (!settled) {
-        say("STOP was pressed, nobody has answered yet. Switch the amplifier off by hand.", "bad");
+        show("STOP was pressed, nobody has answered yet. Switch the amplifier off by hand.", "bad");
       }
     }, PATIENCE_MS);
     Promise.allSettled(all).then(function (results) {
       if (!settled && results.every((result) => result.status === "rejected")) {
-        say("STOP reached nobody: switch the amplifier off by hand.", "bad");
+        show("STOP reached nobody: switch the amplifier off by hand.", "bad");
       }
     });
   }

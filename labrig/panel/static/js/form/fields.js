@@ -1,7 +1,7 @@
 // One field for each kind of value a schema can ask for. A field has `element`, `get()` (undefined:
 // not given) and `faults()`, a list of sentences; it calls `changed` when the operator has changed it.
 
-import { h, newId, say } from "../dom.js";
+import { h, newId, setText } from "../dom.js";
 import { boundsOf, faultOfCount, faultOfNumber, nameOf, parseNumber } from "./limits.js";
 
 /** Label, control, unit, and below them what it is for, its limits, and what is wrong. */
@@ -32,7 +32,7 @@ export function labelled(key, schema, control, { required = false } = {}) {
     fault,
   );
   const show = (faults) => {
-    say(fault, faults.join(" "));
+    setText(fault, faults.join(" "));
     if (faults.length) control.setAttribute("aria-invalid", "true");
     else control.removeAttribute("aria-invalid");
     return faults.map((text) => `${label}: ${text}`);

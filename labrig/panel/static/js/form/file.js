@@ -1,6 +1,6 @@
 // One configuration file on the page: chosen, shown as a form, checked by the server, saved.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { get, post, put as send } from "../net.js";
 import { SchemaForm } from "./schema.js";
 
@@ -47,7 +47,7 @@ export class FileForm {
       names.map((name) => h("option", { value: name }, name)),
     );
     if (!names.length) {
-      say(this.said, `There is no ${this.kind} file in the rig's folder.`);
+      setText(this.said, `There is no ${this.kind} file in the rig's folder.`);
       return;
     }
     await this.load(names.includes(`${this.kind}.toml`) ? `${this.kind}.toml` : names[0]);
@@ -96,7 +96,7 @@ export class FileForm {
   }
 
   tell() {
-    say(
+    setText(
       this.summary,
       `${this.name}${this.touched ? ", changed" : ""}${this.errors.length ? ", with faults" : ""}`,
     );

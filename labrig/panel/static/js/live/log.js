@@ -1,6 +1,6 @@
 // The log, newest at the end; follows unless the reader has scrolled away.
 
-import { h, say } from "../dom.js";
+import { h, setText } from "../dom.js";
 import { timeOf } from "../words.js";
 
 const MOST_LINES = 1000;
@@ -41,7 +41,7 @@ export class Log {
     for (const line of log.slice(this.drawn)) this.list.append(this.line(line));
     this.drawn = log.length;
     while (this.list.childElementCount > MOST_LINES) this.list.firstChild.remove();
-    say(this.count, `${log.length} lines`);
+    setText(this.count, `${log.length} lines`);
     if (follow) this.list.scrollTop = this.list.scrollHeight;
   }
 

@@ -1,6 +1,6 @@
 // The newest picture on a canvas, the extracted neutral curve and the model's over it.
 
-import { h, say } from "../dom.js";
+import { h, setText } from "../dom.js";
 
 const MEASURED = "#ffd400"; // on grey pictures both are bright, with a dark rim: the theme is no matter
 const MODEL = "#7fe0ff";
@@ -67,7 +67,7 @@ export class Picture {
       this.shown += 1;
       this.onshown?.(picture);
     } catch {
-      say(this.caption, `picture ${picture.frame} cannot be read`);
+      setText(this.caption, `picture ${picture.frame} cannot be read`);
     }
     this.decoding = false;
     const next = this.waiting;
@@ -121,7 +121,7 @@ export class Picture {
     const curve = job.curve;
     const behind = curve && this.header ? this.header.frame - curve.frame : null;
     if (!curve || behind > OLD_FRAMES || behind < -OLD_FRAMES) {
-      say(this.caption, this.header ? `frame ${this.header.frame}` : "");
+      setText(this.caption, this.header ? `frame ${this.header.frame}` : "");
       return;
     }
     const width = 2.5 * ratio;
@@ -130,7 +130,7 @@ export class Picture {
     if (curve.points_px?.length) this.line(curve.points_px, MEASURED, width, []);
     const late = behind > 0 ? `, its curve ${behind} frames behind` : "";
     const why = curve.ok ? "" : ` \u2014 no curve: ${curve.why}`;
-    say(this.caption, `frame ${this.header.frame}${late}${why}`);
+    setText(this.caption, `frame ${this.header.frame}${late}${why}`);
   }
 
   line(points, colour, width, dash) {

@@ -1,6 +1,6 @@
 // What the operator is asked to do, large, with Go and 'stop the session'.
 
-import { h, put, say } from "../dom.js";
+import { h, put, setText } from "../dom.js";
 
 /** `answer(done)` sends it; `may()` tells whether this page may answer, or why not. */
 export class PromptBar {
@@ -50,11 +50,11 @@ export class PromptBar {
       this.sent = null;
       return;
     }
-    say(this.text, prompt.text);
+    setText(this.text, prompt.text);
     const why = this.may();
     const busy = this.sent === prompt.prompt;
     this.go.disabled = this.stop.disabled = Boolean(why) || busy;
-    say(this.why, why || (busy ? "answer sent" : (this.fault ?? "Check the rig, then press Go.")));
+    setText(this.why, why || (busy ? "answer sent" : (this.fault ?? "Check the rig, then press Go.")));
   }
 
   async send(done) {
@@ -120,7 +120,7 @@ export class Preflight {
     this.element.hidden = !preflight;
     if (!preflight) return;
     const warnings = preflight.checks.filter((check) => check.ok && check.warning).length;
-    say(
+    setText(
       this.verdict,
       preflight.ok ? `passed${warnings ? `, ${warnings} to look at` : ""}` : "FAILED",
     );

@@ -1,7 +1,7 @@
 // Readings so far: mean and scatter at each voltage, for the present run and for all; and each
 // reading of a run, where one can be marked invalid with a reason.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { number, shapeOf, volts } from "../format.js";
 import { placeOf } from "../words.js";
 
@@ -193,7 +193,7 @@ export class Readings {
     const planned = job.planned(this.run);
     const record = job.runs.get(this.run);
     this.singleName.hidden = !planned;
-    say(this.singleName, planned ? `Run ${planned.run + 1}, each reading` : "");
+    setText(this.singleName, planned ? `Run ${planned.run + 1}, each reading` : "");
     if (!planned || !record?.readings.size) {
       put(this.single);
       put(this.whole);
@@ -302,12 +302,12 @@ export class Readings {
     const send = async (event) => {
       event.preventDefault();
       const why = this.may();
-      if (why) return say(fault, why);
+      if (why) return setText(fault, why);
       try {
         await this.mark(run, reading, field.value.trim());
         close();
       } catch (error) {
-        say(fault, error.message);
+        setText(fault, error.message);
       }
     };
     return h(

@@ -1,7 +1,7 @@
 // Drive voltage, force and current over the run's time, with every sampling point marked.
 
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
-import { colourOf, h, say } from "../dom.js";
+import { colourOf, h, setText } from "../dom.js";
 import { number, plain, signed } from "../format.js";
 import { drawMark } from "./marks.js";
 
@@ -204,7 +204,7 @@ export class Strips {
     const { signals } = this.job;
     for (const { row, value } of this.lines) {
       const newest = signals.newest(row.key);
-      say(
+      setText(
         value,
         row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals),
       );

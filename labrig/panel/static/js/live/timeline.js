@@ -1,6 +1,6 @@
 // The schedule: all runs on the session's estimated time, the present run's voltage, and 'now'.
 
-import { h, put, say, svg } from "../dom.js";
+import { h, put, setText, svg } from "../dom.js";
 import { about, clock, number, volts } from "../format.js";
 import { placeOf } from "../words.js";
 import { svgMark } from "./marks.js";
@@ -55,7 +55,7 @@ export class Timeline {
     if (!plan || width < 50) {
       put(this.runs);
       put(this.wave);
-      say(this.said, "no schedule yet");
+      setText(this.said, "no schedule yet");
       return;
     }
     this.width = width;
@@ -197,7 +197,7 @@ export class Timeline {
     this.now.setAttribute("d", begun ? `M${at} 28V58M${at - 5} 28H${at + 5}L${at} 34Z` : "");
     const wave = this.waveX(run_s);
     this.waveNow.setAttribute("d", going ? `M${wave} 0V${WAVE_HIGH}` : "");
-    say(this.said, this.words(run, going ? run_s : null));
+    setText(this.said, this.words(run, going ? run_s : null));
   }
 
   /** Before a run: as far into its wait as time has gone, at most to its beginning. */

@@ -1,6 +1,6 @@
 // Camera calibration: live picture; scale by views of a board or by a bar; clamp and arc by pointing.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { parseNumber } from "../form/limits.js";
 import { digits, number } from "../format.js";
 import { post, remove } from "../net.js";
@@ -199,11 +199,11 @@ class Camera {
   }
 
   async act(work) {
-    say(this.fault, "");
+    setText(this.fault, "");
     try {
       await this.app.control.act(work);
     } catch (error) {
-      say(this.fault, error.message);
+      setText(this.fault, error.message);
     }
     this.show();
   }
@@ -224,7 +224,7 @@ class Camera {
       ...this.marks(),
       ...view.corners_px.map((px) => ({ px, shape: "dot" })),
     ]);
-    this.pointing.say(`View ${view.view} is kept: ${view.corners_px.length} corners.`);
+    this.pointing.setText(`View ${view.view} is kept: ${view.corners_px.length} corners.`);
   }
 
   async drop(view) {
@@ -234,7 +234,7 @@ class Camera {
 
   aim(name) {
     this.target = name;
-    this.pointing.say(`Point at ${TARGETS[name].words}.`);
+    this.pointing.setText(`Point at ${TARGETS[name].words}.`);
     this.pointing.picture.canvas.focus();
     this.show();
   }
@@ -242,24 +242,24 @@ class Camera {
   /** The operator points roughly, the server finds the point itself. */
   pointed(px) {
     const name = this.target;
-    if (!name) return this.pointing.say("First say what it is: press one of the Set buttons.");
+    if (!name) return this.pointing.setText("First say what it is: press one of the Set buttons.");
     return this.act(async () => {
       const found = await post("/api/camera/refine", { what: TARGETS[name].what, px });
       this.px[name] = found.px;
       this.target = null;
-      say(
+      setText(
         this.points[name].said,
         `${pixelWords(found.px)} \u00B1 ${digits(found.sigma_px, 2)} px, moved by ${digits(found.moved_px, 2)} px`,
       );
       this.pointing.to(found.px);
-      this.pointing.say(`Found at ${pixelWords(found.px)}.`);
+      this.pointing.setText(`Found at ${pixelWords(found.px)}.`);
       if (name === "arc") await this.findArc(found.px);
     });
   }
 
   async findArc(px) {
     this.arc = await post("/api/camera/arc", { px });
-    say(
+    setText(
       this.arcResult,
       `radius ${number(this.arc.radius_mm, 2)} mm, origin ${number(this.arc.origin_deg, 2)}\u00B0, \u00B1 ${number(this.arc.sigma_mm, 2)} mm: put these into [arc] of sheet.toml.`,
     );
@@ -303,7 +303,7 @@ class Camera {
     const { control, job } = this.app;
     const why = control.why() || (job.going && !this.running ? "Something else is going on." : "");
     const board = this.by === "board";
-    say(this.live, this.running ? "End the camera" : "Start the camera");
+    setText(this.live, this.running ? "End the camera" : "Start the camera");
     this.live.disabled = Boolean(why);
     this.boardPart.hidden = !board;
     this.barPart.hidden = board;
@@ -318,7 +318,7 @@ class Camera {
     }
     this.showViews();
     this.showResult();
-    say(this.done, this.accepted);
+    setText(this.done, this.accepted);
     if (this.shown !== this.calibration || this.count !== Object.values(this.px).join()) {
       [this.shown, this.count] = [this.calibration, Object.values(this.px).join()];
       this.pointing.setMarks(this.marks());

@@ -1,6 +1,6 @@
 // Two sessions side by side: what they are, their mean forces, and both played together.
 
-import { h, put, say } from "../dom.js";
+import { h, put, setText } from "../dom.js";
 import { number, plain, shapeOf, volts } from "../format.js";
 import { Picture } from "../live/picture.js";
 import { Strips } from "../live/strips.js";
@@ -50,7 +50,7 @@ function side(player, letter) {
     picture.update(dirty);
     strips.update(dirty);
     const run = player.job.planned(player.job.now_run);
-    say(
+    setText(
       head.lastChild,
       run
         ? `run ${run.run + 1}, ${run.configuration}${run.position_mm == null ? ", free" : `, ${plain(run.position_mm)} mm`}`

@@ -1,6 +1,6 @@
 // The sessions of the data folder: found, sorted, opened, compared, exported.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, query } from "../net.js";
 
@@ -163,14 +163,14 @@ class Library {
       const found = await get(`/api/library?${query({ ...rest, down: down ? 1 : 0 })}`);
       if (mine === this.latest) this.show(found);
     } catch (error) {
-      say(this.said, error.message);
+      setText(this.said, error.message);
     }
   }
 
   show({ sessions, total, damaged }) {
     const { offset, sort, down } = this.asked;
     const last = Math.min(offset + sessions.length, total);
-    say(
+    setText(
       this.said,
       `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}`,
     );
@@ -256,6 +256,6 @@ class Library {
     if (two) this.compare.setAttribute("href", `#/compare?${query({ a, b })}`);
     else this.compare.removeAttribute("href");
     this.compare.setAttribute("aria-disabled", String(!two));
-    say(this.compare, two ? "Compare the two" : `Compare (choose two, ${this.chosen.size} chosen)`);
+    setText(this.compare, two ? "Compare the two" : `Compare (choose two, ${this.chosen.size} chosen)`);
   }
 }

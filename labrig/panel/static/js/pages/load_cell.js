@@ -1,6 +1,6 @@
 // Load-cell calibration: dead weights one after the other, the line through them, its residuals.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { parseNumber } from "../form/limits.js";
 import { digits, number } from "../format.js";
 import { PromptBar } from "../live/prompt.js";
@@ -130,17 +130,17 @@ class LoadCell {
   }
 
   async act(work) {
-    say(this.fault, "");
+    setText(this.fault, "");
     try {
       await this.app.control.act(work);
     } catch (error) {
-      say(this.fault, error.message);
+      setText(this.fault, error.message);
     }
   }
 
   async write() {
     const { written, kept } = await post("/api/weighing/accept", {});
-    say(
+    setText(
       this.done,
       `\u2713 ${written} is written${kept ? `; the old one is kept as ${kept}` : ""}.`,
     );
@@ -158,7 +158,7 @@ class LoadCell {
         ? "At least two different loads are needed."
         : "";
     const why = wrong || (job.going ? "Something is going on already." : control.why());
-    say(
+    setText(
       this.order,
       why || `${loads.length} weights: ${loads.map((load) => number(load, 2)).join(", ")} mN`,
     );

@@ -1,6 +1,6 @@
 // A new run: the protocol and the sheet as forms, the schedule they make, preflight, start.
 
-import { h, newId, put, say } from "../dom.js";
+import { h, newId, put, setText } from "../dom.js";
 import { FileForm } from "../form/file.js";
 import { about, number, plain } from "../format.js";
 import { Job } from "../job.js";
@@ -12,7 +12,7 @@ import { get, post } from "../net.js";
 export function mount(place, app) {
   const page = new NewRun(app);
   place.append(page.element);
-  page.begin().catch((error) => say(page.fault, error.message));
+  page.begin().catch((error) => setText(page.fault, error.message));
   return page;
 }
 
@@ -127,7 +127,7 @@ class NewRun {
     const plan = await post("/api/plan", body).catch((error) => error);
     if (asked !== this.asked) return;
     this.planned = plan instanceof Error ? null : plan;
-    say(this.fault, plan instanceof Error ? plan.message : "");
+    setText(this.fault, plan instanceof Error ? plan.message : "");
     if (this.planned) this.preview.apply({ type: "story", messages: [{ ...plan, type: "plan" }] });
     this.show();
   }
@@ -169,11 +169,11 @@ class NewRun {
   }
 
   async act(work) {
-    say(this.fault, "");
+    setText(this.fault, "");
     try {
       await this.app.control.act(work);
     } catch (error) {
-      say(this.fault, error.message);
+      setText(this.fault, error.message);
     }
   }
 

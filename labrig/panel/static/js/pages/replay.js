@@ -1,6 +1,6 @@
 // A recorded session, played through the same view as a run.
 
-import { h, say } from "../dom.js";
+import { h, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { query } from "../net.js";
 import { Player, Transport } from "../player.js";
@@ -15,7 +15,7 @@ export function mount(place, app, asked) {
   const recorded = h("strong", { class: "recorded" });
   const stop = player.job.watch(() => {
     const output = outputOf({ ...player.job, job: null, alive: true });
-    say(recorded, `recorded output: ${output.word}`);
+    setText(recorded, `recorded output: ${output.word}`);
     recorded.dataset.state = output.state;
   });
   place.append(

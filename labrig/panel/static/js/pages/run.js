@@ -1,6 +1,6 @@
 // The run as it goes on.
 
-import { h, say } from "../dom.js";
+import { h, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { get, post } from "../net.js";
 
@@ -63,9 +63,9 @@ function runBar({ job, control }) {
   const begin = h("a", { class: "button", href: "#/new" }, "New run");
   const replay = h("a", { class: "button" }, "Replay it");
   const act = async (work) => {
-    say(fault, control.why());
+    setText(fault, control.why());
     if (fault.textContent) return;
-    await control.act(work).catch((error) => say(fault, error.message));
+    await control.act(work).catch((error) => setText(fault, error.message));
   };
   get("/api/files")
     .then(({ files }) => {
@@ -89,10 +89,10 @@ function runBar({ job, control }) {
   const update = () => {
     const how = endOf(job);
     notice.hidden = !how;
-    say(notice, how);
+    setText(notice, how);
     const run = job.job?.kind === "run" || job.plan;
     const session = job.plan?.session ?? job.job?.session;
-    say(
+    setText(
       name,
       !run
         ? "No run yet"

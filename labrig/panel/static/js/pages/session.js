@@ -1,6 +1,6 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
-import { h, put, say } from "../dom.js";
+import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { outcome } from "./library.js";
@@ -54,13 +54,13 @@ export function mount(place, app, asked) {
       await app.control.act(() => post("/api/run", { resume: name }));
       location.hash = "#/run";
     } catch (error) {
-      say(fault, error.message);
+      setText(fault, error.message);
     }
   };
   const tables = () =>
     fetched(file("csv"), `${name.replace(/\.[^.]*$/, "")}.zip`).then(
-      () => say(fault, ""),
-      (error) => say(fault, error.message),
+      () => setText(fault, ""),
+      (error) => setText(fault, error.message),
     );
   place.append(
     h("h1", {}, name),

@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 from drivers.interfaces import Clock
 from sim_hardware.serial_devices.axis import MICROSTEP_RAD, Axis
-from sim_hardware.serial_devices.contract import ArcWorld, SerialDevice, SerialWorld
+from sim_hardware.serial_devices.contract import ArcWorld, SimulatedSerial
 from sim_hardware.serial_devices.zaber_settings import SPEED_UNIT, Settings
-from sim_hardware.serial_devices.zaber_text import Command, message, number
+from sim_hardware.serial_devices.zaber_text import ZaberCommand, message, number
 
 # The gravest first; a reply shows the first that is up.
 _WARNINGS = ("FS", "WR", "NI")
@@ -27,8 +27,8 @@ class RejectedError(Exception):
 class SimulatedZaberStage:
     """The stage as a line-protocol state machine.
 
-    The angle 0, where it homes to, is `origin_m` on the arc. The world hears of a new place when a
-    movement has ended, as soon as somebody speaks to the stage or polls it.
+    The angle 0, where it homes to, is `origin_m` on the arc. The world gets a new position when a
+    movement has ended, at the next command or poll.
     """
 
     baudrate = 115200
@@ -48,7 +48,7 @@ class SimulatedZaberStage:
             self.axis.warnings.add("WR")
         self.settings = Settings()
         self._received = ""
-        self._commands: dict[str, Callable[[Command], str]] = {
+        self._commands: dict[str, Callable[[ZaberCommand], str]] = {
             "get": self._get,
             "set": self._set,
             "home": self._home,
@@ -69,7 +69,7 @@ class SimulatedZaberStage:
         return alert + b"".join(self._answer(line) for line in lines)
 
     def poll(self) -> bytes:
-        """The alert that a movement has ended, if alerts are on."""
+        """Return the alert that a movement has ended, if alerts are on."""
         if not self.axis.settle() or not self.settings["comm.alert"]:
             return b""
         return self._say("!", f"1 IDLE {self._gravest()}")
@@ -77,7 +77,7 @@ class SimulatedZaberStage:
     # ------------------------------------------------------------------------------- conversation
 
     def _answer(self, line: str) -> bytes:
-        command = Command.parse(line)
+        command = ZaberCommand.parse(line)
         if command is None or command.device not in (0, self.settings["comm.address"]):
             return b""
         try:
@@ -94,7 +94,7 @@ class SimulatedZaberStage:
         body = f"{self.settings['comm.address']:02d} {rest}"
         return message(kind, body, checked=bool(self.settings["comm.checksum"]))
 
-    def _execute(self, command: Command) -> str:
+    def _execute(self, command: ZaberCommand) -> str:
         if command.axis not in (0, 1):
             raise RejectedError("BADAXIS")
         if not command.words:
@@ -109,13 +109,13 @@ class SimulatedZaberStage:
 
     # ----------------------------------------------------------------------------------- settings
 
-    def _get(self, command: Command) -> str:
+    def _get(self, command: ZaberCommand) -> str:
         name = self._setting_name(command, 2)
         if name == "pos":
             return str(round(self.axis.counted))
         return f"{self.settings[name]:.10g}"
 
-    def _set(self, command: Command) -> str:
+    def _set(self, command: ZaberCommand) -> str:
         name = self._setting_name(command, 3)
         value = _whole(command, 2)
         if name == "pos":
@@ -130,7 +130,7 @@ class SimulatedZaberStage:
             raise RejectedError("BADDATA") from None
         return "0"
 
-    def _setting_name(self, command: Command, words: int) -> str:
+    def _setting_name(self, command: ZaberCommand, words: int) -> str:
         name = command.words[1] if len(command.words) == words else ""
         try:
             device_only = name != "pos" and self.settings.is_device_only(name)
@@ -140,7 +140,7 @@ class SimulatedZaberStage:
             raise RejectedError("DEVICEONLY")
         return name
 
-    def _renumber(self, command: Command) -> str:
+    def _renumber(self, command: ZaberCommand) -> str:
         _device_only(command)
         try:
             self.settings.write("comm.address", _whole(command, 1) if command.words[1:] else 1)
@@ -148,7 +148,7 @@ class SimulatedZaberStage:
             raise RejectedError("BADDATA") from None
         return "0"
 
-    def _list_warnings(self, command: Command) -> str:
+    def _list_warnings(self, command: ZaberCommand) -> str:
         up = [flag for flag in _WARNINGS if flag in self.axis.warnings]
         if command.words[1:] == ("clear",):
             self.axis.warnings &= {"WR"}  # only homing helps against that
@@ -156,13 +156,13 @@ class SimulatedZaberStage:
             raise RejectedError("BADCOMMAND")
         return " ".join([f"{len(up):02d}", *up])
 
-    def _tools(self, command: Command) -> str:
+    def _tools(self, command: ZaberCommand) -> str:
         _device_only(command)
         if command.words[1:2] != ("echo",):
             raise RejectedError("BADCOMMAND")
         return " ".join(command.words[2:]) or "0"
 
-    def _system(self, command: Command) -> str:
+    def _system(self, command: ZaberCommand) -> str:
         _device_only(command)
         if command.words[1:] != ("reset",):
             raise RejectedError("BADCOMMAND")
@@ -173,13 +173,13 @@ class SimulatedZaberStage:
 
     # ----------------------------------------------------------------------------------- movement
 
-    def _home(self, command: Command) -> str:
+    def _home(self, command: ZaberCommand) -> str:
         if command.words[1:]:
             raise RejectedError("BADCOMMAND")
         self.axis.home(self.settings.homing_speed, self.settings.acceleration)
         return "0"
 
-    def _move(self, command: Command) -> str:
+    def _move(self, command: ZaberCommand) -> str:
         way = command.words[1] if len(command.words) > 1 else ""
         if way in ("min", "max") and len(command.words) == 2:
             value = 0
@@ -205,17 +205,17 @@ class SimulatedZaberStage:
     def _go(self, target: float, speed: float) -> None:
         self.axis.go(target, speed, self.settings.acceleration)
 
-    def _stop(self, _command: Command) -> str:
+    def _stop(self, _command: ZaberCommand) -> str:
         self.axis.brake(self.settings.acceleration)
         return "0"
 
-    def _estop(self, _command: Command) -> str:
+    def _estop(self, _command: ZaberCommand) -> str:
         self.axis.halt()
         return "0"
 
 
-def _whole(command: Command, index: int) -> int:
-    """A command's word as a whole number."""
+def _whole(command: ZaberCommand, index: int) -> int:
+    """Return a command's word as a whole number."""
     if len(command.words) != index + 1:
         raise RejectedError("BADDATA")
     value = number(command.words[index])
@@ -224,11 +224,12 @@ def _whole(command: Command, index: int) -> int:
     return value
 
 
-def _device_only(command: Command) -> None:
+def _device_only(command: ZaberCommand) -> None:
     if command.axis != 0:
         raise RejectedError("DEVICEONLY")
 
 
-def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
-    """Return the stage of a simulated rig; it has been homed, else it would refuse to move."""
-    return SimulatedZaberStage(world, clock, homed=True)
+# It has been homed: an unhomed one refuses to move.
+SERIAL_DEVICE = SimulatedSerial(
+    "stage", lambda world, clock, _seed: SimulatedZaberStage(world, clock, homed=True)
+)

@@ -6,18 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.locations.slots import TIMES, BasisShape, force_range_N, shapes, unit_of
 from model.discrepancy.search.form_share import form_share, steps_of
+from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
-from model.effects.interface import Location
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.form_error import FORM, cosine, waves_along
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.identification.likelihood.model_state import Perturbation
+from model.locations import location
+from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
 
@@ -31,30 +31,29 @@ Key = tuple[str, str, str]  # configuration, part, along
 
 
 def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
-    """A free form with its band, along the coordinate in which it says most."""
-    location: Location = contender.score.candidate.location  # type: ignore[assignment]
-    found = shapes(fitted, location, contender.score.candidate.part)
+    """Return a free form with its band, along the coordinate in which it says most."""
+    name = contender.score.candidate.location
+    found = shapes(fitted, name, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
     known = fitted.solution if contender.solution is None else contender.solution
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
-    if location == "camera" and contender.score.candidate.part != "age":
-        return _seen_wrong(fitted, found, beta, C)
+    if any(s.points_m is not None for s in found):
+        return _seen_wrong(fitted, name, found, beta, C)
     key = _strongest(fitted, found, columns, beta)
-    name, part, along = key
-    waves = [s.wave if _key(s) == key else None for s in found]
-    use = np.array([w is not None for w in waves])
+    own = [s for s in found if _key(s) == key and s.function is not None]
+    use = np.array([_key(s) == key and s.function is not None for s in found])
     t = np.linspace(0.0, 1.0, POINTS)
-    by = np.stack([w(t) for w in waves if w is not None], axis=1)
-    unit, factor = unit_of(location, part)
-    values = factor * by @ beta[use]
-    band = factor * np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
-    start, end, at_unit = _span(fitted, name, part, along)
+    by = np.stack([s.function(t) for s in own if s.function is not None], axis=1)
+    band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
+    start, end, at_unit = own[0].span
+    configuration, part, along = key
     return Unknown(
-        location, name, start + t * (end - start), values, band, unit, along,
-        _depends(location, part, along), at_unit, UNDER.get(part, ""),
+        location=name, configuration=configuration, s_mm=start + t * (end - start),
+        profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
+        depends=_depends(name, part, along), at_unit=at_unit, under=UNDER.get(part, ""),
     )  # fmt: skip
 
 
@@ -65,10 +64,10 @@ def _strongest(
     noise = variance(fitted)
 
     def weight(key: Key) -> float:
-        use = [_key(s) == key and s.wave is not None for s in found]
+        use = [_key(s) == key and s.function is not None for s in found]
         return float(np.sum((columns[:, use] @ beta[use]) ** 2 / noise))
 
-    return max({_key(s): None for s in found if s.wave}, key=weight)
+    return max({_key(s): None for s in found if s.function}, key=weight)
 
 
 def _key(shape: BasisShape) -> Key:
@@ -76,9 +75,13 @@ def _key(shape: BasisShape) -> Key:
 
 
 def _seen_wrong(
-    fitted: MixedModelFit, found: list[BasisShape], beta: FloatArray, C: FloatArray
+    fitted: MixedModelFit,
+    location_name: str,
+    found: list[BasisShape],
+    beta: FloatArray,
+    C: FloatArray,
 ) -> Unknown:
-    """How far the camera puts a curve beside itself, on the condition where it does so most."""
+    """Return how far the camera puts a curve off, for the condition where it does so most."""
     name = found[0].configuration
     scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
     moving = [i for i, s in enumerate(found) if s.points_m is not None]
@@ -89,8 +92,9 @@ def _seen_wrong(
     s, keep = np.unique(scene.curve_s[k], return_index=True)
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
-        "camera", name, s * 1e3, moved[k][keep] * 1e3, band * 1e3, "mm", "s",
-        _depends("camera", "place", "place"),
+        location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
+        band=band * 1e3, unit="mm", along="s",
+        depends=_depends(location_name, found[moving[0]].part, "s"),
     )  # fmt: skip
 
 
@@ -106,40 +110,15 @@ def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedMo
     )  # fmt: skip
 
 
-def _span(fitted: MixedModelFit, name: str, part: str, along: str) -> tuple[float, float, str]:
-    """The coordinate's beginning and end, and its unit."""
-    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
-    if along == "position":
-        every = np.concatenate([one.stated_m for one in fitted.problem.study.scenes])
-        return 0.0, float(np.nanmax(every)) * 1e3, "mm"
-    if along == "force":
-        low, high = force_range_N(fitted.problem.study)
-        return low * 1e3, high * 1e3, "mN"
-    if along != "time":
-        return 0.0, scene.length * 1e3, "mm"
-    during, wave = part.rpartition(", ")[2], fitted.problem.study.wave
-    if during == "period" and wave is not None:
-        return 0.0, wave.period_s, f"s into the period of {wave.period_s:.3g} s"
-    return 0.0, *TIMES.get(during, TIMES["session"])
-
-
-def _depends(location: Location, part: str, along: str) -> str:
-    said = {
-        "rest_curvature": "the same at all voltages and positions",
-        "eibm": "in proportion to the EIBM, so it changes sign with the voltage",
-        "even_moment": "only under voltage, with the same sign at both polarities",
-        "compliance": "in proportion to the moment, at all voltages",
-        "position": "goes with the position on the arc",
-        "load_cell": "in the force alone, not in the shapes",
-        "camera": "in the pictures alone, not in the forces",
-        "time": "goes with time",
-    }[location]
+def _depends(location_name: str, part: str, along: str) -> str:
+    """Return on what a free form depends, for messages."""
+    depends = location(location_name).depends
     if along == "time":
         during = part.rpartition(", ")[2]
-        return f"{said}, in the course of {'each' if during != 'session' else 'the'} {during}"
-    said += ", a function of the force" if along == "force" else ""
-    said += ", only under voltage" if part == "voltage" else ""
-    return said + (", the other way at the other polarity" if part == "polarity" else "")
+        return f"{depends}, in the course of {'each' if during != 'session' else 'the'} {during}"
+    depends += ", a function of the force" if along == "force" else ""
+    depends += ", only under voltage" if part == "voltage" else ""
+    return depends + (", the other way at the other polarity" if part == "polarity" else "")
 
 
 def unknown_effect(one: Unknown) -> ActiveEffect:
@@ -147,13 +126,14 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
     along = COORDINATES[one.along]
     scale = 1.0 if along == "time" else 1e-3
     profile = Profile(
-        along,
-        tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
-        one.unit, one.under,
+        along=along, at=tuple((one.s_mm * scale).tolist()), values=tuple(one.profile.tolist()),
+        sigma=tuple(one.band.tolist()), unit=one.unit, under=one.under,
     )  # fmt: skip
-    lens = one.location == "camera" and along == "s"  # which sees all configurations
-    names = () if lens else (one.configuration,)
-    return ActiveEffect("unknown", profile=profile, location=one.location, configurations=names)
+    of_the_rig = along in location(one.location).of_the_rig_along
+    names = () if of_the_rig else (one.configuration,)
+    return ActiveEffect(
+        name="unknown", profile=profile, location=one.location, configurations=names
+    )
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:
@@ -184,6 +164,7 @@ def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index
     sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))
     scale = np.max(np.abs(values)) or 1.0
     return FormCurve(
-        "s", "mm", scene.s_m * 1e3, values / scale, values * factor / scale,
-        np.abs(values) * sigma / scale, "what the effect adds, relative",
+        along="s", unit="mm", at=scene.s_m * 1e3, catalogue=values / scale,
+        inferred=values * factor / scale, band=np.abs(values) * sigma / scale,
+        what="what the effect adds, relative",
     )  # fmt: skip

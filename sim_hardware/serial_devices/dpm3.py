@@ -13,7 +13,7 @@ import re
 import numpy as np
 
 from drivers.interfaces import Clock
-from sim_hardware.serial_devices.contract import ForceWorld, SerialDevice, SerialWorld
+from sim_hardware.serial_devices.contract import ForceWorld, SimulatedSerial
 
 GRAM_FORCE_N = 9.80665e-3
 _COMMAND = re.compile(rb"\*([0-9A-V])(B1|CA|CB|A0|A1)")
@@ -67,14 +67,14 @@ class SimulatedDpm3Meter:
         return b"".join(self._execute(line) for line in lines)
 
     def poll(self) -> bytes:
-        """The readings of continuous mode that are due."""
-        said = b""
+        """Return the readings of continuous mode that are due."""
+        sent = b""
         now = self._clock.now()
         while self._next_s is not None and self._next_s <= now:
             if self._next_s > now - _STALE_S:
-                said += self._reading(self._next_s)
+                sent += self._reading(self._next_s)
             self._next_s += self._period_s
-        return said
+        return sent
 
     def _execute(self, line: bytes) -> bytes:
         match = _COMMAND.fullmatch(line)
@@ -117,6 +117,6 @@ class SimulatedDpm3Meter:
         return "ABCDEFGH"[on[0] + 2 * on[1] + 4 * overload]
 
 
-def SERIAL_DEVICE(world: SerialWorld, clock: Clock) -> SerialDevice:
-    """Return the meter of a simulated rig."""
-    return SimulatedDpm3Meter(world, clock)
+SERIAL_DEVICE = SimulatedSerial(
+    "meter", lambda world, clock, seed: SimulatedDpm3Meter(world, clock, seed=seed)
+)

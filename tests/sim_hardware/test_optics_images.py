@@ -1,4 +1,4 @@
-"""What the pictures look like, and that each can be made again."""
+"""What the images look like, and that each can be made again."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_rolls_touch_the_sheet_or_its_elongation_on_both_sides(
     assert rows.max() - v == pytest.approx((2.4 + held_mm / 2) * 8.9, abs=1.0)
 
 
-def test_far_face_lies_towards_the_middle_of_the_picture() -> None:
+def test_far_face_lies_towards_the_middle_of_the_image() -> None:
     quiet = OpticsSettings(noise=CameraNoise(electrons_per_level=1e9, read_levels=0))
     face = quiet.model_copy(update={"far_face": FarFace(level=90)})
     changed = Renderer(face).render([SHAPE], None, 0).astype(float)
@@ -125,7 +125,7 @@ def test_marker_tells_the_frame_number_and_the_time(time_s: float | None) -> Non
     assert read_marker(frame) == (70_001, time_s)
 
 
-def test_a_picture_without_marker_has_none() -> None:
+def test_an_image_without_marker_has_none() -> None:
     assert read_marker(Renderer(OpticsSettings()).render([SHAPE], None, 0)) is None
     assert read_marker(np.zeros((480, 640), dtype=np.uint8)) is None
 

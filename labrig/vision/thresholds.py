@@ -1,0 +1,184 @@
+"""The numbers that decide whether a curve is accepted, refused or warned of.
+
+Each line: the quantity with its unit, and what it means. A section says where its numbers come from
+and which benchmark moves with them: `accuracy`, `failures` and `faces` are those of
+`python -m benchmarks.vision_extraction`, on the scenes of `benchmarks/vision_scenes.py`; after a
+change `python -m benchmarks vision_peers` must still put labrig first. A share is a part of a
+whole, 0 to 1; a ratio compares two quantities. Settings of the numerics stand beside their code.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+# Image: whether one can hold a curve at all. From the camera's side, not tuned; `failures` must
+# not move.
+IMAGE_SIDE_MIN_PX: Final = 16  # rows and columns of the smallest image
+SATURATED_SHARE_MAX: Final = 0.9  # of all pixels at full scale; above: refused
+SATURATED_SHARE_WARNED: Final = 0.005  # of all pixels at full scale, where the sheet is bright
+# darkest to brightest over full scale; below, and within noise: uniform
+LEVEL_RANGE_MIN_RATIO: Final = 0.01
+LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
+
+# Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
+# benchmark: by hand on photographs (docs/vision.md), and `accuracy` with a larger scale.
+FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
+DOWNSCALED_THICKNESS_PX: Final = 3.5  # of a strip in the downscaled image
+# a guessed thickness as near as this to the visible one is kept
+THICKNESS_CHANGE_MIN_PX: Final = 1.0
+
+# Acceptance of a fitted curve. Shares and lengths found by trial on drawn scenes with clutter, so
+# that no wrong curve passed; the chi squares are 4 and 4.5 standard deviations. Benchmark:
+# `failures` of all kinds (silent against refused).
+IN_VIEW_SHARE_MIN: Final = 0.3  # of the curve that nothing known hides
+COVERED_SHARE_MIN: Final = 0.6  # of what is in view that looks like the sheet
+COVERED_SHARE_WARNED: Final = 0.85  # of the whole length; below: a warning
+COVERED_SHARE_GOOD: Final = 0.95  # below: lost parts are searched again, further from the curve
+START_COVERED_SHARE_MIN: Final = 0.4  # of the first eighth
+HIDDEN_SIGMA_MAX_PX: Final = 2.0  # of the curve where it is hidden or unclear
+FULLY_SEEN_SHARE: Final = 0.9  # of the cells used; above, the whole curve is known well
+SNR_MIN: Final = 2.0  # contrast over one pixel's noise
+RESIDUAL_MAX_PX: Final = 0.35  # RMS, thin sheet; in proportion for one of more than 3 pixels
+# of the clamp against the start as the sheet alone has it, 2 degrees of freedom
+START_CHI2_MAX: Final = 4.0**2
+CLAMP_KINK_SIGMA_RAD: Final = 0.04  # that a sheet may have where it leaves the jaws
+CURVATURE_MAX_PER_M: Final = 400.0  # of a usual strip of 40 to 60 mm, searched for
+CURVATURE_REFUSED_RATIO: Final = 1.5  # of a fitted curvature to the largest one searched for
+TURN_MAX_RAD: Final = 4.8  # from clamp to end: 240 degrees and a little
+
+# The sheet's end against the stated length. Half a roll's width, and a scale that is 3 % wrong;
+# benchmark: `failures` with clutter.
+LENGTH_ERROR_MAX_PX: Final = 6.0  # or the share below, whichever is more
+LENGTH_ERROR_MAX_RATIO: Final = 0.03  # of the stated length
+UNSEEN_END_MAX_PX: Final = 5.0  # that a sheet without a visible end may continue
+END_OFFSET_WARNED_PX: Final = 4.0  # from where length and scale put the end
+# another thing ends that near to the sheet's end once in fifty times
+END_IN_PLACE_MAX_PX: Final = 1.5
+END_IN_PLACE_CHI2: Final = 8.0  # twice the logarithm of those fifty, which a doubtful gap gains
+START_MISSING_MIN_SIGMAS: Final = 6.0  # plain background at the clamp over clamp_sigma_px
+# of the stated length: how far beyond its end the sheet is followed
+CONTINUATION_RANGE_RATIO: Final = 0.25
+# from the sheet's contrast, and from the background's none
+CONTRAST_DEVIATION_MAX_RATIO: Final = 0.4
+BACKGROUND_RUN_PX: Final = 8  # so much plain background in a row is the sheet's end
+CONTINUATION_SEEN_SHARE_MIN: Final = 0.7  # of what is seen up to the farthest sheet
+
+# Gap continuity and occlusion: whether what is seen beyond a hidden stretch is the same sheet.
+# Contrasts found by trial on sheets turned behind a disc (docs/vision.md); benchmark: `failures`,
+# mixed and in clutter.
+GAP_CHI2_MAX: Final = 4.5**2  # of place, direction and curvature beyond a gap, 3 degrees of freedom
+GAP_CHI2_WARNED: Final = 3.0**2  # above: other paths are tried, and the credible band holds both
+GAP_LENGTH_MIN_PX: Final = 8.0  # in a shorter gap no other line can take over
+GAP_CELLS_BEFORE_MIN: Final = 20  # that are needed to predict the sheet beyond the gap
+HOLE_CONTRAST_MAX_RATIO: Final = 0.35  # of the sheet's contrast; where less is seen there is a hole
+HOLE_MIN_SIGMAS: Final = 4.5  # by which a hole's contrast is below the sheet's
+OCCLUSION_GAP_MIN_CELLS: Final = 3  # unused cells between two stretches
+GROUND_CHANGE_MIN_RATIO: Final = 0.5  # of background greys over the sheet's contrast
+SEE_THROUGH_MIN_RATIO: Final = 0.3  # of the stretch's change over the background's
+SHADE_DIFFERENCE_MIN_RATIO: Final = 0.25  # from what a shadow on both would change
+
+# Neighbouring structure: edges, shadows and second sheets. By trial; benchmark: `failures` without
+# a sheet, with and without clutter.
+OPPOSITE_CONTRAST_MAX_RATIO: Final = 1.3  # of something of the opposite brightness beside the curve
+EDGE_STEP_MAX_RATIO: Final = 0.8  # of the contrast, from one side of the curve to the other
+SECOND_SHEET_SCORE_MIN: Final = 0.4  # of a path beside the first one, -0.3 to 1
+# of the sheet's contrast; stronger: may be another sheet
+REFLECTION_CONTRAST_MAX_RATIO: Final = 0.5
+
+# Apparent width. In pixels of a sheet about 2 thick; gains are twice a log-likelihood. Benchmark:
+# `faces`.
+WIDTH_TOLERANCE_PX: Final = 1.0  # noise and blur make a measured width uncertain by about this
+BLUR_SUSPICIOUS_PX: Final = 1.5  # above: a wider and sharper sheet is tried
+EXCESS_WIDTH_GAIN_MIN: Final = 50.0  # that it must explain
+# or the thickness: wider in one place only is something else
+EXCESS_WIDTH_LOCAL_MAX_PX: Final = 2.0
+EXCESS_WIDTH_CORRUPTED_PX: Final = 1.0  # cells wider than this are left out of a bridged curve
+# above, or above the ratio below: refused, for half of it is unknown
+EXCESS_WIDTH_MAX_PX: Final = 6.0
+EXCESS_WIDTH_MAX_RATIO: Final = 0.0135  # of the length, where there are many pixels
+# half of it widens the credible band
+EXCESS_WIDTH_WARNED_PX: Final = 0.5
+UNHIDDEN_SHARE_MIN: Final = 0.97  # of the pixels beside the curve: nothing is hidden there
+BRIDGED_SIGMA_MAX_PX: Final = 1.2  # of a curve where what lies along the sheet was left out
+
+# Side face. Gains are twice a log-likelihood: 15 is about four standard deviations with two free
+# numbers; the rest by trial on faced scenes. Benchmark: `faces`.
+SIDE_FACE_GUESS_GAIN_MIN: Final = 8.0  # of a rough guess, to be refined
+SIDE_FACE_GAIN_MIN: Final = 15.0  # of the likeliest face, to be accepted
+LOCAL_STRUCTURE_GAIN_MIN: Final = 60.0  # of what lies beside the sheet in one place, such as a wire
+# of the pieces, those that gain least, must gain something together
+SIDE_FACE_COMMON_PIECES_SHARE: Final = 0.75
+SIDE_FACE_COMMON_GAIN_RATIO: Final = 0.02  # of the whole gain, at least, by those
+SIDE_FACE_BIAS_MIN_PX: Final = 0.02  # a smaller possible bias is left out
+CAMERA_TILT_CHI2_MAX: Final = 4.0**2  # no camera looks that much askew at the plane
+# of the face's grey to the edge's, where the edge is stated to be lit
+LIT_EDGE_FACE_MAX_RATIO: Final = 0.75
+# below, an elongation's face is judged by the unused free part too
+FREE_PART_USED_SHARE_MIN: Final = 0.3
+THICKNESS_EXCESS_MAX_RATIO: Final = 0.15  # by which a sheet may be thicker than stated
+FOCUS_BLUR_MAX_PX: Final = 1.2  # a larger blur may be a disc's, and look thicker by what is above
+
+# Lateral bias, offsets and their warnings. 16 is four standard deviations of one number; the
+# warned sizes are a few times the sigma of an average curve. Benchmark: `accuracy` (credible band).
+BIAS_RESIDUAL_MIN_RATIO: Final = 0.95  # of residuals to noise, of which Tukey's weights leave 0.9
+BIAS_GAIN_MIN: Final = 16.0  # twice the log-likelihood that a second image explains
+BIAS_USED_SHARE_MIN: Final = 0.5  # of a piece's cells
+BIAS_WARNED_PX: Final = 0.05
+OFFSET_CHI2_MAX: Final = 3.0  # of a piece against the curve, in the mean of its cells
+OFFSET_SLOPE_MAX: Final = 0.3  # pixels a cell: a sheet is no steeper beside the curve
+OFFSET_CELLS_MIN: Final = 15  # unclear cells of a piece that look like the sheet
+OFFSET_PRESENT_SHARE_MIN: Final = 0.9  # of the pixels beside the curve, in unclear cells
+# height and width over the usual ones, of what may be the sheet
+SHEET_LIKE_RATIOS: Final = (0.5, 2.2)
+OFFSET_WARNED_PX: Final = 0.3
+
+# Which cells the fit uses. By trial; benchmark: `accuracy` (RMSE, credible band) and `failures`.
+PRESENT_SHARE_MIN: Final = 0.6  # of the pixels beside a cell that nothing hides
+NEIGHBOURS_USED_SHARE_MIN: Final = 0.55  # of 12 cells to each side, beside what hides the sheet
+CELL_CONTRAST_RATIOS: Final = (0.35, 2.5)  # of a used cell's contrast to the usual one
+CELL_CONTRAST_MIN_SIGMAS: Final = 1.5  # of a used cell, over one pixel's noise
+
+# Edges of thick strips. In thicknesses and shares; by hand on photographs (docs/vision.md).
+EDGE_DISTANCE_RATIOS: Final = (0.6, 1.6)  # between both edges over the stated thickness
+# of the cells of a block, which is as long as the strip is thick
+EDGE_BLOCK_USED_SHARE_MIN: Final = 0.5
+EDGE_BLOCKS_SHARE_MIN: Final = 0.5  # of the blocks, that show both edges
+
+# Background lines (wires): what counts as one, and as part of the curve. By trial on wires along
+# and across the sheet; benchmark: `failures`, mixed and in clutter.
+RIDGE_BEND_MIN_SIGMAS: Final = 3.0  # of a ridge where it crosses the ring, over the map's noise
+LINE_SCORE_MIN: Final = 0.2  # mean ridge score of the first 60 pixels, and of any place used
+LINE_BEGIN_SCORE_MIN: Final = 0.1  # of its first 10 pixels: a sheet ends further from the border
+LINE_SEEN_SCORE_MIN: Final = 0.3  # of a piece of ten steps
+LINE_TWO_SIDED_SHARE_MIN: Final = 0.4  # of its length with two flanks; less: an edge
+LINE_GAP_MAX_PX: Final = 300.0  # that rolls, clamp and sheet may make in what reaches the border
+BRANCH_GAP_MAX_PX: Final = 60.0  # and in what does not, which may end there
+LINE_LENGTH_MIN_PX: Final = 60.0  # seen beside the curve
+LINE_MATCH_MAX_PX: Final = 4.0  # from a place to the line through it
+LINE_END_SIGMA_PX: Final = 16.0  # how well a line's end is found
+# from a curve's direction at its end, which is found less well
+LINE_DIRECTION_MAX_RAD: Final = 0.35
+CROSSING_LENGTH_MAX_REACHES: Final = 8.0  # of a crossing under an angle of 25 degrees and more
+LINE_COVER_WARNED_SHARE: Final = 0.02  # of the sheet hidden by lines
+
+# Rolls and the contact. By trial on drawn and simulated rolls; benchmark: none, the tests hold
+# misplaced contacts at zero.
+ROLL_EDGE_MIN_SIGMAS: Final = 2.5  # of three quarters of the rim, over the smoothed image's noise
+ROLL_EDGE_MIN_RATIO: Final = 0.06  # the same over the sheet's contrast
+ROLL_RESIDUAL_MAX_PX: Final = 0.8  # RMS of the rim's points from their circle
+ROLL_RADIUS_MAX_RATIO: Final = 1.25  # of the larger roll to the smaller
+# from the rolls in the optics to where the curve meets the arc
+NAMED_ROLLS_DISTANCE_MAX_M: Final = 5e-3
+
+# Mean image against single frames. Blur that a mean image forgives, and four standard deviations;
+# benchmark: none, tests on moving sheets.
+# RMS scatter of the frames' curves that blurs their mean image
+FRAME_SCATTER_WARNED_PX: Final = 1.0
+FRAME_DISTANCE_WARNED_PX: Final = 0.15  # RMS between both that each leaves over
+FRAME_DISTANCE_WARNED_SIGMAS: Final = 4.0  # and of the frames' noise
+
+# Calibration. From what good boards and lenses leave over; benchmark: none, tests on drawn boards.
+CALIBRATION_RESIDUAL_MAX_PX: Final = 1.0  # RMS; above: refused
+CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
+CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction
+BOARD_CORNERS_MIN: Final = 12  # of one image of the board

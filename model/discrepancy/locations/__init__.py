@@ -1,1 +1,0 @@
-"""Components of the model that may be wrong, each with its nonparametric terms."""

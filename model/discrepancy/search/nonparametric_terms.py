@@ -1,0 +1,118 @@
+"""Candidates that may be anything smooth, one for each location of discrepancy.
+
+The columns of such a candidate are basis shapes that share one scale; they bend to whatever is
+there and pay for it in the evidence. Where a location explains the data and no effect of the
+catalogue does, something is not in the model that the catalogue does not know.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.search.evidence import Candidate
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import ModelState
+from model.locations import location, locations
+from model.locations.contract import Function, Linearised
+from model.measurements import FloatArray
+
+AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 1.0)  # of the basis shapes, to begin with
+LEAST_RANGE_N = 1e-6
+# parts of one shape that another part has, too: by itself what is constant costs least
+ALONE = ("clamp", "zero")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BasisShape:
+    """One basis shape of a location in all data."""
+
+    rows: FloatArray  # (N,)
+    configuration: str
+    part: str  # see `Basis`
+    along: str
+    function: Function | None
+    unit: str
+    span: tuple[float, float, str]
+    points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
+
+
+def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
+    """Return all basis shapes of a location, each once, or those of a part."""
+    study, result = fitted.problem.study, dict[tuple[str, int, str], BasisShape]()
+    for c, state in enumerate(fitted.linear.states):
+        configuration, counts = study.names[c], dict[str, int]()
+        for basis in location(name).bases(linearised(study, c, state)):
+            if basis.part != part if part else basis.part in ALONE:
+                continue
+            number = counts[basis.part] = counts.get(basis.part, 0) + 1
+            key = (basis.part, number, "" if basis.shared else configuration)
+            rows = study.rows_of(c, state, basis.step)
+            if key in result:
+                result[key] = replace(result[key], rows=result[key].rows + rows)
+            else:
+                points = basis.step.points_m if np.any(basis.step.points_m) else None
+                result[key] = BasisShape(
+                    rows=rows, configuration=configuration, part=basis.part, along=basis.along,
+                    function=basis.function, unit=basis.unit, span=basis.span, points_m=points,
+                )  # fmt: skip
+    return [shape for shape in result.values() if np.any(shape.rows)]
+
+
+def unknowns(fitted: MixedModelFit) -> list[Candidate]:
+    """Return for each location all of its shapes, and each part that has a profile alone."""
+    result = []
+    for name in locations():
+        whole = shapes(fitted, name)
+        parts = list(dict.fromkeys(s.part for s in whole if s.function))
+        several = len({s.part for s in whole}) > 1
+        pool = {"": whole}
+        pool |= {part: [s for s in whole if s.part == part] for part in parts if several}
+        pool |= {part: shapes(fitted, name, part) for part in ALONE}
+        for part, found in pool.items():
+            if found:
+                columns = np.stack([s.rows for s in found], axis=1)
+                result.append(
+                    Candidate(
+                        name=f"unknown:{name}",
+                        values={},
+                        columns=columns,
+                        sizes=AMPLITUDES,
+                        effect=None,
+                        location=name,
+                        part=part,
+                    )
+                )
+    return result
+
+
+def linearised(study: ForwardModel, c: int, state: ModelState) -> Linearised:
+    """Return a configuration as the locations see it."""
+    scene, part = study.scenes[c], study.part(c)
+    measured_at = part.mean(part.clock.session)
+    measured_at[scene.free] = scene.free_clock.session
+    return Linearised(
+        beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
+        points=study.points(c, state.solved), clock=part.clock,
+        position_m=scene.stated_m[part.reading_of], reading_of=part.reading_of,
+        initial_curvature_per_m=scene.rest(scene.s_m),
+        force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,
+        measured_at=measured_at, has_curve=scene.has_curve,
+        positions_m=_ends(np.concatenate([one.stated_m for one in study.scenes])),
+        forces_N=_force_range_N(study), bin_clock=part.bin_clock, bin_sample=part.bin_sample,
+        bin_mean=part.bin_mean, periodic=study.wave, nothing=lambda: study.no_step(c),
+        change=lambda other: scene.change(state.beam, other, state.solved.contact),
+    )  # fmt: skip
+
+
+def _ends(values: FloatArray) -> tuple[float, float]:
+    """Return the smallest and the largest finite value; 0 where there is none."""
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+
+
+def _force_range_N(study: ForwardModel) -> tuple[float, float]:
+    low, high = _ends(np.concatenate([part.measured_N for part in study.layout.parts]))
+    return low, max(high, low + LEAST_RANGE_N)

@@ -1,0 +1,157 @@
+"""Basis functions, and how a location's own methods turn them into basis shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.quantities import BeamProblem, Perturbation
+from model.measurements import FloatArray
+
+FEW_NODES, FEW_WAVES, WAVES = 8, 3, 9  # waves along a sheet of few nodes, and of more
+# how long that takes along which a function of time goes, with its unit
+SPANS_S = {
+    "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
+    "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
+}  # fmt: skip
+FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BasisTerm:
+    """A basis function as a term: of a coordinate `low` .. `high`."""
+
+    along: str
+    function: Function
+    low: float
+    high: float
+    under: str = ""
+
+    def __call__(self, at: FloatArray) -> FloatArray:
+        """Return its values; in the middle where there is no coordinate."""
+        span = self.high - self.low
+        if span <= 0.0:
+            return self.function(np.full_like(at, 0.5))
+        return self.function(np.nan_to_num((at - self.low) / span, nan=0.5))
+
+    def share(self, voltage_V: FloatArray) -> FloatArray:
+        """Return 1, 0 or -1: in which sense it acts at these voltages."""
+        sign = np.sign(voltage_V)
+        return {"": np.ones_like(sign), "voltage": np.abs(sign), "polarity": sign}[self.under]
+
+
+def cosine_wave(j: int, amplitude: float = 1.0) -> Function:
+    """Return a cosine of a coordinate 0 .. 1, of unit mean square; finer ones are smaller."""
+    share = amplitude / (1.0 + FALLING * j)
+
+    def value(t: FloatArray) -> FloatArray:
+        result: FloatArray = share * (np.cos(j * np.pi * t) * (np.sqrt(2.0) if j else 1.0))
+        return result
+
+    return value
+
+
+def polynomial(degree: int, amplitude: float) -> Function:
+    """Return Legendre's of a coordinate 0 .. 1, of unit mean square; higher ones are smaller."""
+    share = amplitude / (1.0 + FALLING * degree)
+
+    def value(t: FloatArray) -> FloatArray:
+        number = [0.0] * degree + [np.sqrt(2.0 * degree + 1.0)]
+        return np.asarray(share * legendre.legval(2.0 * t - 1.0, number))
+
+    return value
+
+
+def decay(length: float, amplitude: float) -> Function:
+    """Return an exponential of a coordinate 0 .. 1 that falls to 1/e within `length`."""
+
+    def value(t: FloatArray) -> FloatArray:
+        result: FloatArray = amplitude * np.exp(-t / length)
+        return result
+
+    return value
+
+
+def sinusoids(amplitude: float) -> Iterator[Function]:
+    """Return cosine and sine of a phase in periods."""
+    for part in (np.cos, np.sin):
+
+        def value(phase: FloatArray, part: np.ufunc = part) -> FloatArray:
+            return np.asarray(amplitude * part(2.0 * np.pi * phase))
+
+        yield value
+
+
+def waves_along_sheet(at: Linearised) -> int:
+    """Return how many waves along the sheet its nodes can carry."""
+    return WAVES if len(at.beam.s_m) > FEW_NODES else FEW_WAVES
+
+
+def bases_of(
+    location: Location,
+    at: Linearised,
+    functions: Iterable[Function],
+    *,
+    along: str,
+    part: str,
+    under: str = "",
+    shared: bool = False,
+) -> Iterator[Basis]:
+    """Return basis shapes that act as the location's terms do."""
+    low, high = _range(at, along)
+    factor, unit = _DISPLAYED[along]
+    for function in functions:
+        term = BasisTerm(along=along, function=function, low=low, high=high, under=under)
+        yield Basis(
+            part=part, along=along, function=function, unit=location.unit,
+            span=(factor * low, factor * high, unit),
+            step=perturbation(location, at, term), shared=shared,
+        )  # fmt: skip
+
+
+# factor from SI, and unit, in which a coordinate is reported
+_DISPLAYED = {"s": (1e3, "mm"), "position": (1e3, "mm"), "force": (1e3, "mN")}
+
+
+def _range(at: Linearised, along: str) -> tuple[float, float]:
+    """Return the ends of a coordinate, in m or N."""
+    if along == "position":
+        return at.positions_m
+    if along == "force":
+        return at.forces_N
+    return 0.0, at.beam.sheet.free_length_m
+
+
+def perturbation(location: Location, at: Linearised, term: Term) -> Perturbation:
+    """Return what a term changes, to first order."""
+    step = beam_step(at, location.beam(at.beam, term))
+    force = location.force(at.weighed, term)
+    if force is not None:
+        step.force_N = force
+    moved = location.curve(at.points, term)
+    if moved is not None:
+        step.points_m = moved[0] * at.points.normal_x + moved[1] * at.points.normal_y
+    seen = location.pictured(at.clock, at.position_m, term)
+    if seen is not None:
+        step.frame_eibm = seen
+    return step
+
+
+def beam_step(at: Linearised, changed: BeamProblem) -> Perturbation:
+    """Return a change of the beam problem, to first order."""
+    step = at.nothing()
+    if changed is not at.beam:
+        step.beam = at.change(changed)
+    return step
+
+
+def time_span(at: Linearised, part: str) -> tuple[float, float, str]:
+    """Return the ends and the unit of the time that a part is named after: "EIBM, run"."""
+    during = part.rpartition(", ")[2]
+    if during == "period" and at.periodic is not None:
+        return 0.0, at.periodic.period_s, f"s into the period of {at.periodic.period_s:.3g} s"
+    return 0.0, *SPANS_S[during]

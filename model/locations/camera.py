@@ -1,0 +1,66 @@
+"""The camera: where it puts the points of a curve, and at which moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.locations.basis import bases_of, cosine_wave
+from model.locations.contract import Basis, Linearised, Location, Term
+from model.locations.quantities import AcquisitionTimes, ImagePoints
+from model.measurements import FloatArray
+
+AMPLITUDE_M = 5e-4  # of a distortion of the image
+DEGREE = 4  # waves across the image: those with i + j < DEGREE
+IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
+AMPLITUDE_OF_AGE = 0.1  # of the EIBM
+WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera(Location):
+    """Points off along the normal of the curve, or images of another moment than the reading."""
+
+    def curve(self, points: ImagePoints, term: Term) -> tuple[FloatArray, FloatArray] | None:
+        """See `Location.curve`."""
+        if term.along != "s":
+            return None
+        off = 1e-3 * term(points.s_m)
+        return off * points.normal_x, off * points.normal_y
+
+    def pictured(
+        self, clock: AcquisitionTimes, position_m: FloatArray, term: Term
+    ) -> FloatArray | None:
+        """See `Location.pictured`: in the first pulse half of the change is still to come."""
+        if term.along != "position":
+            return None
+        return np.asarray(term(position_m) * 0.5 * (1.0 - clock.opposite))
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        x, y = at.points.x_m / IMAGE_X_M, (at.points.y_m + BELOW_M) / IMAGE_Y_M
+        for i in range(DEGREE):
+            for j in range(DEGREE - i):
+                wave = np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
+                for normal in (at.points.normal_x, at.points.normal_y):
+                    step = at.nothing()
+                    step.points_m = AMPLITUDE_M * wave * normal * at.has_curve[:, None]
+                    yield Basis(
+                        part="place", along="place", function=None, unit="mm",
+                        span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True,
+                    )  # fmt: skip
+        waves = (cosine_wave(j, AMPLITUDE_OF_AGE) for j in range(WAVES_OF_AGE))
+        for one in bases_of(self, at, waves, along="position", part="age"):
+            yield replace(one, unit="relative")
+
+
+LOCATION = Camera(
+    name="camera",
+    meaning="the camera",
+    depends="in the pictures alone, not in the forces",
+    unit="mm",
+    order=70,
+    of_the_rig_along=frozenset({"s"}),
+)

@@ -1,0 +1,52 @@
+"""The bending compliance of the sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.locations.basis import bases_of, beam_step, cosine_wave, waves_along_sheet
+from model.locations.contract import Basis, Linearised, Location, Term
+from model.locations.quantities import BeamProblem
+
+AMPLITUDE = 0.3  # relative
+WAVES_UNDER_VOLTAGE = 3  # along the sheet, of what is there under voltage only
+BENT_PER_M = 30.0  # bending at which a compliance that goes with it has changed by AMPLITUDE
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compliance(Location):
+    """A relative change of the compliance along the sheet, or with the bending."""
+
+    def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
+        """See `Location.beam`."""
+        if term.along != "s":
+            return beam
+        share = term.share(beam.voltage_V)[:, None]
+        return replace(beam, soft=beam.soft * (1.0 + share * term(beam.s_m)))
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        waves = [cosine_wave(j, AMPLITUDE) for j in range(waves_along_sheet(at))]
+        yield from bases_of(self, at, waves, along="s", part="s")
+        few = waves[:WAVES_UNDER_VOLTAGE]
+        yield from bases_of(self, at, few, along="s", part="voltage", under="voltage")
+        bent = np.abs(at.contact.curvature - at.initial_curvature_per_m)
+        for power in (1, 2):
+            softer = AMPLITUDE * (bent / BENT_PER_M) ** power
+            changed = replace(at.beam, soft=at.beam.soft * (1.0 + softer))
+            yield Basis(
+                part="curvature", along="curvature", function=None, unit=self.unit,
+                span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=beam_step(at, changed),
+            )  # fmt: skip
+
+
+LOCATION = Compliance(
+    name="compliance",
+    meaning="what gives way",
+    depends="in proportion to the moment, at all voltages",
+    unit="relative",
+    order=40,
+)

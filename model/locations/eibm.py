@@ -1,0 +1,46 @@
+"""The electrically induced bending moment along the sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.locations.basis import bases_of, cosine_wave, waves_along_sheet
+from model.locations.contract import Basis, Linearised, Location, Term
+from model.locations.quantities import BeamProblem
+
+AMPLITUDE_ON_ARC = 0.1  # relative
+WAVES_ON_ARC = 4
+
+
+@dataclass(frozen=True, kw_only=True)
+class Eibm(Location):
+    """A relative change of the EIBM, along the sheet or from position to position."""
+
+    def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
+        """See `Location.beam`."""
+        share = term.share(beam.voltage_V)
+        if term.along == "s":
+            return replace(beam, eibm=beam.eibm * (1.0 + share[:, None] * term(beam.s_m)))
+        if term.along == "position":
+            on_arc = share * term(np.nan_to_num(beam.stated_m))
+            return replace(beam, eibm=beam.eibm * (1.0 + on_arc[:, None]))
+        return beam
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        along_sheet = (cosine_wave(j) for j in range(1, waves_along_sheet(at)))
+        yield from bases_of(self, at, along_sheet, along="s", part="s")
+        on_arc = (cosine_wave(j, AMPLITUDE_ON_ARC) for j in range(1, WAVES_ON_ARC + 1))
+        yield from bases_of(self, at, on_arc, along="position", part="position")
+
+
+LOCATION = Eibm(
+    name="eibm",
+    meaning="the EIBM along the sheet",
+    depends="in proportion to the EIBM, so it changes sign with the voltage",
+    unit="relative",
+    order=20,
+)

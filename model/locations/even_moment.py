@@ -1,0 +1,42 @@
+"""A moment that has the same sign at both polarities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.locations.basis import bases_of, cosine_wave, waves_along_sheet
+from model.locations.contract import Basis, Linearised, Location, Term
+from model.locations.quantities import BeamProblem
+
+AMPLITUDE = 0.3  # of the EIBM
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvenMoment(Location):
+    """A moment along the sheet under voltage, relative to the mean size of the EIBM."""
+
+    def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
+        """See `Location.beam`."""
+        if term.along != "s":
+            return beam
+        driven = beam.voltage_V != 0.0
+        typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
+        share = typical * driven * term.share(beam.voltage_V)
+        return replace(beam, bend=beam.bend + share[:, None] * term(beam.s_m))
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        waves = (cosine_wave(j, AMPLITUDE) for j in range(waves_along_sheet(at)))
+        yield from bases_of(self, at, waves, along="s", part="s")
+
+
+LOCATION = EvenMoment(
+    name="even_moment",
+    meaning="a moment that does not change its sign with the voltage",
+    depends="only under voltage, with the same sign at both polarities",
+    unit="relative to the EIBM",
+    order=30,
+)

@@ -1,0 +1,79 @@
+"""The load cell: what it adds to the force."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.locations.basis import bases_of, cosine_wave, polynomial, sinusoids, time_span
+from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.quantities import LoadCellInput
+from model.measurements import FloatArray
+
+AMPLITUDE_MN = 0.2
+PERIODIC_MN = 2.0
+DEGREES = range(2, 6)  # of the force: in proportion to the force is what B is, too
+WAVES_IN_SESSION = 8
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCell(Location):
+    """A force that is added where the sheet touches, from position to position or by the force."""
+
+    def force(self, weighed: LoadCellInput, term: Term) -> FloatArray | None:
+        """See `Location.force`."""
+        at = {"position": weighed.position_m, "force": weighed.force_N}.get(term.along)
+        if at is None:
+            return None
+        acting = term.share(weighed.voltage_V) * weighed.touching
+        return np.asarray(1e-3 * term(at) * acting)
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        waves = [cosine_wave(j, AMPLITUDE_MN) for j in range(7)]
+        for part, under, count, shared in (
+            ("position", "", 7, True), ("position, each sheet", "", 5, False),
+            ("polarity", "polarity", 3, True), ("voltage", "voltage", 3, True),
+        ):  # fmt: skip
+            yield from bases_of(
+                self, at, waves[:count], along="position", part=part, under=under, shared=shared
+            )
+        zero = np.full_like(at.weighed.force_N, waves[0](np.array(0.0)))
+        yield self._added(at, waves[0], zero, part="zero", along="position")
+        powers = (polynomial(degree, AMPLITUDE_MN) for degree in DEGREES)
+        yield from bases_of(self, at, powers, along="force", part="force", shared=True)
+        yield from self._in_time(at)
+
+    def _in_time(self, at: Linearised) -> Iterator[Basis]:
+        session = at.clock.session
+        for j in range(1, WAVES_IN_SESSION + 1 if np.ptp(session) > 0.0 else 0):
+            wave = cosine_wave(j, AMPLITUDE_MN)
+            yield self._added(at, wave, wave(session), part="zero, session", along="time")
+        if at.periodic is not None and at.periodic.what == "force":
+            phase = at.periodic.phase(at.clock)
+            for wave in sinusoids(PERIODIC_MN):
+                yield self._added(at, wave, wave(phase), part="force, period", along="time")
+
+    def _added(
+        self, at: Linearised, function: Function, added_mN: FloatArray, *, part: str, along: str
+    ) -> Basis:
+        """Return a force that is added to every reading, without contact, too."""
+        step = at.nothing()
+        step.force_N = 1e-3 * added_mN
+        low, high = at.positions_m
+        span = (1e3 * low, 1e3 * high, "mm") if along == "position" else time_span(at, part)
+        return Basis(
+            part=part, along=along, function=function, unit=self.unit, span=span, step=step,
+            shared=True,
+        )  # fmt: skip
+
+
+LOCATION = LoadCell(
+    name="load_cell",
+    meaning="the load cell",
+    depends="in the force alone, not in the shapes",
+    unit="mN",
+    order=60,
+)

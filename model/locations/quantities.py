@@ -1,0 +1,137 @@
+"""What effects and nonparametric terms act on: a beam problem, its solution, and its observation.
+
+A `BeamProblem` holds K conditions of one configuration; quantities along the sheet are values at
+its G nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from model.measurements import FloatArray, SheetGeometry
+
+Values = Mapping[str, float]
+
+
+@dataclass(kw_only=True)
+class AcquisitionTimes:
+    """When something was acquired: arrays of one shape."""
+
+    voltage_V: FloatArray
+    pulse_s: FloatArray  # since this voltage was set
+    pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
+    run_s: FloatArray  # since the run began
+    session: FloatArray  # 0 .. 1 over the data
+    wetted_s: FloatArray  # since the sheet was last wetted
+    driven_s: FloatArray  # under voltage since then
+    opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
+    rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
+    worked_s: FloatArray | float = 0.0  # under voltage in the whole session
+
+    def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
+        """Return some of these times."""
+        shape = self.voltage_V.shape
+        return AcquisitionTimes(
+            **{f.name: np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(self)}
+        )
+
+    @staticmethod
+    def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
+        """Return the times of all of them, one after the other."""
+        every = [clock.of(np.ones(clock.voltage_V.shape, dtype=bool)) for clock in clocks]
+        names = [f.name for f in fields(AcquisitionTimes)]
+        return AcquisitionTimes(
+            **{n: np.concatenate([np.zeros(0), *(getattr(c, n) for c in every)]) for n in names}
+        )
+
+
+@dataclass(kw_only=True)
+class BeamProblem:
+    """K conditions of one configuration before they are solved.
+
+    Their curvature will be k0 + rest + soft (eibm + bend - (N/B) lever).
+    """
+
+    sheet: SheetGeometry
+    s_m: FloatArray  # (G,) nodes along the free length
+    voltage_V: FloatArray  # (K,)
+    stated_m: FloatArray  # (K,) position on the arc as stated; NaN: free
+    up: FloatArray  # (K,) +1: the position was approached from below, -1: from above
+    stiffness: FloatArray  # (K,) B in N m^2
+    rest: FloatArray  # (K, G) change of the rest curvature, 1/m
+    eibm: FloatArray  # (K, G) Me/B, 1/m
+    bend: FloatArray  # (K, G) moments other than EIBM and contact, over B, 1/m
+    soft: FloatArray  # (K, G) B/B(s)
+    elongation_soft: FloatArray  # (K,) B over the elongation's stiffness; 0: rigid
+    shift_m: FloatArray  # (K,) of the contact along the arc
+    tilt_rad: FloatArray  # (K,) direction in which the sheet leaves the clamp
+    offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
+    piece_m: FloatArray  # (G,) of the sheet that each node stands for; their sum is its length
+    # when the readings of each condition were taken (n,), and of which condition each is (n,)
+    clock: AcquisitionTimes
+    reading_of: npt.NDArray[np.int64]
+    share: FloatArray  # (n,) of each reading in the mean of its condition; 0: it is in none
+    # (K,) share of the weight's push towards -y: -1 where the rig is turned over
+    upright: FloatArray | float = 1.0
+
+
+@dataclass(kw_only=True)
+class ContactSolution:
+    """What solving a `BeamProblem` gave; NaN where there is no contact."""
+
+    force_N: FloatArray  # (K,) along the arc's tangent
+    normal_N: FloatArray  # (K,) N
+    gamma_rad: FloatArray  # (K,)
+    s_hat_m: FloatArray  # (K,) contact's place along the sheet
+    lever: FloatArray  # (K, G) p_hat - r along the contact's tangent, m; 0 beyond the contact
+    offset: FloatArray  # (K, G) p_hat - r along the contact's normal, m; 0 beyond the contact
+    x_m: FloatArray  # (K, G) the nodes' places
+    y_m: FloatArray
+    phi_rad: FloatArray  # (K, G)
+    curvature: FloatArray  # (K, G) 1/m
+    end_phi_rad: FloatArray  # (K,) at the end of the free length
+
+
+@dataclass(kw_only=True)
+class LoadCellInput:
+    """What the load cell is given: arrays of one shape; the last axis is in the order of time."""
+
+    force_N: FloatArray  # along the arc's tangent
+    normal_N: FloatArray
+    gamma_rad: FloatArray
+    position_m: FloatArray
+    voltage_V: FloatArray
+    session: FloatArray  # 0 .. 1 over the data
+    touching: FloatArray  # 1, or 0 without contact
+    wetted_s: FloatArray | float = 0.0  # since the sheet was last wetted
+    slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
+
+
+@dataclass(kw_only=True)
+class ImagePoints:
+    """Points of curves as the camera should see them, (K, S), metres from the clamp."""
+
+    s_m: FloatArray  # along the sheet
+    x_m: FloatArray
+    y_m: FloatArray
+    normal_x: FloatArray  # unit normal of the curve
+    normal_y: FloatArray
+    scale_m: float  # half the width of the image of the sheet
+
+
+@dataclass(kw_only=True)
+class Perturbation:
+    """A change of one configuration's prediction, to first order."""
+
+    beam: FloatArray  # (K, Q) columns of `ConfigurationModel.answers`
+    eibm: FloatArray  # (n,) relative, of each reading
+    stiffness: FloatArray  # (n,)
+    force_N: FloatArray  # (n,) of each reading
+    bin_eibm: FloatArray  # (b,) relative to the sampling point
+    bin_stiffness: FloatArray
+    points_m: FloatArray  # (K, S) of the predicted points along the normal
+    frame_eibm: FloatArray  # (n,) relative, of the frame of each reading where it is older

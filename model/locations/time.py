@@ -1,0 +1,107 @@
+"""Time: how things go along the session, the run, the pulse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.locations.basis import SPANS_S, beam_step, cosine_wave, decay, sinusoids, time_span
+from model.locations.contract import Basis, Function, Linearised, Location
+from model.locations.quantities import Perturbation
+from model.measurements import FloatArray
+
+AMPLITUDE = 0.1  # relative
+FORCE_MN, TURN_RAD = 2.0, 0.3  # times AMPLITUDE
+WAVES = {"session": 8, "run": 3}
+DECAYS_PULSES, PULSES = (1.0, 3.0), 22.0  # to 1/e, of the train's
+WAVES_IN_PULSE = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Time(Location):
+    """Courses of EIBM, stiffness, force or clamp.
+
+    They concern single readings, which a prediction of their mean does not have: so a term of a
+    model file changes nothing.
+    """
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `Location.bases`."""
+        for during, values in (("session", at.clock.session), ("run", at.clock.run_s)):
+            t = np.clip(values / SPANS_S[during][0], 0.0, 1.0)
+            if np.ptp(t) > 0.0:
+                for j in range(1, WAVES[during] + 1):
+                    yield from self._slow(at, cosine_wave(j, AMPLITUDE), t, during)
+        yield from self._train(at)
+        yield from self._period(at)
+        yield from self._pulse(at)
+
+    def _slow(self, at: Linearised, wave: Function, t: FloatArray, during: str) -> Iterator[Basis]:
+        course, nothing = wave(t), at.nothing
+        yield self._basis(at, wave, f"EIBM, {during}", replace(nothing(), eibm=course * _on(at)))
+        yield self._basis(at, wave, f"stiffness, {during}", replace(nothing(), stiffness=course))
+        if during == "session":
+            tilt = at.beam.tilt_rad + TURN_RAD * wave(at.measured_at)
+            step = beam_step(at, replace(at.beam, tilt_rad=tilt))
+            yield self._basis(at, _times(TURN_RAD, wave), "clamp, session", step, "rad")
+            return
+        force = replace(nothing(), force_N=1e-3 * FORCE_MN * course)
+        yield self._basis(at, _times(FORCE_MN, wave), f"force, {during}", force, "mN")
+        stress = replace(nothing(), force_N=at.force_at_0V_N[at.reading_of] * course)
+        yield self._basis(at, wave, f"stress, {during}", stress)
+
+    def _train(self, at: Linearised) -> Iterator[Basis]:
+        t = np.clip(at.clock.driven_s / SPANS_S["train"][0], 0.0, 1.0)
+        for pulses in DECAYS_PULSES:
+            wave = decay(pulses / PULSES, AMPLITUDE)
+            step = replace(at.nothing(), eibm=wave(t) * _on(at))
+            yield self._basis(at, wave, "EIBM, train", step)
+
+    def _period(self, at: Linearised) -> Iterator[Basis]:
+        if at.periodic is None or at.periodic.what != "EIBM":
+            return
+        clocks = (at.clock, at.bin_clock, at.bin_sample)
+        reading, parts, sample = (at.periodic.phase(clock) for clock in clocks)
+        for wave in sinusoids(AMPLITUDE):
+            within = at.bin_mean(wave(parts)) - at.bin_mean(wave(sample))
+            step = replace(at.nothing(), eibm=wave(reading) * _on(at), bin_eibm=within)
+            yield self._basis(at, wave, "EIBM, period", step)
+
+    def _pulse(self, at: Linearised) -> Iterator[Basis]:
+        t = np.clip(at.bin_clock.pulse_s / SPANS_S["pulse"][0], 0.0, 1.0)
+        for j in range(WAVES_IN_PULSE):
+            wave = cosine_wave(j, AMPLITUDE)
+            step = replace(at.nothing(), bin_eibm=at.bin_mean(wave(t)))
+            yield self._basis(at, wave, "EIBM, pulse", step)
+
+    def _basis(
+        self, at: Linearised, function: Function, part: str, step: Perturbation, unit: str = ""
+    ) -> Basis:
+        return Basis(
+            part=part, along="time", function=function, unit=unit or self.unit,
+            span=time_span(at, part), step=step, shared=True,
+        )  # fmt: skip
+
+
+def _on(at: Linearised) -> FloatArray:
+    """Return 1 for the readings under voltage, else 0."""
+    return np.asarray(at.clock.voltage_V != 0.0, dtype=float)
+
+
+def _times(factor: float, function: Function) -> Function:
+    def value(t: FloatArray) -> FloatArray:
+        return factor * function(t)
+
+    return value
+
+
+LOCATION = Time(
+    name="time",
+    meaning="time",
+    depends="goes with time",
+    unit="relative",
+    order=80,
+    in_time=True,
+)
