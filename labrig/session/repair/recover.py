@@ -15,20 +15,20 @@ import h5py
 import numpy as np
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.session import layout
-from labrig.session.create import create_file
-from labrig.session.disk import written_beside
-from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
-from labrig.session.journal import JournalReader, journal_path, read_journal
-from labrig.session.locking import is_locked
-from labrig.session.merge import add_missing, trim
-from labrig.session.opening import check_format, check_is_hdf5
-from labrig.session.reading import damage_told, read_setup
-from labrig.session.recorder import MisplacedRowsError, Recorder
-from labrig.session.session import open_session
-from labrig.session.setup import SessionSetup
-from labrig.session.superblock import unlocked
-from labrig.session.verify import verify
+from labrig.session.format import layout
+from labrig.session.format.setup import SessionSetup
+from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
+from labrig.session.reading.opening import check_format, check_is_hdf5
+from labrig.session.reading.session import open_session
+from labrig.session.reading.values import damage_told, read_setup
+from labrig.session.recording.create import create_file
+from labrig.session.recording.disk import written_beside
+from labrig.session.recording.journal import JournalReader, journal_path, read_journal
+from labrig.session.recording.locking import is_locked
+from labrig.session.recording.recorder import MisplacedRowsError, Recorder
+from labrig.session.repair.merge import add_missing, trim
+from labrig.session.repair.superblock import unlocked
+from labrig.session.repair.verify import verify
 from protocols.execution.events import Outcome, OutputState
 
 _CRASHED = "The recording was cut short; this was recovered from what had reached the disk."

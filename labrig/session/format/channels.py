@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.layout import Array
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
 from protocols.execution.channels import (
     CURRENT,
     DRIVE,

@@ -11,10 +11,10 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.opening import cut_short, open_file
-from labrig.session.reading import read_setup, read_table, read_text
-from labrig.session.run_record import RunRecord
+from labrig.session.format import layout
+from labrig.session.reading.opening import cut_short, open_file
+from labrig.session.reading.run_record import RunRecord
+from labrig.session.reading.values import read_setup, read_table, read_text
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 

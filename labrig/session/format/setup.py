@@ -14,8 +14,8 @@ import numpy as np
 
 from labrig.errors import BadInputError
 from labrig.serialise import SerialiseError, from_plain, to_json, to_plain
-from labrig.session import layout
-from labrig.session.channels import check_channels, value_columns, version_1_channel
+from labrig.session.format import layout
+from labrig.session.format.channels import check_channels, value_columns, version_1_channel
 from protocols import Channel
 from protocols.planning.limits import check_structure
 from protocols.planning.schedule import Schedule

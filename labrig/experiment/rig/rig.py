@@ -21,7 +21,7 @@ from drivers.interfaces import (
 from drivers.load_cell import LoadCell, LoadCellCalibration
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
-from labrig.experiment.channels import channels_of
+from labrig.experiment.rig.channels import channels_of
 from protocols.execution.devices import Devices
 
 __all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from labrig.errors import BadInputError
-from labrig.session import columns
-from labrig.session.decimals import degrees, milli, plain
-from labrig.session.disk import written_beside
+from labrig.session.recording.disk import written_beside
+from labrig.session.tables import columns
+from labrig.session.tables.decimals import degrees, milli, plain
 from model.measurements import Condition, Curve, Measurements, TimeSeries
 
 Cells = dict[str, str]

@@ -10,9 +10,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from labrig.session import layout
-from labrig.session.layout import Array
-from labrig.session.rows import EventRows
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+from labrig.session.recording.rows import EventRows
 
 _BLOCK_BYTES = 1 << 24
 # Rows wait in memory for others of their dataset up to so many bytes: the library takes a tenth of
@@ -105,7 +105,7 @@ class Recorder:
         self._growing.clear()
 
     def write_checksums(self) -> None:
-        """Write the sha256 of every dataset; those appended to here are known without reading them."""
+        """Write the sha256 of every dataset; appended ones are known without reading."""
         self.put()
         table = self._file[layout.CHECKSUMS]
         rows = table[()]

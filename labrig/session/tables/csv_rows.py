@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from labrig.config import read_text
 from labrig.errors import BadInputError
-from labrig.session.decimals import from_plain
+from labrig.session.tables.decimals import from_plain
 
 MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits

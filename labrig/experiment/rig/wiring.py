@@ -16,14 +16,14 @@ from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import FORCE, Rig
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import FORCE, Rig
 from protocols import RecordedOperator
 from protocols.execution.events import Event
 
 if TYPE_CHECKING:
-    from labrig.experiment.stand_ins import StandIns
+    from labrig.experiment.rig.stand_ins import StandIns
 
 
 def _nobody(_event: Event) -> None:
@@ -38,7 +38,7 @@ def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody
     config = plan.rig
     _refuse_unsafe_boards(config)
     if config.is_simulated:
-        from labrig.experiment.stand_ins import StandIns  # slow to import
+        from labrig.experiment.rig.stand_ins import StandIns  # slow to import
 
         stand_ins = StandIns(plan)
         return _wired(plan, stand_ins.clock, stand_ins.operator, emit, stand_ins)

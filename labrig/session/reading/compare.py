@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from labrig.session.layout import DERIVED
-from labrig.session.opening import open_file
-from labrig.session.reading import damage_told, dataset_names
-from labrig.session.recorder import blocks
-from labrig.session.session import VOLATILE, VOLATILE_UNDER
+from labrig.session.format.layout import DERIVED
+from labrig.session.reading.opening import open_file
+from labrig.session.reading.session import VOLATILE, VOLATILE_UNDER
+from labrig.session.reading.values import damage_told, dataset_names
+from labrig.session.recording.recorder import blocks
 
 # Where the derived measurements were taken from: differs with the file's name.
 _VOLATILE = VOLATILE | {f"{DERIVED}/source"}

@@ -11,10 +11,10 @@ import numpy as np
 
 from drivers.interfaces import FloatArray, GreyImage, SampleClock
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.layout import Array
-from labrig.session.reading import read_array, read_dataset, read_table
-from labrig.session.setup import SessionSetup
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+from labrig.session.format.setup import SessionSetup
+from labrig.session.reading.values import read_array, read_dataset, read_table
 from protocols.planning.schedule import PlannedRun
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from labrig.serialise import from_json, to_json
-from labrig.session import layout
-from labrig.session.layout import Array
-from labrig.session.reading import with_str
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+from labrig.session.reading.values import with_str
 from model.measurements import (
     Condition,
     Contact,

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from drivers.interfaces import Frame
-from labrig.session import layout
-from labrig.session.create import FRAME_COMPRESSION
-from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+from labrig.session.format.setup import SessionSetup
+from labrig.session.recording.create import FRAME_COMPRESSION
 from protocols.execution import events as ev
 from protocols.execution.channels import Values
 

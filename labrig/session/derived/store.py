@@ -16,13 +16,13 @@ import h5py
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.create import set_attributes
-from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
-from labrig.session.disk import written_beside
-from labrig.session.opening import open_file
-from labrig.session.reading import damage_told, read_array, read_dataset
-from labrig.session.recorder import digest
+from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
+from labrig.session.format import layout
+from labrig.session.reading.opening import open_file
+from labrig.session.reading.values import damage_told, read_array, read_dataset
+from labrig.session.recording.create import set_attributes
+from labrig.session.recording.disk import written_beside
+from labrig.session.recording.recorder import digest
 from model.measurements import Measurements
 
 # What was made of the measurements: texts beside them, gone with them.

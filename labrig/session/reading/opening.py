@@ -12,11 +12,11 @@ import h5py
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.guarded import read_guard_report
-from labrig.session.journal import journal_path
-from labrig.session.locking import is_locked
-from labrig.session.reading import damage_told
+from labrig.session.format import layout
+from labrig.session.reading.guard_report import read_guard_report
+from labrig.session.reading.values import damage_told
+from labrig.session.recording.journal import journal_path
+from labrig.session.recording.locking import is_locked
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Deflate cannot pack denser than 1 : 1032; a file that claims more holds nothing but the claim.

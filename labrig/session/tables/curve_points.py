@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from drivers.interfaces import FloatArray
-from labrig.session.csv_rows import CsvRow, integer
-from labrig.session.decimals import from_milli, from_plain
+from labrig.session.tables.csv_rows import CsvRow, integer
+from labrig.session.tables.decimals import from_milli, from_plain
 from model.measurements import Curve
 
 _NUMBER = "a number"

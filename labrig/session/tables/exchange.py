@@ -12,14 +12,14 @@ import numpy as np
 
 from labrig.config import parse_sheet, read_text
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.create import fill_file
-from labrig.session.derived import load_measurements, write_derived
-from labrig.session.disk import written_beside
-from labrig.session.recorder import Recorder
-from labrig.session.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
-from labrig.session.tables_in import read_tables
-from labrig.session.tables_out import write_tables
+from labrig.session.derived.store import load_measurements, write_derived
+from labrig.session.format import layout
+from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
+from labrig.session.recording.create import fill_file
+from labrig.session.recording.disk import written_beside
+from labrig.session.recording.recorder import Recorder
+from labrig.session.tables.read import read_tables
+from labrig.session.tables.write import write_tables
 from model.measurements import Measurements
 from protocols.execution.events import Outcome
 from protocols.planning.schedule import Schedule

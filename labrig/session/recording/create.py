@@ -13,10 +13,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-from labrig.session import layout
-from labrig.session.channels import channel_rows
-from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup
+from labrig.session.format import layout
+from labrig.session.format.channels import channel_rows
+from labrig.session.format.layout import Array
+from labrig.session.format.setup import SessionSetup
 from protocols import run_to_dict, schedule_to_dict
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedRun

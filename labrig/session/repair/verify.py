@@ -8,13 +8,13 @@ from typing import Any
 
 from labrig.check import Check
 from labrig.errors import BadInputError
-from labrig.session import layout
-from labrig.session.derived import derived_digest
-from labrig.session.opening import open_file
-from labrig.session.reading import damage_told, dataset_names, read_dataset, read_table
-from labrig.session.recorder import digest
-from labrig.session.run_record import RunRecord
-from labrig.session.session import RecordedSession
+from labrig.session.derived.store import derived_digest
+from labrig.session.format import layout
+from labrig.session.reading.opening import open_file
+from labrig.session.reading.run_record import RunRecord
+from labrig.session.reading.session import RecordedSession
+from labrig.session.reading.values import damage_told, dataset_names, read_dataset, read_table
+from labrig.session.recording.recorder import digest
 from protocols.execution.events import Outcome
 
 

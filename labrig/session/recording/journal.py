@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from labrig.session.locking import lock, unlock
-from labrig.session.rows import EventRows
-from labrig.session.setup import SessionSetup
+from labrig.session.format.setup import SessionSetup
+from labrig.session.recording.locking import lock, unlock
+from labrig.session.recording.rows import EventRows
 from protocols.errors import ScheduleError
 
 _MAGIC = b"LRJ1"

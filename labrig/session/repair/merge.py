@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from labrig.session import layout
-from labrig.session.reading import dataset_names
-from labrig.session.setup import SessionSetup
+from labrig.session.format import layout
+from labrig.session.format.setup import SessionSetup
+from labrig.session.reading.values import dataset_names
 
 
 def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:

@@ -16,15 +16,15 @@ import numpy as np
 
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
-from labrig.session import layout
-from labrig.session.channels import as_recorded
-from labrig.session.create import create_file
-from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_folder
-from labrig.session.journal import Journal, journal_path
-from labrig.session.recorder import Recorder
-from labrig.session.rows import Translator
-from labrig.session.setup import SessionSetup, present_versions
-from labrig.session.write_queue import StalledError, WriteQueue
+from labrig.session.format import layout
+from labrig.session.format.channels import as_recorded
+from labrig.session.format.setup import SessionSetup, present_versions
+from labrig.session.recording.create import create_file
+from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
+from labrig.session.recording.journal import Journal, journal_path
+from labrig.session.recording.recorder import Recorder
+from labrig.session.recording.rows import Translator
+from labrig.session.recording.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
 from protocols.execution.channels import Channel
 from protocols.execution.events import Outcome, OutputState

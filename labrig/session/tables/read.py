@@ -12,10 +12,10 @@ import numpy as np
 from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
 from labrig.plausibility import unit_warnings
-from labrig.session import columns
-from labrig.session.csv_rows import CsvRow, integer, one_of, read_rows, truth
-from labrig.session.curve_points import CurvePoints
-from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
+from labrig.session.tables import columns
+from labrig.session.tables.csv_rows import CsvRow, integer, one_of, read_rows, truth
+from labrig.session.tables.curve_points import CurvePoints
+from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
 
 NUMBER = "a number"

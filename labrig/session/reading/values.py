@@ -13,11 +13,11 @@ import numpy as np
 from labrig.config import parse_json
 from labrig.errors import BadInputError
 from labrig.serialise import from_plain
-from labrig.session import layout
-from labrig.session.channels import channels_of
-from labrig.session.disk import is_of_writing
-from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup, check_recorded
+from labrig.session.format import layout
+from labrig.session.format.channels import channels_of
+from labrig.session.format.layout import Array
+from labrig.session.format.setup import SessionSetup, check_recorded
+from labrig.session.recording.disk import is_of_writing
 from protocols.errors import ScheduleError
 from protocols.planning.schedule import Schedule
 
