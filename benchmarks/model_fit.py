@@ -45,7 +45,9 @@ def made(seed: int = 0) -> Measurements:
     sheet = SheetGeometry("long", 0.05, 0.011, 0.21e-3, 0.0, R, 0.0, k0)
     eibm = {v: Along.constant(Parameter(B * k, 0.0, "N m")) for v, k in BENDS.items()}
     rest = Along(*k0, np.zeros(1), "1/m")
-    model = SheetModel({"long": ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)})
+    model = SheetModel(
+        sheets={"long": ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)}
+    )
     conditions = []
     for position in np.linspace(0.0, 0.03, 7):
         for voltage in (0.0, 2.0, -2.0):

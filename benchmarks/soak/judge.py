@@ -101,9 +101,12 @@ def _of_journal(session: Path) -> list[tuple[int, Table]]:
     """The readings in the journal, run by run, read without what `recover` does with them."""
     journal = read_journal(journal_path(session))
     found: dict[str, list[Table]] = {}
-    for part in journal.rows() if journal is not None else ():
+    if journal is None:
+        return []
+    row = journal.setup.reading_row
+    for part in journal.rows():
         if part.path.endswith("/readings"):
-            found.setdefault(part.path, []).append(np.frombuffer(part.blob, layout.READING_ROW))
+            found.setdefault(part.path, []).append(np.frombuffer(part.blob, row))
     return [(_run_of(path), np.concatenate(parts)) for path, parts in found.items()]
 
 

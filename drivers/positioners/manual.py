@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from drivers.interfaces import Operator, Positioner, Prompt
+from drivers.interfaces import LimitError, Operator, Positioner, Prompt
 from drivers.positioners.contract import PositionerKind, Surroundings
 
 
@@ -24,6 +25,8 @@ class ManualStage:
 
     def move_to(self, position_m: float) -> bool:
         """See `Positioner.move_to`."""
+        if not math.isfinite(position_m):
+            raise LimitError(f"{position_m} is no position on the arc; it was not moved")
         text = f"Set the load cell to {position_m * 1e3:g} mm on the arc."
         return self._operator.ask(Prompt(kind="move", text=text, position_m=position_m))
 

@@ -17,15 +17,22 @@ _START_S = 60.0
 _END_S = 5.0
 
 
+# The simulated serial device that answers as a kind of part does. Of a kind that is not here, the
+# device has the same name.
+SERIAL_DEVICES = {"zaber": "stage", "dpm3": "meter"}
+_MOTOR = "zaber"  # moves the load cell where nobody can be asked to
+
+
 def at_addresses(rig: RigConfig, served: Mapping[str, str]) -> RigConfig:
     """Return the simulated rig with the addresses that `serve` has printed."""
     tables: dict[str, dict[str, Any]] = {rig.boards_kind: {"address": served["grpc"]}}
     if rig.camera is not None:
         tables["camera"] = {"source": served["camera"]}
-    if "stage" in served:
-        tables["stage"] = {"kind": "zaber", "port": served["stage"]}
-    if hasattr(rig.force_sensor, "port") and "meter" in served:
-        tables["force_sensor"] = {"port": served["meter"]}
+    stage = rig.stage.kind if hasattr(rig.stage, "port") else _MOTOR
+    for table, kind in (("stage", stage), ("force_sensor", rig.force_sensor.kind)):
+        port = served.get(SERIAL_DEVICES.get(kind, kind))
+        if port is not None:
+            tables[table] = {"kind": kind, "port": port}
     return rig.changed(**tables)
 
 

@@ -20,6 +20,7 @@ from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig import FORCE, Rig
 from labrig.experiment.wiring import sheet_drive
@@ -51,7 +52,7 @@ def replay_plan(session: RecordedSession) -> Plan:
 
 
 def _on_simulated_boards(rig: RigConfig) -> RigConfig:
-    """The recording is played through the default family, whichever boards it was made with."""
+    """Replace the boards by the default family, through which recordings are played."""
     tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
     if rig.boards_kind != DEFAULT:
         tables[DEFAULT]["sample_rate_hz"] = rig.boards.sample_rate_hz
@@ -92,8 +93,8 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
 
 
 def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
-    """The channels as wired; a force that a meter has read needs a range that holds it."""
-    wired = rig.family.inputs(rig.boards.settings())
+    """Return the channels as wired; a force that a meter has read gets a range for it."""
+    wired = inputs_of(rig)
     if session.resolved.get(FORCE_UNIT) != "N":
         return list(wired)
     forces = [run.signal_V(FORCE) for run in session.runs if run.started]

@@ -21,6 +21,7 @@ from drivers.interfaces import (
 from drivers.load_cell import LoadCell, LoadCellCalibration
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.experiment.channels import channels_of
 from protocols.execution.devices import Devices
 
 __all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]
@@ -55,23 +56,22 @@ class Rig:
 
     def devices(self) -> Devices:
         """As the scheduler takes them; the rig must be open."""
-        shunt_ohm = self.config.current_sense.shunt_ohm
         load_cell = self.load_cell
+        ranges_V = dict(zip(self.signals.channels, self.signals.ranges_V, strict=True))
         return Devices(
             output=self.output,
             signals=self.signals,
             camera=self.camera,
             stage=self.stage,
             operator=self.operator,
-            newtons=load_cell.newtons,
-            amperes=lambda volts: volts / shunt_ohm,
+            channels=channels_of(self.config, load_cell, ranges_V),
             protect=load_cell.protect,
         )
 
 
 @contextmanager
 def opened(rig: Rig) -> Iterator[Rig]:
-    """The same rig with every device open; they are closed in reverse order, whatever happens.
+    """Open every device of a rig; they are closed in reverse order, whatever happens.
 
     A device that cannot be opened raises NotReadyError with the driver's sentence: nothing has been
     energised. The output is opened first and closed last, and both write 0 V; OutputUnknownError

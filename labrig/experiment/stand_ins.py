@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from drivers.cameras.capture_camera import CaptureCamera
@@ -49,7 +49,9 @@ class StandIns:
 
     def boards(self, kind: str) -> Any:
         """Return the transport of a family of boards."""
-        return _chosen(self._boards, kind, f"[{kind}]")()
+        if kind not in self._boards:
+            raise _not_simulated(f"[{kind}]", self._boards)
+        return self._boards[kind]()
 
     def serial(self, table: str, kind: str) -> Callable[..., Any]:
         """Return what opens the serial line of a part, as pyserial's `Serial`."""
@@ -75,12 +77,10 @@ class StandIns:
         )
 
 
-def _chosen(table: dict[str, Callable[[], Any]], kind: str, where: str) -> Callable[[], Any]:
-    if kind not in table:
-        raise BadInputError(
-            f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(table))}."
-        )
-    return table[kind]
+def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
+    return BadInputError(
+        f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(there))}."
+    )
 
 
 def _world_file(plan: Plan) -> str:

@@ -16,6 +16,7 @@ from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
+from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig import FORCE, Rig
 from protocols import RecordedOperator
@@ -104,8 +105,8 @@ def sheet_drive(config: RigConfig, boards: BoardConnection) -> SheetDrive:
 def _signals(
     config: RigConfig, boards: BoardConnection, clock: Clock, stand_ins: StandIns | None
 ) -> SignalInput:
-    """The board's inputs; where a meter reads the force, all but that one, and the meter."""
-    inputs = config.family.inputs(config.boards.settings())
+    """Return the board's inputs; a meter takes the place of the force's."""
+    inputs = inputs_of(config)
     sensor = config.force_sensor
     make = FORCE_SENSORS.get(sensor.kind).make
     if make is None:
@@ -137,5 +138,5 @@ def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | N
 
 
 def _line(stand_ins: StandIns | None, table: str, kind: str) -> Callable[..., Any] | None:
-    """What opens a part's serial line; None: the real one."""
+    """Return what opens a part's serial line; None: the real one."""
     return None if stand_ins is None else stand_ins.serial(table, kind)

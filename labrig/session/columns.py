@@ -20,6 +20,9 @@ FORCES_OPTIONAL: Final = (
     "tilt_deg",
 )
 
+# Before the name of a further channel's values: channel_temperature_degC.
+CHANNEL: Final = "channel_"
+
 CURVES: Final = (*_WHERE, "point", "x_mm", "y_mm")
 CURVES_OPTIONAL: Final = (
     "reading",

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 from labrig.session import layout
+from labrig.session.channels import channel_rows
 from labrig.session.layout import Array
 from labrig.session.setup import SessionSetup
 from protocols import run_to_dict, schedule_to_dict
@@ -31,8 +32,8 @@ def create_file(path: Path, setup: SessionSetup) -> None:
 
 
 def fill_file(file: Any, setup: SessionSetup) -> None:
-    """The same in a file that is open and empty."""
-    set_attributes(file, NX_class="NXroot", default="session", labrig_format=layout.FORMAT)
+    """Write it into a file that is open and empty."""
+    set_attributes(file, NX_class="NXroot", default="session", labrig_format=setup.version)
     entry = _group(file, layout.ENTRY, "NXentry")
     if setup.schedule.runs:
         set_attributes(entry, default="run_000")
@@ -60,7 +61,7 @@ def put_text_attribute(item: Any, name: str, value: str) -> None:
 
 
 def put_text(group: Any, name: str, value: str, size: int | None = None) -> None:
-    """A scalar text of a fixed length, just as long as it is unless `size` says otherwise."""
+    """Write a scalar text of a fixed length, as long as it is unless `size` says otherwise."""
     raw = value.encode("utf-8")
     kind = layout.text_type(size or len(raw))
     group.create_dataset(name, data=np.array(raw, dtype=kind), dtype=kind)
@@ -87,10 +88,7 @@ def _setup_group(file: Any, setup: SessionSetup) -> None:
         folder = _group(file, f"{layout.SETUP}/{name}", "NXcollection")
         for key, text in texts.items():
             put_text(folder, key, text)
-    signals = np.zeros(len(setup.channels), dtype=layout.SIGNAL_ROW)
-    signals["name"] = [name.encode() for name in setup.channels]
-    signals["range_V"] = setup.ranges_V
-    group.create_dataset("signals", data=signals)
+    group.create_dataset("signals", data=channel_rows(setup.signals, setup.version))
     group.create_dataset("rate_hz", data=np.float64(setup.rate_hz))
     group.create_dataset("simulated", data=np.bool_(setup.simulated))
     group.create_dataset("keep_all_frames", data=np.bool_(setup.keep_all_frames))
@@ -111,7 +109,7 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     put_text(group, "planned", json.dumps(run_to_dict(run)))
     group.create_dataset("acquisition", data=_not_started())
     _table(group, "writes", layout.WRITE_ROW, rows_in_chunk=32)
-    _table(group, "readings", layout.READING_ROW, rows_in_chunk=16)
+    _table(group, "readings", setup.reading_row, rows_in_chunk=16)
     _table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
     _signals(file, run, setup)
     if setup.frame_shape is not None:

@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from labrig.config import read_text
 from labrig.errors import BadInputError
+from labrig.session.decimals import from_plain
 
 MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits
@@ -25,7 +26,7 @@ class CsvRow:
         self._cells = cells
 
     def get(self, column: str, read: Callable[[str], Value], wanted: str) -> Value:
-        """A value that must be there."""
+        """Return a value that must be there."""
         text = self._cells.get(column, "")
         if not text:
             raise self.fault(f"column {column} is empty; {wanted} is needed")
@@ -34,7 +35,7 @@ class CsvRow:
     def optional(
         self, column: str, read: Callable[[str], Value], wanted: str, default: Value
     ) -> Value:
-        """A value that may be missing or empty."""
+        """Return a value that may be missing or empty."""
         text = self._cells.get(column, "")
         return self._read(column, text, read, wanted) if text else default
 
@@ -42,8 +43,16 @@ class CsvRow:
         """Whether the file has a column."""
         return column in self._cells
 
+    def values_after(self, prefix: str) -> dict[str, float]:
+        """Return the numbers in columns that begin with `prefix`, by the rest of their names."""
+        return {
+            name.removeprefix(prefix): self._read(name, text, from_plain, "a number")
+            for name, text in self._cells.items()
+            if name.startswith(prefix) and text
+        }
+
     def fault(self, text: str) -> BadInputError:
-        """An error at this line."""
+        """Return an error at this line."""
         return BadInputError(f"{self.file}, line {self.line}: {text}.")
 
     def _read(self, column: str, text: str, read: Callable[[str], Value], wanted: str) -> Value:
@@ -53,15 +62,17 @@ class CsvRow:
             raise self.fault(f"column {column}: {text!r} is not {wanted}") from None
 
 
-def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> Iterator[CsvRow]:
-    """The rows of a file with these columns, in any order.
+def read_rows(
+    path: Path, required: Sequence[str], optional: Sequence[str], prefix: str | None = None
+) -> Iterator[CsvRow]:
+    """Yield the rows of a file with these columns, in any order, and those named by the prefix.
 
     Accepts a byte order mark and any line ending; lines without a value are passed over.
     """
     reader = csv.reader(io.StringIO(read_text(path, MOST_BYTES), newline=""), strict=True)
     try:
         header = [name.strip() for name in next(reader, [])]
-        _check_header(path, header, required, optional)
+        _check_header(path, header, required, optional, prefix)
         for cells in reader:
             if not any(cell.strip() for cell in cells):
                 continue
@@ -77,7 +88,11 @@ def read_rows(path: Path, required: Sequence[str], optional: Sequence[str]) -> I
 
 
 def _check_header(
-    path: Path, header: Sequence[str], required: Sequence[str], optional: Sequence[str]
+    path: Path,
+    header: Sequence[str],
+    required: Sequence[str],
+    optional: Sequence[str],
+    prefix: str | None,
 ) -> None:
     known = [*required, *optional]
     if not header or header == [""]:
@@ -88,7 +103,7 @@ def _check_header(
             "for their decimals)."
         )
     for name in header:
-        if name not in known:
+        if name not in known and not (prefix and name.startswith(prefix) and name != prefix):
             raise BadInputError(
                 f"{path}: column {name!r} is not known; the columns are {', '.join(known)}."
             )
@@ -100,14 +115,14 @@ def _check_header(
 
 
 def integer(text: str) -> int:
-    """A whole number that is not negative. Raises ValueError."""
+    """Return a whole number that is not negative. Raises ValueError."""
     if not text.isascii() or not text.isdigit() or len(text) > _MOST_DIGITS:
         raise ValueError(text)
     return int(text)
 
 
 def truth(text: str) -> bool:
-    """True or false. Raises ValueError."""
+    """Return true or false. Raises ValueError."""
     values = {"true": True, "false": False, "1": True, "0": False}
     found = values.get(text.lower())
     if found is None:
@@ -116,7 +131,7 @@ def truth(text: str) -> bool:
 
 
 def one_of(*allowed: str) -> Callable[[str], str]:
-    """A word among some. Raises ValueError."""
+    """Return a word among some. Raises ValueError."""
 
     def read(text: str) -> str:
         if text not in allowed:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
+from labrig.serialise import from_json, to_json
 from labrig.session import layout
 from labrig.session.layout import Array
 from labrig.session.reading import with_str
@@ -27,6 +26,7 @@ MEAN_IMAGE = -1  # in place of a reading's place: the curve of the condition's m
 # Columns of `points` and `samples`; those a curve or series does not have are NaN.
 _POINT = ("s_m", "x_m", "y_m", "curvature_per_m", "sigma_m", "curvature_sigma_per_m")
 _SAMPLE = ("time_s", "drive_V", "force_N", "current_A")
+_CHANNEL = "channel_"  # before the name of a further channel's values, among those of readings
 _CONTACT = ("s_m", "x_m", "y_m", "angle_rad", "position_m", "position_sigma_m", "radius_m")
 
 
@@ -36,8 +36,8 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
     readings = [(at, reading) for at, c in enumerate(conditions) for reading in c.readings]
     curves = [(at, place, curve) for at, c in enumerate(conditions) for place, curve in _curves(c)]
     return {
-        "sheets": _text(json.dumps([_sheet(sheet) for sheet in measurements.sheets.values()])),
-        "warnings": _text(json.dumps(list(measurements.warnings))),
+        "sheets": _text(to_json(list(measurements.sheets.values()))),
+        "warnings": _text(to_json(measurements.warnings)),
         "source": _text(measurements.source),
         "checksum": _text(measurements.checksum),
         "conditions": _condition_table(conditions),
@@ -52,8 +52,8 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
 
 
 def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
-    """The reverse; raises KeyError, ValueError, TypeError or IndexError on other tables."""
-    sheets = [_sheet_back(plain) for plain in json.loads(_text_back(tables["sheets"]))]
+    """Return the reverse; raises KeyError, ValueError, TypeError or IndexError on other tables."""
+    sheets = from_json(tuple[SheetGeometry, ...], _text_back(tables["sheets"]))
     curves: dict[tuple[int, int], Curve] = {}
     for row in tables["curves"]:
         curves[int(row["condition"]), int(row["reading"])] = Curve(
@@ -75,7 +75,7 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
         ),
         source=_text_back(tables["source"]),
         checksum=_text_back(tables["checksum"]),
-        warnings=tuple(json.loads(_text_back(tables["warnings"]))),
+        warnings=from_json(tuple[str, ...], _text_back(tables["warnings"])),
     )
 
 
@@ -87,22 +87,15 @@ def _text(text: str) -> Array:
     return np.array(raw, dtype=layout.text_type(len(raw)))
 
 
-def _sheet(sheet: SheetGeometry) -> dict[str, Any]:
-    plain = {each.name: getattr(sheet, each.name) for each in fields(sheet)}
-    if sheet.initial_curvature is not None:
-        plain["initial_curvature"] = [nodes.tolist() for nodes in sheet.initial_curvature]
-    return plain
-
-
 def _curves(condition: Condition) -> list[tuple[int, Curve]]:
-    """The condition's curves with the place of their reading among its readings."""
+    """Return the condition's curves with the place of their reading among its readings."""
     whole = [] if condition.curve is None else [(MEAN_IMAGE, condition.curve)]
     by_reading = [(i, r.curve) for i, r in enumerate(condition.readings) if r.curve is not None]
     return whole + by_reading
 
 
 def _table(columns: Mapping[str, Sequence[Any]]) -> Array:
-    """A structured array; texts get just the length they need."""
+    """Return a structured array; texts get just the length they need."""
     made: dict[str, Array] = {}
     for name, values in columns.items():
         if values and isinstance(values[0], str):
@@ -142,6 +135,7 @@ def _condition_table(conditions: Sequence[Condition]) -> Array:
 
 
 def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
+    others = dict.fromkeys(name for _, reading in readings for name in reading.other_values)
     return _table(
         {
             "condition": [at for at, _ in readings],
@@ -153,6 +147,10 @@ def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
             "wetted_s": [_or_nan(r.wetted_s) for _, r in readings],
             "valid": [bool(r.valid) for _, r in readings],
             "why": [r.why for _, r in readings],
+            **{
+                f"{_CHANNEL}{name}": [r.other_values.get(name, np.nan) for _, r in readings]
+                for name in others
+            },
         }
     )
 
@@ -208,7 +206,7 @@ def _series_table(series: Sequence[TimeSeries]) -> Array:
 
 
 def _stacked(items: Sequence[Any], names: Sequence[str]) -> Array:
-    """The named arrays of all items side by side, one item below the other."""
+    """Return the named arrays of all items side by side, one item below the other."""
     parts = []
     for item in items:
         columns = [getattr(item, name) for name in names]
@@ -222,12 +220,6 @@ def _stacked(items: Sequence[Any], names: Sequence[str]) -> Array:
 
 def _text_back(table: Array) -> str:
     return bytes(table[()]).decode("utf-8")
-
-
-def _sheet_back(plain: dict[str, Any]) -> SheetGeometry:
-    nodes = plain.pop("initial_curvature")
-    k0 = None if nodes is None else (np.array(nodes[0], float), np.array(nodes[1], float))
-    return SheetGeometry(initial_curvature=k0, **plain)
 
 
 def _known(value: Any) -> float | None:
@@ -261,6 +253,7 @@ def _conditions(
                 valid=bool(row["valid"]),
                 why=str(row["why"]),
                 curve=curves.get((at, len(readings[at]))),
+                other_values=_other_values(row),
             )
         )
     return tuple(
@@ -278,6 +271,14 @@ def _conditions(
         )
         for at, row in enumerate(rows)
     )
+
+
+def _other_values(row: Any) -> dict[str, float]:
+    """Return the values of further channels that a reading has."""
+    names = [name for name in row.dtype.names if name.startswith(_CHANNEL)]
+    return {
+        name.removeprefix(_CHANNEL): float(row[name]) for name in names if not np.isnan(row[name])
+    }
 
 
 def _contacts(tables: Mapping[str, Array]) -> dict[int, Contact]:

@@ -17,7 +17,7 @@ from labrig.session.create import fill_file
 from labrig.session.derived import load_measurements, write_derived
 from labrig.session.disk import written_beside
 from labrig.session.recorder import Recorder
-from labrig.session.setup import SessionSetup
+from labrig.session.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
 from labrig.session.tables_in import read_tables
 from labrig.session.tables_out import write_tables
 from model.measurements import Measurements
@@ -58,7 +58,7 @@ def import_session(
 
 
 def _session(setup: SessionSetup, names: list[str], measurements: Measurements) -> bytes:
-    """The file's content. Made in memory: the library ends badly with a disk that gets full."""
+    """Return the file's content, made in memory: the library ends badly with a full disk."""
     with h5py.File("made", "w", libver=layout.LIBVER, driver="core", backing_store=False) as file:
         fill_file(file, setup)
         _complete(file, names)
@@ -79,11 +79,10 @@ def export_session(path: Path, folder: Path) -> list[Path]:
 
 def _setup(sheet_text: str, sums: dict[str, str]) -> SessionSetup:
     return SessionSetup(
-        schedule=Schedule(IMPORTED, (), 25.0),
+        schedule=Schedule(IMPORTED, (), IMPORTED_FRAME_RATE_HZ),
         texts={"sheet.toml": sheet_text},
         resolved={"imported_sha256": sums},
-        channels=(),
-        ranges_V=(),
+        signals=(),
         rate_hz=0.0,
         frame_shape=None,
     )

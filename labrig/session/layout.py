@@ -1,4 +1,4 @@
-"""The session file's layout, version 1: every group, dataset and type has its name here.
+"""The session file's layout, version 2: every group, dataset and type has its name here.
 
 /                       NXroot, default -> session, labrig_format
 /session                NXentry, default -> run_000
@@ -6,7 +6,8 @@ identifier, outcome, reason, output_state, start_time, end_time
 events              the log, a row for each event (a long text goes on in rows of kind +)
 checksums           sha256 of every other dataset, written at the close
 setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
-signals (names and ranges), rate_hz, simulated, keep_all_frames
+signals (name, range, quantity, unit, gain, offset of each channel), rate_hz, simulated,
+keep_all_frames
 run_000/            NXsubentry, default -> signals; one for each planned run
 planned         the run as planned (JSON)
 acquisition     sample clock, start, counts
@@ -16,12 +17,15 @@ marks           readings declared invalid
 signals/        NXdata: raw samples in V, a dataset for each channel, and their time
 frames/         NXdata: images, time, number, device_time, sample_index, reading
 derived/            what the analysis made of it; may be dropped and made again
+In version 1 `signals` held names and ranges only, and the values of a reading were always force_N,
+drive_V and current_A; in version 2 they are those of the session's channels, a column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
 they were flushed. Anything else in a file is refused when it is opened.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import h5py
@@ -30,7 +34,8 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 1
+FORMAT: Final = 2  # that is written
+READABLE: Final = (1, 2)
 # The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
 LIBVER: Final = ("v110", "v110")
 ENTRY: Final = "/session"
@@ -44,7 +49,7 @@ EVENT_TEXT_BYTES: Final = 240
 
 
 def text_type(size: int) -> np.dtype[Any]:
-    """A fixed-length UTF-8 string of at most `size` bytes."""
+    """Return a fixed-length UTF-8 string of at most `size` bytes."""
     made: np.dtype[Any] = h5py.string_dtype("utf-8", max(size, 1))
     return made
 
@@ -79,7 +84,16 @@ STATUS_TEXTS: Final = {
 }
 
 CHECKSUM_ROW: Final = np.dtype([("dataset", text_type(200)), ("sha256", text_type(64))])
-SIGNAL_ROW: Final = np.dtype([("name", text_type(64)), ("range_V", "<f8")])
+QUANTITY_BYTES: Final = 64
+_SIGNAL_1: Final = [("name", text_type(64)), ("range_V", "<f8")]
+_SIGNAL_2: Final = [
+    *_SIGNAL_1,
+    ("quantity", text_type(QUANTITY_BYTES)),
+    ("unit", text_type(24)),
+    ("gain", "<f8"),  # unit per V; NaN: converted by a calibration of its own
+    ("offset", "<f8"),  # in the unit, at 0 V
+]
+SIGNAL_ROWS: Final = {1: np.dtype(_SIGNAL_1), 2: np.dtype(_SIGNAL_2)}  # by version
 EVENT_ROW: Final = np.dtype(
     [
         ("time_s", "<f8"),
@@ -119,24 +133,29 @@ WRITE_ROW: Final = np.dtype(
         ("board_V", "<f8"),
     ]
 )
-READING_ROW: Final = np.dtype(
-    [
-        ("index", "<i4"),
-        ("step", "<i4"),
-        ("kind", text_type(16)),
-        ("voltage_V", "<f8"),
-        ("planned_s", "<f8"),  # since the run's time 0
-        ("time_s", "<f8"),  # the same, of the sampling point as it was
-        ("sample_index", "<f8"),
-        ("force_N", "<f8"),
-        ("drive_V", "<f8"),
-        ("current_A", "<f8"),
-        ("frame", "<i4"),  # row of frames/images; -1: none
-        ("frame_offset_s", "<f8"),
-        ("valid", "?"),
-        ("why", text_type(240)),
-    ]
-)
+_READING_BEFORE: Final = [
+    ("index", "<i4"),
+    ("step", "<i4"),
+    ("kind", text_type(16)),
+    ("voltage_V", "<f8"),
+    ("planned_s", "<f8"),  # since the run's time 0
+    ("time_s", "<f8"),  # the same, of the sampling point as it was
+    ("sample_index", "<f8"),
+]
+_READING_AFTER: Final = [
+    ("frame", "<i4"),  # row of frames/images; -1: none
+    ("frame_offset_s", "<f8"),
+    ("valid", "?"),
+    ("why", text_type(240)),
+]
+READING_COLUMNS: Final = tuple(name for name, _ in (*_READING_BEFORE, *_READING_AFTER))
+
+
+def reading_row(values: Sequence[str]) -> np.dtype[Any]:
+    """Return the type of a reading with these columns for the values of its channels."""
+    return np.dtype([*_READING_BEFORE, *((name, "<f8") for name in values), *_READING_AFTER])
+
+
 MARK_ROW: Final = np.dtype(
     [
         ("time_s", "<f8"),
@@ -171,5 +190,5 @@ def frame_path(run: int, column: str) -> str:
 
 
 def signal_chunk(rate_hz: float) -> int:
-    """Samples in a chunk: about a quarter of a second, a power of two."""
+    """Return the samples in a chunk: about a quarter of a second, a power of two."""
     return int(min(65536, max(256, 2 ** round(np.log2(max(rate_hz, 1.0) / 4)))))

@@ -26,7 +26,7 @@ _DEEPEST = 8  # groups in one another; a session has four
 
 
 def open_file(path: Path, *, live: bool = False) -> Any:
-    """The HDF5 file, read-only and checked. Raises BadInputError.
+    """Return the HDF5 file, read-only and checked. Raises BadInputError.
 
     `live` also opens a session that is being recorded right now, as it stands.
     """
@@ -79,7 +79,7 @@ def _why_not(path: Path, error: OSError) -> str:
 
 
 def cut_short(path: Path) -> str:
-    """The sentence about a session without an end."""
+    """Return the sentence about a session without an end."""
     guard = read_guard_report(path)
     if guard is not None:
         return f"{path}: {guard.text}; run labrig recover {path}."
@@ -94,10 +94,10 @@ def check_format(file: Any, path: Path) -> None:
     found = file.attrs.get("labrig_format")
     if found is None or not isinstance(found, (int, np.integer)):
         raise BadInputError(f"{path}: this HDF5 file is no labrig session.")
-    if int(found) != layout.FORMAT:
+    if int(found) not in layout.READABLE:
         raise BadInputError(
-            f"{path}: the session has format {int(found)} and this labrig reads format "
-            f"{layout.FORMAT}; use a labrig that fits."
+            f"{path}: the session has format {int(found)} and this labrig reads formats "
+            f"{' and '.join(map(str, layout.READABLE))}; use a labrig that fits."
         )
 
 

@@ -12,16 +12,19 @@ import numpy as np
 
 from labrig.config import parse_json
 from labrig.errors import BadInputError
+from labrig.serialise import from_plain
 from labrig.session import layout
+from labrig.session.channels import channels_of
 from labrig.session.disk import is_of_writing
 from labrig.session.layout import Array
-from labrig.session.setup import SessionSetup, schedule_back
+from labrig.session.setup import SessionSetup, check_recorded
 from protocols.errors import ScheduleError
+from protocols.planning.schedule import Schedule
 
 
 @contextmanager
 def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
-    """What the library says of a damaged file, as BadInputError in a sentence."""
+    """Yield what the library says of a damaged file, as BadInputError in a sentence."""
     try:
         yield
     except (KeyError, OSError, RuntimeError) as error:
@@ -34,7 +37,7 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
 
 
 def read_dataset(file: Any, name: str, path: Path) -> Any:
-    """A dataset by its full name. Raises BadInputError when it is not there."""
+    """Return a dataset by its full name. Raises BadInputError when it is not there."""
     with damage_told(path, name):
         found = file.get(name)
     if not isinstance(found, h5py.Dataset):
@@ -43,13 +46,13 @@ def read_dataset(file: Any, name: str, path: Path) -> Any:
 
 
 def read_array(dataset: Any, path: Path, rows: Any = ()) -> Array:
-    """Some or all of a dataset. Raises BadInputError when its bytes are damaged."""
+    """Return some or all of a dataset. Raises BadInputError when its bytes are damaged."""
     with damage_told(path, str(dataset.name)):
         return np.asarray(dataset[rows])
 
 
 def read_text(file: Any, name: str, path: Path) -> str:
-    """A scalar text."""
+    """Return a scalar text."""
     value = read_array(read_dataset(file, name, path), path)
     if value.shape != () or value.dtype.kind != "S":
         raise BadInputError(f"{path}: {name} is no text, so this is no whole session.")
@@ -69,7 +72,7 @@ def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
 
 
 def dataset_names(file: Any, path: Path) -> set[str]:
-    """The full names of all datasets."""
+    """Return the full names of all datasets."""
     found: set[str] = set()
 
     def note(name: str, item: Any) -> None:
@@ -82,7 +85,7 @@ def dataset_names(file: Any, path: Path) -> set[str]:
 
 
 def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
-    """A table, its texts as str. Raises BadInputError when it has other columns."""
+    """Return a table, its texts as str. Raises BadInputError when it has other columns."""
     dataset = read_dataset(file, name, path)
     if dataset.dtype != kind or len(dataset.shape) > 1:
         raise BadInputError(f"{path}: {name} has other columns than a session has.")
@@ -90,7 +93,7 @@ def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
 
 
 def with_str(table: Array) -> Array:
-    """The structured array with its bytes decoded to str."""
+    """Return the structured array with its bytes decoded to str."""
     columns = {name: table.dtype[name] for name in table.dtype.names or ()}
     wanted = [
         (name, f"<U{kind.itemsize}" if kind.kind == "S" else kind) for name, kind in columns.items()
@@ -103,22 +106,25 @@ def with_str(table: Array) -> Array:
 
 
 def read_setup(file: Any, path: Path) -> SessionSetup:
-    """What the file was created from."""
+    """Return what the file was created from."""
 
     def scalar(name: str) -> Any:
         return read_array(read_dataset(file, f"{layout.SETUP}/{name}", path), path)[()]
 
-    signals = read_table(file, f"{layout.SETUP}/signals", layout.SIGNAL_ROW, path)
+    version = int(file.attrs["labrig_format"])
+    signals = read_table(file, f"{layout.SETUP}/signals", layout.SIGNAL_ROWS[version], path)
     has_frames = f"{layout.SETUP}/frame_shape" in file
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
+        schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
+        check_recorded(schedule)
         return SessionSetup(
-            schedule=schedule_back(_json(file, "schedule", path)),
+            schedule=schedule,
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
             resolved=_json(file, "resolved", path),
-            channels=tuple(str(name) for name in signals["name"]),
-            ranges_V=tuple(float(value) for value in signals["range_V"]),
+            version=version,
+            signals=channels_of(signals, version),
             rate_hz=float(scalar("rate_hz")),
             frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
             frame_dtype=frame_dtype,

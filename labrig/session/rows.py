@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,9 +19,10 @@ from labrig.session.create import FRAME_COMPRESSION
 from labrig.session.layout import Array
 from labrig.session.setup import SessionSetup
 from protocols.execution import events as ev
+from protocols.execution.channels import Values
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EventRows:
     """Bytes for one dataset: rows to append at row `at`, or (None) its whole new content."""
 
@@ -32,7 +33,7 @@ class EventRows:
     packed: bool = False  # deflated: one image, ready to be a chunk
 
     def array(self, dtype: np.dtype[np.void], row_shape: tuple[int, ...]) -> Array:
-        """The content as an array of the dataset's type. Raises ValueError when it does not fit."""
+        """Return the content as an array of the dataset's type. ValueError when it does not fit."""
         shape = () if self.at is None else (self.count, *row_shape)
         size = dtype.itemsize * math.prod(shape)
         raw = _unpacked(self.blob, size) if self.packed else self.blob
@@ -76,7 +77,7 @@ class Translator:
         }
 
     def rows(self, event: ev.Event) -> list[EventRows]:
-        """The rows that record an event, in the order in which they are to be written."""
+        """Return the rows that record an event, in the order in which they are to be written."""
         way = self._ways.get(type(event))
         if way is None:  # an event of a later version: the log at least knows of it
             return self._log(event, type(event).__name__)
@@ -87,12 +88,14 @@ class Translator:
     def _append(self, path: str, rows: Array) -> EventRows:
         at = self._lengths.get(path, 0)
         self._lengths[path] = at + len(rows)
-        return EventRows(path, at, len(rows), np.ascontiguousarray(rows).tobytes())
+        return EventRows(
+            path=path, at=at, count=len(rows), blob=np.ascontiguousarray(rows).tobytes()
+        )
 
     def _status(self, name: str, text: str) -> EventRows:
         size = layout.STATUS_TEXTS[name]
         value = np.array(layout.cut(text, size), dtype=f"S{size}")
-        return EventRows(f"{layout.ENTRY}/{name}", None, 1, value.tobytes())
+        return EventRows(path=f"{layout.ENTRY}/{name}", at=None, count=1, blob=value.tobytes())
 
     def _log(
         self,
@@ -181,7 +184,12 @@ class Translator:
             row["lost_samples"] = stopped.lost_samples
             row["frames_grabbed"] = stopped.frames_grabbed
             row["frames_dropped"] = stopped.frames_dropped
-        return EventRows(f"{layout.run_path(event.run.index)}/acquisition", None, 1, row.tobytes())
+        return EventRows(
+            path=f"{layout.run_path(event.run.index)}/acquisition",
+            at=None,
+            count=1,
+            blob=row.tobytes(),
+        )
 
     def _write(self, event: ev.VoltageSet) -> list[EventRows]:
         started = self._started[event.run]
@@ -242,7 +250,7 @@ class Translator:
             self._append(layout.frame_path(run, name), np.array([values[name]], dtype=kind))
             for name, (kind, _) in layout.FRAME_COLUMNS.items()
         ]
-        return [EventRows(path, at, 1, packed, packed=True), *columns]
+        return [EventRows(path=path, at=at, count=1, blob=packed, packed=True), *columns]
 
     def _frames_arrived(self, event: ev.FramesArrived) -> list[EventRows]:
         return [rows for frame in event.frames for rows in self._frame(event.run, frame, None)]
@@ -254,17 +262,26 @@ class Translator:
         if event.frame is not None and self._setup.frame_shape is not None:
             images = self._frame(event.run, event.frame, planned.index)
             frame = self._frames[event.run][event.frame.number]
-        row = np.zeros(1, dtype=layout.READING_ROW)
+        row = np.zeros(1, dtype=self._setup.reading_row)
         row["index"], row["step"], row["kind"] = planned.index, planned.step, planned.kind.encode()
         row["voltage_V"] = planned.voltage_V
         row["planned_s"] = started.run.time_of(planned)
         row["time_s"] = event.sample_time_s - started.time_s
         row["sample_index"] = event.sample_index
-        row["force_N"], row["drive_V"] = event.force_N, event.drive_V
-        row["current_A"] = event.current_A
+        for column, value in self._values(event.values):
+            row[column] = value
         row["frame"], row["frame_offset_s"] = frame, _or_nan(event.frame_offset_s)
         row["valid"], row["why"] = event.valid, layout.cut(event.why, 240)
         return [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
+
+    def _values(self, values: Values) -> Iterator[tuple[str, float]]:
+        """Yield what each column of the channels holds; NaN where the reading has no value."""
+        columns = self._setup.value_columns
+        unknown = sorted(values.keys() - set(columns))
+        if unknown:
+            raise ValueError(f"a reading has a value {unknown[0]}, for which there is no channel")
+        for column in columns:
+            yield column, values.get(column, math.nan)
 
     def _marked(self, event: ev.ReadingMarked) -> list[EventRows]:
         row = np.zeros(1, dtype=layout.MARK_ROW)
@@ -279,7 +296,7 @@ class Translator:
 
 
 def _deflated(image: Array) -> bytes:
-    """A zlib stream of an image, as any HDF5 reader unpacks it.
+    """Return a zlib stream of an image, as any HDF5 reader unpacks it.
 
     Camera noise has no strings that come again: not to look for any but runs of one value takes
     two thirds of the time, and the result is a tenth smaller.

@@ -33,7 +33,10 @@ class RunRecord:
     def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: SessionSetup) -> None:
         self.planned = planned
         self.channels = setup.channels
-        self.ranges_V = dict(zip(setup.channels, setup.ranges_V, strict=True))
+        self.signals = setup.signals
+        self.ranges_V = {channel.name: channel.range_V for channel in setup.signals}
+        self._reading_row = setup.reading_row
+        self._value_columns = setup.value_columns
         self._file = file
         self._path = path
         self._has_frames = setup.frame_shape is not None
@@ -102,7 +105,7 @@ class RunRecord:
         return int(self._column("signals/time").shape[0])
 
     def signal_V(self, channel: str) -> FloatArray:
-        """A channel's raw samples in V; samples that were lost are NaN."""
+        """Return a channel's raw samples in V; samples that were lost are NaN."""
         if channel not in self.channels:
             known = ", ".join(self.channels)
             raise BadInputError(f"{self._path}: no channel {channel} among {known}.")
@@ -128,17 +131,22 @@ class RunRecord:
     @property
     def readings_as_taken(self) -> Array:
         """Each reading, as if none had been marked later."""
-        return self._table("readings", layout.READING_ROW)
+        return self._table("readings", self._reading_row)
 
     @cached_property
     def readings(self) -> Array:
-        """Each reading, columns as in `layout.READING_ROW`; marks are in `valid` and `why`."""
+        """Each reading, columns as in `layout.reading_row`; marks are in `valid` and `why`."""
         rows = self.readings_as_taken
         for mark in self.marks:
             hit = rows["index"] == mark["reading"] if mark["reading"] >= 0 else slice(None)
             rows["valid"][hit] = False
             rows["why"][hit] = mark["why"]
         return rows
+
+    def values(self, row: Any) -> dict[str, float]:
+        """Return the values of a row of the readings, by the columns of the run's channels."""
+        recorded = {channel.column for channel in self.signals}
+        return {name: float(row[name]) for name in self._value_columns if name in recorded}
 
     # ------------------------------------------------------------------------------------- frames
 
@@ -148,7 +156,7 @@ class RunRecord:
         return int(self._images().shape[0]) if self._has_frames else 0
 
     def image(self, row: int) -> GreyImage:
-        """An image by its row, 0 to `frame_count` - 1."""
+        """Return an image by its row, 0 to `frame_count` - 1."""
         if not 0 <= row < self.frame_count:
             raise BadInputError(
                 f"{self._path}: run {self.planned.index + 1} has {self.frame_count} images and "
@@ -163,7 +171,7 @@ class RunRecord:
         return read_array(self._column(f"frames/{name}"), self._path)
 
     def frame(self, reading_index: int) -> GreyImage | None:
-        """A reading's image; None when it has none or was not taken."""
+        """Return a reading's image; None when it has none or was not taken."""
         row = self._reading(reading_index)
         if row is None or row["frame"] == layout.NO_FRAME:
             return None

@@ -25,7 +25,7 @@ VOLATILE = frozenset(
 VOLATILE_UNDER = f"{layout.SETUP}/versions/"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoggedEvent:
     """A line of the session's log. `run` and `reading` are -1 where it concerns none."""
 
@@ -50,7 +50,9 @@ class RecordedSession:
         self.resolved: Mapping[str, Any] = self._setup.resolved
         self.versions: Mapping[str, str] = self._setup.versions
         self.channels = self._setup.channels
-        self.ranges_V = self._setup.ranges_V
+        self.signals = self._setup.signals  # the channels, described
+        self.ranges_V = tuple(channel.range_V for channel in self.signals)
+        self.version = self._setup.version  # of the file's layout
         self.rate_hz = self._setup.rate_hz
         self.frame_shape = self._setup.frame_shape
         self.frame_dtype = self._setup.frame_dtype

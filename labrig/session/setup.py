@@ -13,11 +13,16 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
-from protocols import schedule_from_dict, schedule_to_dict
+from labrig.serialise import SerialiseError, from_plain, to_json, to_plain
+from labrig.session import layout
+from labrig.session.channels import check_channels, value_columns, version_1_channel
+from protocols import Channel
+from protocols.planning.limits import check_structure
 from protocols.planning.schedule import Schedule
 
+# Of the schedule of a session that was imported: it has no runs, and no camera was asked for it.
+IMPORTED_FRAME_RATE_HZ = 25.0
 _MOST_HZ = 1e7
-_MOST_V = 1e3
 _MOST_PIXELS = 16_384  # rows or columns
 _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
 
@@ -46,29 +51,20 @@ def _plugin_versions() -> dict[str, str]:
     return {entry.dist.name: entry.dist.version for entry in own if entry.dist is not None}
 
 
-def schedule_back(plain: Any) -> Schedule:
-    """The schedule that `schedule_to_dict` was given; unlike one to be run it may have no runs.
-
-    Raises ScheduleError.
-    """
-    if isinstance(plain, dict) and plain == schedule_to_dict(_imported(plain)):
-        return _imported(plain)
-    return schedule_from_dict(plain)
+def check_recorded(schedule: Schedule) -> None:
+    """Raise ScheduleError for a schedule that is none; unlike one to be run it may have no runs."""
+    if schedule != Schedule(schedule.protocol, (), IMPORTED_FRAME_RATE_HZ):
+        check_structure(schedule)
 
 
-def _imported(plain: Mapping[str, Any]) -> Schedule:
-    return Schedule(str(plain.get("protocol")), (), 25.0)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SessionSetup:
     """Everything the file is created from."""
 
     schedule: Schedule
     texts: Mapping[str, str]  # configuration files as used: name -> content
     resolved: Mapping[str, Any]  # the same as understood, plain JSON
-    channels: tuple[str, ...]
-    ranges_V: tuple[float, ...]
+    signals: tuple[Channel, ...]  # in the order of the rows of samples
     rate_hz: float
     frame_shape: tuple[int, int] | None  # None: no camera
     frame_dtype: str = "uint8"
@@ -76,61 +72,69 @@ class SessionSetup:
     simulated: bool = False
     identifier: str = field(default_factory=lambda: str(uuid.uuid4()))
     versions: Mapping[str, str] = field(default_factory=present_versions)
+    version: int = layout.FORMAT  # of the layout: that of an older session that is recovered
 
     def __post_init__(self) -> None:
         _check_names("channel", self.channels, reserved=("time",))
         _check_names("configuration file", tuple(self.texts))
-        _check_numbers(self.rate_hz, self.ranges_V, self.frame_shape)
-        if len(self.ranges_V) != len(self.channels):
-            raise BadInputError(
-                f"There are {len(self.channels)} channels and {len(self.ranges_V)} input ranges; "
-                "each channel needs one."
-            )
+        check_channels(self.signals, self.version)
+        _check_numbers(self.rate_hz, self.frame_shape)
         if np.dtype(self.frame_dtype) not in (np.dtype(np.uint8), np.dtype(np.uint16)):
             raise BadInputError(
                 f"Frames of type {self.frame_dtype} cannot be recorded; the camera must deliver "
                 "grey pictures of 8 or 16 bit."
             )
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels."""
+        return tuple(channel.name for channel in self.signals)
+
+    @property
+    def value_columns(self) -> tuple[str, ...]:
+        """Columns of a reading that hold the channels' values."""
+        return value_columns(self.signals, self.version)
+
+    @property
+    def reading_row(self) -> np.dtype[Any]:
+        """Type of a row of the readings."""
+        return layout.reading_row(self.value_columns)
+
     def to_json(self) -> str:
-        """As one JSON object."""
-        plain = {
-            "schedule": schedule_to_dict(self.schedule),
-            "texts": dict(self.texts),
-            "resolved": dict(self.resolved),
-            "channels": list(self.channels),
-            "ranges_V": list(self.ranges_V),
-            "rate_hz": self.rate_hz,
-            "frame_shape": self.frame_shape,
-            "frame_dtype": self.frame_dtype,
-            "keep_all_frames": self.keep_all_frames,
-            "simulated": self.simulated,
-            "identifier": self.identifier,
-            "versions": dict(self.versions),
-        }
-        return json.dumps(plain)
+        """Return it as one JSON object."""
+        return to_json(self)
 
     @classmethod
     def from_json(cls, text: str) -> SessionSetup:
-        """The reverse of `to_json`; raises ValueError or KeyError when the text is not one."""
+        """Return the setup of a text; raises ValueError for another one."""
         plain = json.loads(text)
-        shape = plain.pop("frame_shape")
-        return cls(
-            schedule=schedule_back(plain.pop("schedule")),
-            channels=tuple(plain.pop("channels")),
-            ranges_V=tuple(plain.pop("ranges_V")),
-            frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
-            **plain,
-        )
+        if not isinstance(plain, dict):
+            raise SerialiseError("setup: a table is wanted")
+        if "version" not in plain:
+            plain = _of_version_1(plain)
+        if plain["version"] not in layout.READABLE:
+            raise SerialiseError(f"setup: version {plain['version']!r} of the layout is not known")
+        setup = from_plain(cls, plain, "setup")
+        check_recorded(setup.schedule)
+        return setup
 
 
-def _check_numbers(
-    rate_hz: float, ranges_V: Sequence[float], frame_shape: tuple[int, int] | None
-) -> None:
+def _of_version_1(plain: dict[str, Any]) -> dict[str, Any]:
+    """Return the plain setup of version 1 with the keys of today."""
+    rest = {key: value for key, value in plain.items() if key not in ("channels", "ranges_V")}
+    names, ranges_V = plain.get("channels"), plain.get("ranges_V")
+    if not isinstance(names, list) or not isinstance(ranges_V, list):
+        raise SerialiseError("setup: channels and ranges_V must be lists")
+    channels = [
+        version_1_channel(str(name), float(range_V))
+        for name, range_V in zip(names, ranges_V, strict=True)
+    ]
+    return {**rest, "version": 1, "signals": to_plain(channels)}
+
+
+def _check_numbers(rate_hz: float, frame_shape: tuple[int, int] | None) -> None:
     if not 0 <= rate_hz <= _MOST_HZ:
         raise BadInputError(f"A sample rate of {rate_hz} Hz cannot be recorded.")
-    if not all(0 < volts <= _MOST_V for volts in ranges_V):
-        raise BadInputError(f"Input ranges of {ranges_V} V cannot be recorded.")
     if frame_shape is not None and not all(0 < size <= _MOST_PIXELS for size in frame_shape):
         raise BadInputError(f"Frames of {frame_shape} pixels cannot be recorded.")
 

@@ -23,7 +23,11 @@ def write_tables(measurements: Measurements, folder: Path) -> list[Path]:
     """
     folder = Path(folder)
     tables = {
-        "forces.csv": (columns.FORCES, columns.FORCES_OPTIONAL, _forces(measurements)),
+        "forces.csv": (
+            columns.FORCES,
+            (*columns.FORCES_OPTIONAL, *_other_columns(measurements)),
+            _forces(measurements),
+        ),
         "curves.csv": (columns.CURVES, columns.CURVES_OPTIONAL, _curves(measurements)),
         "signals.csv": (columns.SIGNALS, columns.SIGNALS_OPTIONAL, _signals(measurements.series)),
     }
@@ -83,6 +87,13 @@ def _where(condition: Condition) -> Cells:
     }
 
 
+def _other_columns(measurements: Measurements) -> list[str]:
+    """Return the columns of further channels, in the order in which they come."""
+    readings = (reading for c in measurements.conditions for reading in c.readings)
+    names = dict.fromkeys(name for reading in readings for name in reading.other_values)
+    return [f"{columns.CHANNEL}{name}" for name in names]
+
+
 def _forces(measurements: Measurements) -> Iterator[Cells]:
     for condition in measurements.conditions:
         where = _where(condition)
@@ -96,6 +107,10 @@ def _forces(measurements: Measurements) -> Iterator[Cells]:
                 "wetted_s": _maybe(reading.wetted_s),
                 "valid": "true" if reading.valid else "false",
                 "why": reading.why,
+                **{
+                    f"{columns.CHANNEL}{name}": plain(value)
+                    for name, value in reading.other_values.items()
+                },
             }
 
 

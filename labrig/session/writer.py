@@ -17,14 +17,16 @@ import numpy as np
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
 from labrig.session import layout
+from labrig.session.channels import as_recorded
 from labrig.session.create import create_file
 from labrig.session.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.journal import Journal, journal_path
 from labrig.session.recorder import Recorder
 from labrig.session.rows import Translator
-from labrig.session.setup import SessionSetup
+from labrig.session.setup import SessionSetup, present_versions
 from labrig.session.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
+from protocols.execution.channels import Channel
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
@@ -65,28 +67,31 @@ class SessionWriter:
         schedule: Schedule,
         texts: Mapping[str, str],
         resolved: Mapping[str, Any],
-        channels: Sequence[str],
-        ranges_V: Sequence[float],
+        channels: Sequence[Channel],
         rate_hz: float,
         frame_shape: tuple[int, int] | None,
         frame_dtype: np.dtype[Any] | str = "uint8",
         keep_all_frames: bool = False,
         simulated: bool = False,
+        parts: Mapping[str, str] | None = None,
         patience_s: float = PATIENCE_S,
     ) -> None:
-        """Create the file. Raises BadInputError when it exists or its folder cannot be used."""
+        """Create the file. Raises BadInputError when it exists or its folder cannot be used.
+
+        `parts`: other distributions' parts that the rig is made of, with their versions.
+        """
         self.path = Path(path)
         self._setup = SessionSetup(
             schedule=schedule,
             texts=dict(texts),
             resolved=dict(resolved),
-            channels=tuple(channels),
-            ranges_V=tuple(float(value) for value in ranges_V),
+            signals=tuple(map(as_recorded, channels)),
             rate_hz=float(rate_hz),
             frame_shape=frame_shape,
             frame_dtype=np.dtype(frame_dtype).name,
             keep_all_frames=keep_all_frames,
             simulated=simulated,
+            versions=present_versions() | dict(parts or {}),
         )
         self._journal = _begin(self.path, self._setup)
         self._translator = Translator(self._setup)
@@ -235,7 +240,7 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
 
 
 def _kept(event: ev.Event) -> ev.Event:
-    """The event with arrays of its own: a driver may use its buffers again."""
+    """Return the event with arrays of its own: a driver may use its buffers again."""
     match event:
         case ev.SignalsArrived(block=block) if block.volts.base is not None:
             own = SignalBlock(block.first_index, block.volts.copy(), block.read_s)

@@ -137,7 +137,7 @@ MODELS: dict[str, Simple] = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BaselineRow:
     """One line of the comparison."""
 
@@ -171,8 +171,9 @@ def _along(one: ConfigurationFit) -> BaselineRow:
     bends = {v: p.value / one.B.value for v, p in one.eibm.items()}
     errors = one.rmse["varying"]
     return BaselineRow(
-        one.configuration, "full model, EIBM along the sheet", one.B.value, bends,
-        errors.force_N, errors.curve_m,
+        configuration=one.configuration, model="full model, EIBM along the sheet",
+        B_Nm2=one.B.value, bend_per_m=bends, force_rmse_N=errors.force_N,
+        curve_rmse_m=errors.curve_m,
     )  # fmt: skip
 
 
@@ -207,10 +208,10 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Base
     found = least_squares(residual, begin, x_scale=[0.1, *(5.0 for _ in volts)])
     force, curve = errors(np.asarray(found.x))
     return BaselineRow(
-        observed.sheet.configuration, label, float(np.exp(found.x[0])),
-        dict(zip(volts, (float(v) for v in found.x[1:]), strict=True)),
-        float(np.sqrt(np.mean(force**2))),
-        float(np.sqrt(np.mean(curve**2))) if len(curve) else float("nan"),
+        configuration=observed.sheet.configuration, model=label, B_Nm2=float(np.exp(found.x[0])),
+        bend_per_m=dict(zip(volts, (float(v) for v in found.x[1:]), strict=True)),
+        force_rmse_N=float(np.sqrt(np.mean(force**2))),
+        curve_rmse_m=float(np.sqrt(np.mean(curve**2))) if len(curve) else float("nan"),
     )  # fmt: skip
 
 

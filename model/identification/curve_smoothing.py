@@ -37,7 +37,7 @@ class SmoothCurve:
         return np.sqrt(variance)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Touch:
     """Where a curve meets the arc."""
 
@@ -122,7 +122,13 @@ def touch(curve: SmoothCurve, sheet: SheetGeometry, where: str) -> Touch:
         s_hat -= float(np.clip(step, -s[1], s[1]))
         if abs(step) < 1e-13:
             break
-    return Touch(s_hat, float(phi[0]), float(np.arctan2(y[0], x[0])), float(x[0]), float(y[0]))
+    return Touch(
+        s_hat_m=s_hat,
+        phi_hat_rad=float(phi[0]),
+        polar_rad=float(np.arctan2(y[0], x[0])),
+        x_m=float(x[0]),
+        y_m=float(y[0]),
+    )
 
 
 def _mean_curvature(curve: Curve, length_m: float) -> float:

@@ -20,7 +20,7 @@ NODES = 51  # of a quantity along the sheet, as handed on
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConfigurationFit:
     """One configuration's Tables 4 and 6 and figure 8."""
 
@@ -40,7 +40,7 @@ class ConfigurationFit:
     paper: PaperFit | None  # (7)-(9) condition by condition; None without curves
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Fit:
     """Outcome of `fit`."""
 
@@ -89,7 +89,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     ratio = _bootstrap(joint, options)
     models = [
         SheetModel(
-            {name: part.sheet(varying) for name, part in parts.items()},
+            sheets={name: part.sheet(varying) for name, part in parts.items()},
             source=measurements.source, checksum=measurements.checksum, held_out=held_out,
         )
         for varying in (False, True)
@@ -103,9 +103,10 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     configurations = {name: part.table(rows) for name, part in parts.items()}
     notes = _notes(measurements, parts, configurations, rows, ratio)
     return Fit(
-        done[0], done[1], configurations, rows,
-        {"constant": errors["constant"], "varying": errors["varying"]},
-        joint.scatter(), joint.noise(), ratio, notes, options, joint,
+        model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
+        rmse={"constant": errors["constant"], "varying": errors["varying"]},
+        scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio, notes=notes,
+        options=options, joint=joint,
     )  # fmt: skip
 
 
@@ -152,10 +153,14 @@ class _Part:
         own = tuple(r for r in rows if r.configuration == self.name)
         size = self.joint.mean_abs_eibm(self.n, self.voltages)
         return ConfigurationFit(
-            self.name, self.B, self.B.scaled(1.0 / width, "N m"), one.E, self.eibm,
-            {v: self.joint.mean_eibm(self.n, v) for v in self.voltages}, size,
-            size.scaled(1.0 / width, "N"), self.s_m, self.along, self.rest(self.s_m), self.measured,
-            {"constant": rmse(own, "constant"), "varying": rmse(own, "varying")}, self.paper,
+            configuration=self.name, B=self.B, B_per_width=self.B.scaled(1.0 / width, "N m"),
+            E=one.E, eibm=self.eibm,
+            eibm_mean={v: self.joint.mean_eibm(self.n, v) for v in self.voltages},
+            eibm_mean_abs=size, eibm_mean_abs_per_width=size.scaled(1.0 / width, "N"), s_m=self.s_m,
+            eibm_along_Nm=self.along, rest_per_m=self.rest(self.s_m),
+            rest_measured_per_m=self.measured,
+            rmse={"constant": rmse(own, "constant"), "varying": rmse(own, "varying")},
+            paper=self.paper,
         )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from model.measurements import Condition, Curve, FloatArray, Measurements, Model
 MOST_POINTS = 120
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Observation:
     """One condition that counts."""
 
@@ -125,8 +125,9 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
     )  # fmt: skip
     curve = None if condition.curve is None else checked_curve(condition.curve, where)
     return Observation(
-        condition.configuration, condition.position_m, condition.voltage_V,
-        (run[0], float(run[1] or 0.0), run[2], run[3]), mean, variance, len(forces), curve,
+        configuration=condition.configuration, position_m=condition.position_m,
+        voltage_V=condition.voltage_V, run=(run[0], float(run[1] or 0.0), run[2], run[3]),
+        force_N=mean, force_variance_N2=variance, readings=len(forces), curve=curve,
     )  # fmt: skip
 
 

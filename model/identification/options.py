@@ -8,7 +8,7 @@ from typing import Literal
 from model.measurements import ModelError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FitOptions:
     """Options of `fit`; the defaults are the base model."""
 

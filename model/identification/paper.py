@@ -17,7 +17,7 @@ from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sample:
     """What one condition says by itself."""
 
@@ -39,7 +39,7 @@ class Sample:
         return np.where(s_m <= self.s_hat_m, -self.N_N * inside, 0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PaperFit:
     """The paper's Tables 4 and figure 8 for one configuration."""
 
@@ -90,8 +90,9 @@ def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> P
         curves = [B * (s.curve.curvature(s_m) - rest(s_m)) - s.moment_Nm(s_m) for s in here]
         along[voltage], along_sigma[voltage] = _mean_rows(np.array(curves))
     return PaperFit(
-        name, tuple(samples), B, sigma, constant, constant_sigma, s_m, along, along_sigma,
-        {v: float(np.trapezoid(m, s_m) / s_m[-1]) for v, m in along.items()},
+        configuration=name, samples=tuple(samples), B_Nm2=B, B_sigma_Nm2=sigma, eibm_Nm=constant,
+        eibm_sigma_Nm=constant_sigma, s_m=s_m, eibm_along_Nm=along, eibm_along_sigma_Nm=along_sigma,
+        eibm_mean_Nm={v: float(np.trapezoid(m, s_m) / s_m[-1]) for v, m in along.items()},
     )  # fmt: skip
 
 
@@ -112,9 +113,10 @@ def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> 
     sigma = max(noise * mean_lever, 1e-12)
     fixes = o.voltage_V == 0.0 and abs(moment) > sigma and turn != 0.0
     return Sample(
-        o, curve, float(N), at.s_hat_m, l_hat, turn, moment, float(sigma),
-        l_hat * moment / turn if fixes else np.nan, abs(moment) ** exponent if fixes else 0.0,
-        (s, lever),
+        observation=o, curve=curve, N_N=float(N), s_hat_m=at.s_hat_m, l_hat_m=l_hat, turn_rad=turn,
+        mean_moment_Nm=moment, mean_moment_sigma_Nm=float(sigma),
+        B_Nm2=l_hat * moment / turn if fixes else np.nan,
+        weight=abs(moment) ** exponent if fixes else 0.0, lever_m=(s, lever),
     )  # fmt: skip
 
 

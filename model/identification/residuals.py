@@ -28,7 +28,7 @@ class Rmse:
     curve_m: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConditionResidual:
     """One condition against the models with constant and with varying EIBM."""
 
@@ -56,15 +56,15 @@ def residuals(
             sigma = np.sqrt(o.force_variance_N2 / o.readings) if o.readings else np.nan
             rows.append(
                 ConditionResidual(
-                    o.name,
-                    o.configuration,
-                    o.position_m,
-                    o.voltage_V,
-                    o.force_N,
-                    float(sigma),
-                    {k: a[i].force_N for k, a in answers.items()},
-                    {k: a[i].curve_m for k, a in answers.items()},
-                    {k: a[i].why for k, a in answers.items() if a[i].why},
+                    name=o.name,
+                    configuration=o.configuration,
+                    position_m=o.position_m,
+                    voltage_V=o.voltage_V,
+                    force_N=o.force_N,
+                    force_sigma_N=float(sigma),
+                    predicted_N={k: a[i].force_N for k, a in answers.items()},
+                    curve_rmse_m={k: a[i].curve_m for k, a in answers.items()},
+                    why={k: a[i].why for k, a in answers.items() if a[i].why},
                 )
             )
     return tuple(rows)

@@ -19,7 +19,7 @@ Coordinate = Literal["s", "position", "force", "time"]
 Under = Literal["", "voltage", "polarity"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConditionProblem:
     """One configuration at one position and voltage."""
 
@@ -40,7 +40,7 @@ class ConditionProblem:
         return bool(np.isfinite(self.angle_rad))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Profile:
     """Numbers along a coordinate: straight lines between nodes, constant beyond the outer ones."""
 
@@ -91,12 +91,12 @@ class Profile:
         if under not in get_args(Under):
             raise ModelError(f"{where}.under: one of voltage, polarity is wanted, or none")
         return Profile(
-            data["along"], rows["at"], rows["value"], rows["sigma"], str(data.get("unit", "")),
-            under,
+            along=data["along"], at=rows["at"], values=rows["value"], sigma=rows["sigma"],
+            unit=str(data.get("unit", "")), under=under,
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ActiveEffect:
     """An effect that a model includes, by its name in the catalogue.
 

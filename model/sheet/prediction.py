@@ -2,20 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, TypedDict
 
 import numpy as np
 
 from model.measurements import FloatArray
 from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import Equilibria, SolverStatus
-from model.sheet.beam_problem import ConditionProblem
-from model.sheet.sheet_model import SheetModel
+from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.solution import SolvedProblems, sampled_s, solved
 
 
-@dataclass(frozen=True)
+class Predictable(Protocol):
+    """What is predicted from: a `SheetModel`."""
+
+    @property
+    def effects(self) -> tuple[ActiveEffect, ...]:
+        """The effects that are in it."""
+
+    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+        """Return the voltage, and those that it takes turns with in a run."""
+
+    def setups(
+        self, configuration: str, places: Sequence[tuple[float | None, float]]
+    ) -> list[ConditionProblem]:
+        """Return the beam problems of positions and voltages, effects included."""
+
+
+class _Asked(TypedDict):
+    """The condition that was asked for."""
+
+    configuration: str
+    position_m: float
+    voltage_V: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Prediction:
     """One condition; where it is not reachable the numbers are NaN and the shape is empty."""
 
@@ -56,7 +80,7 @@ class Prediction:
 
 
 def predict(
-    model: SheetModel,
+    model: Predictable,
     configuration: str,
     position_m: float,
     voltage_V: float,
@@ -70,12 +94,13 @@ def predict(
     """
     volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
-    setup, names = found.setups[0], (configuration, position_m, voltage_V)
+    setup = found.setups[0]
+    asked = _Asked(configuration=configuration, position_m=position_m, voltage_V=voltage_V)
     if found.status[0] != SolverStatus.SOLVED:
         nothing = np.zeros(0)
         gone = np.nan
         return Prediction(
-            *names, reachable=False, why="not reachable: " + _why_not(setup, _first(found)),
+            **asked, reachable=False, why="not reachable: " + _why_not(setup, _first(found)),
             F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
             s_m=nothing, x_m=nothing, y_m=nothing, curvature_per_m=nothing,
         )  # fmt: skip
@@ -87,7 +112,7 @@ def predict(
         places = {v: k for k, v in enumerate(volts)}
         F += load_cell_N(model.effects, found, places, voltage_V, position_m)
     return Prediction(
-        *names,
+        **asked,
         reachable=True,
         why="; ".join(_remarks(_first(found), setup)),
         F_N=F,
@@ -102,7 +127,7 @@ def predict(
 
 
 def predict_free(
-    model: SheetModel, configuration: str, voltage_V: float, *, as_seen: bool = True
+    model: Predictable, configuration: str, voltage_V: float, *, as_seen: bool = True
 ) -> tuple[FloatArray, ...]:
     """s, x, y of the sheet with nothing touching it."""
     found = solved(model.setups(configuration, [(None, voltage_V)]))
@@ -112,7 +137,7 @@ def predict_free(
 
 
 def _shape(
-    model: SheetModel, found: SolvedProblems, s_m: FloatArray, *, as_seen: bool
+    model: Predictable, found: SolvedProblems, s_m: FloatArray, *, as_seen: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x, y and curvature of the first of the solutions."""
     if not (model.effects and as_seen):

@@ -100,7 +100,7 @@ class ConfiguredSheet:
         return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SheetModel:
     """Geometry, parameters, active effects; what it was fitted to and how well."""
 
@@ -152,8 +152,9 @@ class SheetModel:
             raise ModelError("position and voltage must be finite numbers")
         along = np.nan if position_m is None else position_m / one.sheet.arc_radius_m
         return ConditionProblem(
-            one.sheet, voltage_V, one.sheet.arc_origin_rad + along,
-            one.B.value, one.rest.field(one.sheet.free_length_m), one.eibm_at(voltage_V),
+            sheet=one.sheet, voltage_V=voltage_V, angle_rad=one.sheet.arc_origin_rad + along,
+            B_Nm2=one.B.value, rest=one.rest.field(one.sheet.free_length_m),
+            eibm=one.eibm_at(voltage_V),
         )  # fmt: skip
 
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
@@ -192,11 +193,13 @@ class SheetModel:
             raise ModelError("effects: a list of tables is wanted")
         merit = data.get("figures_of_merit", {})
         return SheetModel(
-            {name: _sheet_from_dict(name, one) for name, one in sheets.items()},
-            tuple(ActiveEffect.from_dict(e, f"effects[{i}]") for i, e in enumerate(effects)),
-            str(fitted.get("file", "")), str(fitted.get("sha256", "")),
-            tuple(str(c) for c in fitted.get("held_out", [])),
-            {str(k): finite(v, f"figures_of_merit.{k}") for k, v in dict(merit).items()},
+            sheets={name: _sheet_from_dict(name, one) for name, one in sheets.items()},
+            effects=tuple(
+                ActiveEffect.from_dict(e, f"effects[{i}]") for i, e in enumerate(effects)
+            ),
+            source=str(fitted.get("file", "")), checksum=str(fitted.get("sha256", "")),
+            held_out=tuple(str(c) for c in fitted.get("held_out", [])),
+            merit={str(k): finite(v, f"figures_of_merit.{k}") for k, v in dict(merit).items()},
         )  # fmt: skip
 
 

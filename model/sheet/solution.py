@@ -76,7 +76,7 @@ def sampled_s(setup: ConditionProblem) -> FloatArray:
     return np.concatenate([inner, outer])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SolvedProblems:
     """Solutions in the order of the setups; NaN where there is no equilibrium, or no contact."""
 
@@ -153,7 +153,14 @@ def solved(setups: Sequence[ConditionProblem]) -> SolvedProblems:
         status[rows], nu[rows], s_hat[rows] = found.status, found.nu, found.s_hat_m
         phi[rows] = found.phi_hat_rad + [setups[i].clamp_rad for i in rows]
         parts.append((rows, found))
-    return SolvedProblems(tuple(setups), status, nu, s_hat, phi, tuple(parts))
+    return SolvedProblems(
+        setups=tuple(setups),
+        status=status,
+        nu=nu,
+        s_hat_m=s_hat,
+        phi_hat_rad=phi,
+        parts=tuple(parts),
+    )
 
 
 def _groups(setups: Sequence[ConditionProblem]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:

@@ -51,7 +51,7 @@ def truth(*names: str) -> SheetModel:
         nodes, k0 = sheet.initial_curvature
         rest = Along(nodes, k0, np.zeros(len(nodes)), "1/m")
         sheets[name] = ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)
-    return SheetModel(sheets)
+    return SheetModel(sheets=sheets)
 
 
 def measure(*names: str, curves: bool = True, seed: int = 1) -> Measurements:
@@ -130,7 +130,11 @@ def stopped_session(path: Path, after_runs: int) -> Path:
             writer.handle(event)
             done += isinstance(event, ev.RunStopped)
         last = ev.SessionStopped(
-            event.time_s, ev.Outcome.ABORTED, "stopped by Ctrl-C", ev.OutputState.SAFE, "2026"
+            event.time_s,
+            outcome=ev.Outcome.ABORTED,
+            reason="stopped by Ctrl-C",
+            output=ev.OutputState.SAFE,
+            wall="2026",
         )
         writer.handle(last)
     return path

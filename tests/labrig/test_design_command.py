@@ -32,7 +32,7 @@ def model_file(tmp_path: Path) -> Path:
         },
     )
     path = tmp_path / "model.toml"
-    save_model(SheetModel({"short": one}), path)
+    save_model(SheetModel(sheets={"short": one}), path)
     return path
 
 

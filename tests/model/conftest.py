@@ -54,7 +54,7 @@ def truth() -> SheetModel:
             -2.0: Along.constant(exact(-0.8 * B * curvature, "N m")),
         }
         sheets[name] = ConfiguredSheet(sheet, exact(B, "N m^2"), rest, eibm)
-    return SheetModel(sheets)
+    return SheetModel(sheets=sheets)
 
 
 MakeMeasurements = Callable[..., Measurements]
@@ -116,4 +116,4 @@ def _shaken(model: SheetModel, name: str, B: float, eibm: float) -> SheetModel:
     one = model.sheet(name)
     moved = {v: Along(a.s_m, a.values * eibm, a.sigma, a.unit) for v, a in one.eibm.items()}
     stiff = exact(one.B.value * B, "N m^2")
-    return SheetModel({name: ConfiguredSheet(one.sheet, stiff, one.rest, moved)})
+    return SheetModel(sheets={name: ConfiguredSheet(one.sheet, stiff, one.rest, moved)})

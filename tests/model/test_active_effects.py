@@ -19,16 +19,16 @@ NOT_IN_MEANS = {"force_drift", "stiffness_drift", "eibm_drift", "back_relaxation
 
 
 def active(name: str, **values: float) -> ActiveEffect:
-    return ActiveEffect(name, {k: Parameter(v, 0.0, "") for k, v in values.items()})
+    return ActiveEffect(name=name, parameters={k: Parameter(v, 0.0, "") for k, v in values.items()})
 
 
 def along(*values: float, along: str = "s") -> Profile:
     at = tuple(np.linspace(0.0, 0.05, len(values)))
-    return Profile(along, at, values, tuple(0.0 for _ in values), "")
+    return Profile(along=along, at=at, values=values, sigma=tuple(0.0 for _ in values), unit="")
 
 
 def unknown(location: str, profile: Profile) -> ActiveEffect:
-    return ActiveEffect("unknown", profile=profile, location=location)
+    return ActiveEffect(name="unknown", profile=profile, location=location)
 
 
 def with_eibm_times(model: SheetModel, factor: float) -> SheetModel:
@@ -204,7 +204,9 @@ def test_an_unknown_force_acts_at_the_voltages_it_depends_on(
 
 def test_an_unknown_force_may_be_a_function_of_the_force(truth: SheetModel):
     plain = predict(truth, "long", POSITION_M, 2.0).F_N
-    profile = Profile("force", (0.0, 2.0 * plain), (0.0, 0.4), (0.0, 0.0), "mN")
+    profile = Profile(
+        along="force", at=(0.0, 2.0 * plain), values=(0.0, 0.4), sigma=(0.0, 0.0), unit="mN"
+    )
     bent = truth.with_effects(unknown("load_cell", profile))
     assert pytest.approx(plain + 0.2e-3) == predict(bent, "long", POSITION_M, 2.0).F_N
 
@@ -235,7 +237,7 @@ def test_an_unknown_age_of_pictures_bends_shapes_but_not_forces(truth: SheetMode
 
 def test_each_configuration_may_have_its_own_value(truth: SheetModel):
     effect = ActiveEffect(
-        "initial_curvature",
+        name="initial_curvature",
         by_configuration={"long": {"curvature_error_per_m": Parameter(4.0, 0.1, "1/m")}},
     )
     model = truth.with_effects(effect)
@@ -251,7 +253,8 @@ def test_a_model_with_everything_in_it_survives_being_written_and_read(truth: Sh
         replace(active("nonuniform_eibm", decay_length_mm=21.0), profile=along(1.1, 0.9, 1.0)),
         replace(unknown("eibm", along(0.1, -0.1)), configurations=("long",)),
         ActiveEffect(
-            "clamp_angle", by_configuration={"short": {"angle_rad": Parameter(0.01, 0.001, "rad")}}
+            name="clamp_angle",
+            by_configuration={"short": {"angle_rad": Parameter(0.01, 0.001, "rad")}},
         ),
     )
     model = truth.with_effects(*effects)
@@ -296,3 +299,13 @@ def test_a_broken_effect_in_a_model_file_is_refused_with_its_key(truth, change, 
     data["effects"][0].update(change)
     with pytest.raises(ModelError, match=text):
         SheetModel.from_dict(data)
+
+
+def test_friction_that_only_the_load_cell_feels_is_in_the_predicted_force(truth: SheetModel):
+    model = truth.with_effects(active("roll_friction", coefficient=0.1, force_alone=1.0))
+    for voltage in (2.0, -2.0):
+        one, two = (predict(m, "long", POSITION_M, voltage) for m in (model, truth))
+        np.testing.assert_array_equal(one.x_m, two.x_m)
+        lean = two.phi_hat_rad - POSITION_M / truth.sheet("long").sheet.arc_radius_m
+        most = 0.1 * abs(two.N_N * np.sin(lean))
+        assert 0.5 * most < abs(one.F_N - two.F_N) <= most * (1.0 + 1e-9)

@@ -30,7 +30,7 @@ def unsure(truth: SheetModel) -> SheetModel:
         name: replace(one, B=Parameter(one.B.value, 0.03 * one.B.value, "N m^2"))
         for name, one in truth.sheets.items()
     }
-    return SheetModel(sheets)
+    return SheetModel(sheets=sheets)
 
 
 def test_the_best_line_of_the_short_sheet_fits_within_a_percent(unsure):
@@ -130,7 +130,7 @@ def test_an_elongation_saves_area_and_makes_the_force_linear(truth):
 
 @pytest.mark.slow
 def test_a_force_that_cannot_be_had_is_an_error(truth):
-    weak = SheetModel({"long": varied(truth.sheet("long"), 1.0, {2.0: 0.05, -2.0: 0.05})})
+    weak = SheetModel(sheets={"long": varied(truth.sheet("long"), 1.0, {2.0: 0.05, -2.0: 0.05})})
     with pytest.raises(ModelError, match="no sheet of this material"):
         least_area(weak, "long", 0.0, 0.03, 1e-3, elongated=False)
 
@@ -146,7 +146,7 @@ def test_uncertainties_of_stiffness_and_moment_are_carried_through(truth):
     one = truth.sheet("short")
     eibm = {v: replace(a, sigma=np.abs(a.values) * 0.05) for v, a in one.eibm.items()}
     model = SheetModel(
-        {"short": replace(one, B=replace(one.B, sigma=0.03 * one.B.value), eibm=eibm)}
+        sheets={"short": replace(one, B=replace(one.B, sigma=0.03 * one.B.value), eibm=eibm)}
     )
     (answer,) = propagate(model, "short", lambda m: [m.sheet("short").mean_eibm(2.0)], ("N m",))
     assert answer.sigma == pytest.approx(0.05 * abs(answer.value), rel=0.01)

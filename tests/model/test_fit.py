@@ -95,7 +95,7 @@ def falling(truth) -> SheetModel:
         v: Along(s, LONG_B * c * np.exp(-s / 0.012), 0.0 * s, "N m")
         for v, c in ((2.0, 100.0), (-2.0, -80.0))
     }
-    return SheetModel({"long": ConfiguredSheet(one.sheet, one.B, one.rest, eibm)})
+    return SheetModel(sheets={"long": ConfiguredSheet(one.sheet, one.B, one.rest, eibm)})
 
 
 @pytest.mark.slow
@@ -165,7 +165,7 @@ def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth,
 def test_one_eibm_for_both_polarities_when_asked(measure, truth):
     one = truth.sheet("short")
     even = {v: Along.constant(Parameter(np.sign(v) * 6e-5, 0.0, "N m")) for v in (2.0, -2.0)}
-    model = SheetModel({"short": ConfiguredSheet(one.sheet, one.B, one.rest, even)})
+    model = SheetModel(sheets={"short": ConfiguredSheet(one.sheet, one.B, one.rest, even)})
     found = fit(measure(seed=9, names=("short",), model=model), FitOptions(symmetric=True))
     eibm = found.configurations["short"].eibm
     assert eibm[2.0].value == pytest.approx(6e-5, rel=0.03)

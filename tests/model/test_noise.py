@@ -22,7 +22,15 @@ def made(random, runs=40, u=0.3, tau=0.1):
     Z = np.ones((runs, 5, 1)) + 0.2 * random.standard_normal((runs, 5, 1))
     shift = u * random.standard_normal((runs, 1))
     y = X @ np.array([2.0, -1.0]) + Z[:, :, 0] * shift + tau * random.standard_normal((runs, 5))
-    data = Data(y, X, [Z], [np.ones((runs, 5))], np.full((runs, 5), 1e-6), np.zeros(2), np.zeros(2))
+    data = Data(
+        y=y,
+        X=X,
+        groups=[Z],
+        masks=[np.ones((runs, 5))],
+        fixed=np.full((runs, 5), 1e-6),
+        precision=np.zeros(2),
+        away=np.zeros(2),
+    )
     return data, shift
 
 
@@ -68,7 +76,10 @@ def test_few_runs_leave_few_degrees_of_freedom():
         shift = 0.3 * random.standard_normal((runs, 1))
         ones = np.ones((runs, 4, 1))
         y = 1.0 + shift + 0.01 * random.standard_normal((runs, 4))
-        data = Data(y, ones, [ones], [np.ones((runs, 4))], np.zeros((runs, 4)), *np.zeros((2, 1)))
+        data = Data(
+            y=y, X=ones, groups=[ones], masks=[np.ones((runs, 4))], fixed=np.zeros((runs, 4)),
+            precision=np.zeros(1), away=np.zeros(1),
+        )  # fmt: skip
         guess = np.log([0.3, 0.01])
         solution = estimate(data, guess)
         assert low < freedom(solution, spread(data, solution, guess), np.ones(1)) < high
@@ -91,7 +102,16 @@ def rich(seed: int = 5, runs: int = 14):
         y += sigma * np.einsum("rnq,rq->rn", Z, random.standard_normal((runs, Z.shape[2])))
     precision, away = np.array([0.0, 4.0, 1.0]), np.array([0.0, 0.3, -0.2])
     width = np.array([0.8, 1.0, 2.0, 0.3])
-    return Data(y, X, groups, masks, np.full((runs, 6), 0.01), precision, away, width)
+    return Data(
+        y=y,
+        X=X,
+        groups=groups,
+        masks=masks,
+        fixed=np.full((runs, 6), 0.01),
+        precision=precision,
+        away=away,
+        width=width,
+    )
 
 
 def test_the_gradient_is_exact_with_several_scatters_noises_and_priors():

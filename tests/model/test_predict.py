@@ -66,7 +66,7 @@ def test_a_voltage_between_those_fitted_gives_a_moment_in_proportion(truth: Shee
 
 
 def test_a_model_survives_being_written_and_read(truth: SheetModel):
-    effect = ActiveEffect("gravity", {"load_N_per_m": Parameter(1e-3, 1e-4, "N/m")})
+    effect = ActiveEffect(name="gravity", parameters={"load_N_per_m": Parameter(1e-3, 1e-4, "N/m")})
     model = replace(
         truth.with_effects(effect), source="a.h5", checksum="ff", held_out=("long, 5 mm, +2 V",),
         merit={"force_rmse_N": 1e-4},
@@ -82,7 +82,7 @@ def test_a_model_survives_being_written_and_read(truth: SheetModel):
 
 def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
     with pytest.raises(ModelError, match="unknown to this version"):
-        predict(truth.with_effects(ActiveEffect("magnetism")), "long", 0.0, 0.0)
+        predict(truth.with_effects(ActiveEffect(name="magnetism")), "long", 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -207,7 +207,13 @@ def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel
     one: ConfiguredSheet = truth.sheet("long")
     soft = Field.linear(np.array([0.0, 0.05]), np.array([1.0, 3.0]), 0.05)
     setup = ConditionProblem(
-        one.sheet, 2.0, 0.1, one.B.value, Field.constant(5.0, 0.05), one.eibm_at(2.0), soft
+        sheet=one.sheet,
+        voltage_V=2.0,
+        angle_rad=0.1,
+        B_Nm2=one.B.value,
+        rest=Field.constant(5.0, 0.05),
+        eibm=one.eibm_at(2.0),
+        softness=soft,
     )
     kappa, s = free_curvature(setup), np.linspace(0.0, 0.05, 11)
     np.testing.assert_allclose(kappa(s), 5.0 + 25.0 * soft(s), rtol=1e-12)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.screen import finite, say, warn
+from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
+from labrig.serialise import finite
 
 if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve

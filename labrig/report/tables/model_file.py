@@ -34,7 +34,14 @@ def model_rows(
         B = sheet.B.value
         bends = {v: sheet.mean_eibm(v) / B for v in sheet.eibm}
         curves = np.array([a.curve_m for a in answers])
-        yield BaselineRow(name, label, B, bends, _rms(off), _rms(curves))
+        yield BaselineRow(
+            configuration=name,
+            model=label,
+            B_Nm2=B,
+            bend_per_m=bends,
+            force_rmse_N=_rms(off),
+            curve_rmse_m=_rms(curves),
+        )
 
 
 def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:

@@ -17,11 +17,19 @@ Run = tuple[str, float | None, int, int]  # configuration, position, mounting, r
 def sessions_of_runs(
     whole: Measurements, parts: Sequence[Measurements], names: Sequence[str]
 ) -> dict[Run, str]:
-    """Which session each run of `whole` is from, whose conditions are those of `parts` in turn."""
+    """Which session each run of `whole` is from, whose conditions are those of `parts` in turn.
+
+    A position approached from above may have been fitted as a run of its own, the next one.
+    """
     of = [name for one, name in zip(parts, names, strict=True) for _ in one.conditions]
-    return {
-        (c.configuration, c.position_m, c.mounting, c.run): name
-        for c, name in zip(whole.conditions, of, strict=True)
+    each = list(zip(whole.conditions, of, strict=True))
+    from_above = {
+        (c.configuration, c.position_m, c.mounting, c.run + 1): name
+        for c, name in each
+        if c.approach == "down"
+    }
+    return from_above | {
+        (c.configuration, c.position_m, c.mounting, c.run): name for c, name in each
     }
 
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
+from model.discrepancy.thresholds import COMPARISON_SIGMA
 from model.discrepancy.verdict.result import Next
 from model.effects.interface import Effect
 from model.identification.data.acquisition_times import ReadingTimes
@@ -142,7 +143,9 @@ def _free(one: DataVector) -> tuple[ConditionData, ...]:
             like = next((s for s in one.seen if s.voltage_V == volts and s.curve is not None), None)
             if like is None:
                 continue
-            clock = ReadingTimes(volts, 0, 1.0, one.sheet.rise_time_s, 0.0).of_no_reading(0.5)
+            clock = ReadingTimes(
+                voltage_V=volts, zeros=0, ratio=1.0, rise_s=one.sheet.rise_time_s, worked_s=0.0
+            ).of_no_reading(0.5)
             result.append(
                 replace(
                     like,
@@ -331,7 +334,10 @@ def next_measurement(
             continue
         minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
         worth = max(then**2 - now**2, 0.0) / minutes
-        if best is None or (min(then, 8.0), worth) > (min(best[2], 8.0), best[0]):
+        if best is None or (min(then, COMPARISON_SIGMA), worth) > (
+            min(best[2], COMPARISON_SIGMA),
+            best[0],
+        ):
             best = (worth, entry, then, minutes)
     if best is None:
         return None
@@ -411,7 +417,15 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
     log_sigma = larger.guess.copy()
     n = min(len(log_sigma), len(fitted.solution.log_sigma))
     log_sigma[:n] = fitted.solution.log_sigma[:n]
-    return MixedModelFit(larger, theta, (), linear, weigh(linear.data, log_sigma), 0.0, ())
+    return MixedModelFit(
+        problem=larger,
+        theta=theta,
+        found=(),
+        linear=linear,
+        solution=weigh(linear.data, log_sigma),
+        deviance=0.0,
+        spans=(),
+    )
 
 
 def _with_half(problem: FitProblem, study: ForwardModel) -> Bases:

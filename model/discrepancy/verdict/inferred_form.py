@@ -126,13 +126,14 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
     along = COORDINATES[one.along]
     scale = 1.0 if along == "time" else 1e-3
     profile = Profile(
-        along,
-        tuple((one.s_mm * scale).tolist()), tuple(one.profile.tolist()), tuple(one.band.tolist()),
-        one.unit, one.under,
+        along=along, at=tuple((one.s_mm * scale).tolist()), values=tuple(one.profile.tolist()),
+        sigma=tuple(one.band.tolist()), unit=one.unit, under=one.under,
     )  # fmt: skip
     of_the_rig = along in location(one.location).of_the_rig_along
     names = () if of_the_rig else (one.configuration,)
-    return ActiveEffect("unknown", profile=profile, location=one.location, configurations=names)
+    return ActiveEffect(
+        name="unknown", profile=profile, location=one.location, configurations=names
+    )
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:

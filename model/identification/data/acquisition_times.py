@@ -30,7 +30,7 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
     return condition.configuration, float(position), condition.mounting, condition.run, tilt_rad
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SessionTimes:
     """When in the session readings were taken.
 
@@ -51,7 +51,10 @@ class SessionTimes:
         known = [t for t in times if t is not None]
         first, last = (min(known), max(known)) if known else (0.0, 0.0)
         runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
-        return SessionTimes(first, last, runs, *_worked(held))
+        worked_s, driven_s = _worked(held)
+        return SessionTimes(
+            first_s=first, last_s=last, runs=runs, worked_s=worked_s, driven_s=driven_s
+        )
 
     def share(self, condition: Condition, reading: Reading) -> float:
         """0 to 1 over the session; 0.5 where only this reading's time is not known."""
@@ -63,7 +66,7 @@ class SessionTimes:
         return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadingTimes:
     """What the clocks of a condition's readings have in common."""
 
@@ -101,9 +104,9 @@ class ReadingTimes:
         before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
         opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
         return AcquisitionTimes(
-            voltage_V=np.full(shape, self.voltage_V), pulse_s=np.full(shape, SAMPLE_S), pulse=pulse,
-            run_s=run_s, session=session, wetted_s=wetted, driven_s=dried, opposite=opposite,
-            rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
+            voltage_V=np.full(shape, self.voltage_V), pulse_s=np.full(shape, SAMPLE_S),
+            pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
+            opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
         )  # fmt: skip
 
 

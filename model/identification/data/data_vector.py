@@ -45,7 +45,7 @@ Index = npt.NDArray[np.int64]
 Which = npt.NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ConditionData:
     """One condition."""
 
@@ -81,7 +81,7 @@ class ConditionData:
         return self.clock.of(self.counts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PulseSeries:
     """The force in parts of the pulses of one run at one voltage, less that at the sample."""
 
@@ -95,7 +95,7 @@ class PulseSeries:
     edge_s: float  # how well the edges' times are known
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DataVector:
     """One configuration."""
 
@@ -136,7 +136,9 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return DataVector(sheet, seen, tuple(pulses), session.last_s - session.first_s)
+    return DataVector(
+        sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.last_s - session.first_s
+    )
 
 
 def means_of(whole: DataVector) -> DataVector:
@@ -200,16 +202,18 @@ def _seen(
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
     timing = ReadingTimes(
-        condition.voltage_V, zeros.get(key, 0), ratio, sheet.rise_time_s,
-        session.worked_s.get(key, 0.0), session.driven_s.get(key, 0.0),
+        voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), ratio=ratio,
+        rise_s=sheet.rise_time_s, worked_s=session.worked_s.get(key, 0.0),
+        driven_s=session.driven_s.get(key, 0.0),
     )  # fmt: skip
+    at = [session.share(condition, r) for r in readings]
     return ConditionData(
-        name, condition.configuration, key, np.nan if at_m is None else float(at_m),
-        condition.voltage_V, -1.0 if condition.approach == "down" else 1.0, forces,
-        timing.of_no_reading(begun)
-        if free else timing.of(readings, [session.share(condition, r) for r in readings]),
-        np.arange(len(forces)) >= len(early), curve, () if free else own, identical,
-        condition.tilt_rad,
+        name=name, configuration=condition.configuration, run=key,
+        position_m=np.nan if at_m is None else float(at_m), voltage_V=condition.voltage_V,
+        up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
+        clock=timing.of_no_reading(begun) if free else timing.of(readings, at),
+        counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
+        identical=identical, tilt_rad=condition.tilt_rad,
     )  # fmt: skip
 
 
@@ -229,10 +233,13 @@ def _load_cell_zero(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
+    timing = ReadingTimes(voltage_V=0.0, zeros=0, ratio=1.0, rise_s=0.0, worked_s=0.0)
     return ConditionData(
-        name, condition.configuration, run_key(condition), np.nan, 0.0, 1.0, forces,
-        ReadingTimes(0.0, 0, 1.0, 0.0, 0.0).of(readings, times), np.ones(len(forces), dtype=bool),
-        None, (), tilt_rad=condition.tilt_rad, zero=True,
+        name=name, configuration=condition.configuration, run=run_key(condition), position_m=np.nan,
+        voltage_V=0.0, up=1.0, force_N=forces,
+        clock=timing.of(readings, times),
+        counts=np.ones(len(forces), dtype=bool), curve=None, own_curves=(),
+        tilt_rad=condition.tilt_rad, zero=True,
     )  # fmt: skip
 
 
@@ -291,9 +298,10 @@ def _pulses(series: TimeSeries, seen: tuple[ConditionData, ...]) -> Iterator[Pul
         if own is None or len(own) < FEWEST_PULSES:
             continue
         yield PulseSeries(
-            one.configuration, one.run, i, 0.5 * (BINS_S[1:] + BINS_S[:-1]), np.diff(BINS_S),
-            own.mean(axis=0), np.var(own, axis=0, ddof=1) / len(own),
-            EDGE_STEPS * float(np.median(np.diff(series.time_s))),
+            configuration=one.configuration, run=one.run, condition=i,
+            middle_s=0.5 * (BINS_S[1:] + BINS_S[:-1]), width_s=np.diff(BINS_S),
+            force_N=own.mean(axis=0), variance_N2=np.var(own, axis=0, ddof=1) / len(own),
+            edge_s=EDGE_STEPS * float(np.median(np.diff(series.time_s))),
         )  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def sine(phase: FloatArray) -> FloatArray:
 PHASES = (cosine, sine)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeriodicTerm:
     """What comes again in all readings, always in the same phase."""
 
@@ -65,7 +65,7 @@ class PeriodicTerm:
         return np.asarray(a * cosine(phase) + b * sine(phase))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Series:
     """A number of each reading, of all conditions that have more of them than trends."""
 
@@ -89,9 +89,9 @@ class _Series:
             return None
         levers = [np.full(len(values), lever) for _, values, lever in found]
         return _Series(
-            np.concatenate([values for _, values, _ in found]),
-            AcquisitionTimes.joined([one.kept_clock for one, _, _ in found]),
-            np.concatenate(levers), tuple(T), session_s, least,
+            values=np.concatenate([values for _, values, _ in found]),
+            clock=AcquisitionTimes.joined([one.kept_clock for one, _, _ in found]),
+            lever=np.concatenate(levers), trends=tuple(T), session_s=session_s, least=least,
         )  # fmt: skip
 
     def left(self, values: FloatArray) -> FloatArray:
@@ -118,9 +118,13 @@ class _Series:
         amplitudes = float(a[i]), float(b[i])
         if np.hypot(*amplitudes) * np.sqrt(np.mean(lever**2)) < self.least:
             return None
-        return PeriodicTerm(what, float(1.0 / near[i]), since, self.session_s, amplitudes), float(
-            share[i]
-        )
+        return PeriodicTerm(
+            what=what,
+            period_s=float(1.0 / near[i]),
+            since=since,
+            session_s=self.session_s,
+            amplitudes=amplitudes,
+        ), float(share[i])
 
     def _fitted(
         self, lever: FloatArray, at_s: FloatArray, rates: FloatArray

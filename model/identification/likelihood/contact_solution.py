@@ -35,7 +35,7 @@ class Sensitivities:
     modes: FloatArray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SolvedConditions:
     """What a `BeamProblem` gives."""
 
@@ -165,9 +165,9 @@ class ConfigurationModel:
         return BeamProblem(
             sheet=self.sheet, s_m=self.s_m, voltage_V=self.voltage_V, stated_m=self.stated_m,
             up=self.up, stiffness=np.full(K, stiffness), rest=change, eibm=bent,
-            bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none, shift_m=none.copy(),
-            tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m, clock=self.clock,
-            reading_of=self.reading_of, share=self.share, upright=self.upright,
+            bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
+            shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m,
+            clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
         )  # fmt: skip
 
     # -- solving
@@ -208,7 +208,15 @@ class ConfigurationModel:
         off = (self.curve_x - px) * nx + (self.curve_y - py) * ny
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
-        return SolvedConditions(contact, contact.force_N.copy(), modes, px, py, nx, ny)
+        return SolvedConditions(
+            contact=contact,
+            force_N=contact.force_N.copy(),
+            modes_m=modes,
+            x_m=px,
+            y_m=py,
+            nx=nx,
+            ny=ny,
+        )
 
     def forces(self, beam: BeamProblem) -> FloatArray:
         """Forces alone (K,); the solution kept for derivatives stays as it is."""
@@ -399,12 +407,13 @@ class ConfigurationModel:
 
 
 def _nothing_held(K: int, G: int) -> ContactSolution:
-    nan, zero, along = np.full(K, np.nan), np.zeros(K), np.zeros((K, G))
+    by_condition = ("force_N", "normal_N", "gamma_rad", "s_hat_m")
+    along = ("lever", "offset", "x_m", "y_m", "phi_rad", "curvature")
     return ContactSolution(
-        force_N=nan, normal_N=nan.copy(), gamma_rad=nan.copy(), s_hat_m=nan.copy(), lever=along,
-        offset=along.copy(), x_m=along.copy(), y_m=along.copy(), phi_rad=along.copy(),
-        curvature=along.copy(), end_phi_rad=zero,
-    )  # fmt: skip
+        **{name: np.full(K, np.nan) for name in by_condition},
+        **{name: np.zeros((K, G)) for name in along},
+        end_phi_rad=np.zeros(K),
+    )
 
 
 def projection(s: FloatArray, modes: int) -> FloatArray:

@@ -152,8 +152,9 @@ def linearise(
     if added:
         y = y + restored(dict(zip(noise.random_effects, groups, strict=True)), added)
     data = Data(
-        y, pad(columns), groups, [pad(m) for m in noise.masks],
-        np.where(empty, 1.0, pad(noise.fixed)), width**-2.0, theta - mean, width_of(noise),
+        y=y, X=pad(columns), groups=groups, masks=[pad(m) for m in noise.masks],
+        fixed=np.where(empty, 1.0, pad(noise.fixed)), precision=width**-2.0, away=theta - mean,
+        width=width_of(noise),
     )  # fmt: skip
     return Linearisation(states, residual, columns, data)
 

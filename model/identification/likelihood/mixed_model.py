@@ -19,7 +19,7 @@ PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
 LONGEST = 1.5  # change of any ln sigma in one step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Data:
     """R runs of up to n numbers; rows that a run does not have are zero, with variance one."""
 

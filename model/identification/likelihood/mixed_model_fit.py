@@ -52,7 +52,7 @@ class FitProblem:
         return FitProblem(study, bases, noise, guess_of(noise))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MixedModelFit:
     """A model that has settled."""
 
@@ -89,7 +89,9 @@ def fit_mixed_model(
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
         noise = last.log_sigma if last else log_sigma
-        here = _tried(last, _Point(problem, theta, found, None, form), noise)
+        here = _tried(
+            last, _Point(problem=problem, theta=theta, found=found, added=None, form=form), noise
+        )
         if here is None or (last is not None and here.worse_than(last)):
             assert last is not None  # noqa: S101 - see `_tried`
             # where the model bends much a whole step leads too far
@@ -104,7 +106,9 @@ def fit_mixed_model(
             break
     if last is None:
         raise _unsettled()
-    return _finished(_Point(problem, theta, found, None, form), last.log_sigma)
+    return _finished(
+        _Point(problem=problem, theta=theta, found=found, added=None, form=form), last.log_sigma
+    )
 
 
 def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
@@ -113,19 +117,19 @@ def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
     What is large enough to bend the model would else count for more or less than it should. Where
     the model is so far off that this does not settle, it is fitted to nominal set-ups.
     """
-    at, noise = _Point(problem, theta, (), None), None
+    at, noise = _Point(problem=problem, theta=theta, found=(), added=None), None
     with suppress(ModelError):
         for _ in range(ROUNDS):
             here = _Iteration.of(at, noise)
             noise = here.log_sigma
             added = _added(problem, here.linear, here.solution)
-            at = _Point(problem, here.end()[0], (), added)
+            at = _Point(problem=problem, theta=here.end()[0], found=(), added=added)
             if here.moves < QUIET:
                 return _finished(at, noise)
     return fit_mixed_model(problem, theta)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Point:
     """Where the model is linearised."""
 
@@ -160,7 +164,15 @@ def _finished(at: _Point, log_sigma: FloatArray) -> MixedModelFit:
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
     value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
     value += prior_terms(linear, problem.bases.size)
-    return MixedModelFit(problem, at.theta, at.found, linear, solution, value, tuple(spans))
+    return MixedModelFit(
+        problem=problem,
+        theta=at.theta,
+        found=at.found,
+        linear=linear,
+        solution=solution,
+        deviance=value,
+        spans=tuple(spans),
+    )
 
 
 def _unsettled() -> ModelError:

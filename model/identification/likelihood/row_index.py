@@ -25,7 +25,7 @@ WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over
 MOST_SWAYS = 3  # trends over the readings of how far out a curve is
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RowBlock:
     """Rows of one configuration, indices into the vector of all data."""
 
@@ -123,17 +123,19 @@ class RowIndex:
         reading_of, clock = scene.reading_of, scene.clock
         bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
         return RowBlock(
-            reading_of, clock, np.concatenate([o.force_N for o in seen]),
-            _in_time(clock, reading_of, look), scene.share, trend.stacked(), _ints(trend.rows),
-            _ints(trend.of), np.array(is_mean, dtype=bool), np.array(is_early, dtype=bool), modes,
-            sway.stacked(),
-            _ints(sway.rows), _ints(sway.of), bin_clock, bin_sample, bin_at,
-            _ints([p.condition for p in look.pulses for _ in p.force_N]),
-            np.concatenate([_ints([]), *bins]),
-            _ints([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
-            np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
-            np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
-            max([0.0, *(p.edge_s for p in look.pulses)]),
+            reading_of=reading_of, clock=clock,
+            measured_N=np.concatenate([o.force_N for o in seen]),
+            in_time=_in_time(clock, reading_of, look), share=scene.share, trend=trend.stacked(),
+            trend_rows=_ints(trend.rows), trend_of=_ints(trend.of),
+            is_mean=np.array(is_mean, dtype=bool), is_early=np.array(is_early, dtype=bool),
+            mode_rows=modes, sway=sway.stacked(), sway_rows=_ints(sway.rows),
+            sway_of=_ints(sway.of), bin_clock=bin_clock, bin_sample=bin_sample, bin_at=bin_at,
+            bin_of=_ints([p.condition for p in look.pulses for _ in p.force_N]),
+            bin_rows=np.concatenate([_ints([]), *bins]),
+            bin_set=_ints([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
+            bin_N=np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
+            bin_variance=np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
+            edge_s=max([0.0, *(p.edge_s for p in look.pulses)]),
         )  # fmt: skip
 
 

@@ -21,7 +21,7 @@ READING_N = 3e-5  # of a reading where repeats do not say it
 SWAY_M = 5e-6  # of how far out a reading's curve is
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RowNoise:
     """Fixed variances, further noises and their priors; the same for all states."""
 
@@ -34,7 +34,7 @@ class RowNoise:
     constant: dict[str, FloatArray]  # groups (R, n, q) that are the same for all states
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Kind:
     """Rows that are equally noisy, but for known weights of their variances."""
 
@@ -62,9 +62,9 @@ def noise_of(study: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
         masks.append(mask)
         fixed[kind.rows] = kind.least**2
     return RowNoise(
-        fixed, masks, [k.name for k in kinds], np.log([k.size for k in kinds]),
-        np.array([k.unsure for k in kinds]), priors.random_effects,
-        constant_groups(study, priors),
+        fixed=fixed, masks=masks, names=[k.name for k in kinds],
+        guess=np.log([k.size for k in kinds]), width=np.array([k.unsure for k in kinds]),
+        random_effects=priors.random_effects, constant=constant_groups(study, priors),
     )  # fmt: skip
 
 
@@ -86,10 +86,18 @@ def _kinds(
         # of independent readings: those of a mean are fewer times as noisy
         weight = np.sum(part.trend**2, axis=1)
         size, unsure = _reading_noise(part, reading_N)
-        yield _Kind(f"{name} reading", part.trend_rows, weight, size, unsure)
+        yield _Kind(
+            name=f"{name} reading", rows=part.trend_rows, weight=weight, size=size, unsure=unsure
+        )
     if priors.misfit_N and part.is_mean.any():
         means = part.trend_rows[part.is_mean]
-        yield _Kind(f"{name} force", means, 1.0, priors.misfit_N, priors.mode_unsure)
+        yield _Kind(
+            name=f"{name} force",
+            rows=means,
+            weight=1.0,
+            size=priors.misfit_N,
+            unsure=priors.mode_unsure,
+        )
     stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
     typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
@@ -97,15 +105,29 @@ def _kinds(
         rows = part.mode_rows[scene.has_curve, m]
         if len(rows):
             yield _Kind(
-                f"{name} mode {m}", rows, 1.0, typical / (1.0 + m), priors.mode_unsure, LEAST_MODE_M
+                name=f"{name} mode {m}",
+                rows=rows,
+                weight=1.0,
+                size=typical / (1.0 + m),
+                unsure=priors.mode_unsure,
+                least=LEAST_MODE_M,
             )
     if len(part.sway_rows):
         weight = np.sum(part.sway**2, axis=1)
-        yield _Kind(f"{name} sway", part.sway_rows, weight, SWAY_M, 2.0)
+        yield _Kind(
+            name=f"{name} sway", rows=part.sway_rows, weight=weight, size=SWAY_M, unsure=2.0
+        )
     if len(part.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
         pooled = _pooled(part.bin_variance, part.bin_set)
-        yield _Kind(f"{name} pulse", part.bin_rows, pooled, 1.0, 1.5, LEAST_PULSE_N)
+        yield _Kind(
+            name=f"{name} pulse",
+            rows=part.bin_rows,
+            weight=pooled,
+            size=1.0,
+            unsure=1.5,
+            least=LEAST_PULSE_N,
+        )
 
 
 def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]:

@@ -45,7 +45,7 @@ def constant(model: SheetModel) -> SheetModel:
 
 def named_effect() -> ActiveEffect:
     decay = Parameter(1e3 * DECAY_M, 0.4, "mm")
-    return ActiveEffect("nonuniform_eibm", {"decay_length_mm": decay})
+    return ActiveEffect(name="nonuniform_eibm", parameters={"decay_length_mm": decay})
 
 
 @cache
@@ -240,8 +240,14 @@ def unknown() -> Diagnosis:
     one = found()
     s = np.linspace(0.0, 50.0, 51)
     bump = 0.2 * np.exp(-(((s - 30.0) / 6.0) ** 2))
-    profile = Profile("s", tuple(1e-3 * s), tuple(bump), tuple(0.02 + 0.0 * s), "relative")
-    term = ActiveEffect("unknown", profile=profile, location="eibm", configurations=("long",))
+    profile = Profile(
+        along="s",
+        at=tuple(1e-3 * s),
+        values=tuple(bump),
+        sigma=tuple(0.02 + 0.0 * s),
+        unit="relative",
+    )
+    term = ActiveEffect(name="unknown", profile=profile, location="eibm", configurations=("long",))
     return replace(
         one,
         verdict="unknown_effect",

@@ -163,7 +163,7 @@ def model_file(tmp_path):
     one = ConfiguredSheet(sheet, Parameter(5e-7, 1e-9, "N m^2"), rest, eibm)
     (tmp_path / "elsewhere").mkdir()
     path = tmp_path / "elsewhere" / ".made.toml"
-    save_model(SheetModel({"long": one}), path)
+    save_model(SheetModel(sheets={"long": one}), path)
     return path
 
 

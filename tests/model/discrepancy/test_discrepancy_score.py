@@ -47,7 +47,15 @@ def small(seed: int = 0):
     random = np.random.default_rng(seed)
     X, Z = random.standard_normal((3, 4, 2)), random.standard_normal((3, 4, 1))
     y = random.standard_normal((3, 4))
-    data = Data(y, X, [Z], [np.ones((3, 4))], np.full((3, 4), 0.1), np.full(2, 0.25), np.zeros(2))
+    data = Data(
+        y=y,
+        X=X,
+        groups=[Z],
+        masks=[np.ones((3, 4))],
+        fixed=np.full((3, 4), 0.1),
+        precision=np.full(2, 0.25),
+        away=np.zeros(2),
+    )
     return data, weigh(data, np.log([0.7, 0.6])), random.standard_normal((12, 3))
 
 

@@ -70,7 +70,9 @@ def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_sho
 
 def test_what_a_wave_adds_to_the_force():
     clock = look(session(), "long").seen[0].clock
-    wave = PeriodicTerm("force", 2.0, "run", 100.0, (3e-4, 4e-4))
+    wave = PeriodicTerm(
+        what="force", period_s=2.0, since="run", session_s=100.0, amplitudes=(3e-4, 4e-4)
+    )
     phase = np.pi * clock.run_s
     np.testing.assert_allclose(
         wave.added_N(clock), 3e-4 * np.cos(phase) + 4e-4 * np.sin(phase), atol=1e-12
