@@ -22,7 +22,8 @@ PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text(encoding="u
 
 def shown(constant: str) -> Any:
     """The part of the block of code that defines this constant."""
-    (code,) = (
+    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    (code,) = (block for block in blocks if f"\n{constant} =" in block)
         c for c in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if f"\n{constant} =" in c
     )
     names: dict[str, Any] = {"__name__": f"docs_{constant.lower()}"}
