@@ -68,7 +68,7 @@ def record(folder: Path, bare: BareLoop | None, *, fast: bool) -> str:
     plan = load_plan(*(folder / f"{name}.toml" for name in ("rig", "protocol", "sheet")))
     hub = EventBus()
     if bare is not None:
-        hub.add_watcher("the bare loop", bare.follow)
+        hub.add_best_effort("the bare loop", bare.follow)
     rig = wire(plan, NoOperator(lambda _text: None), hub.emit)
     if fast:
         rig = _with_two_fast_channels(rig)

@@ -227,7 +227,7 @@ def _spawn() -> subprocess.Popen[bytes]:
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     try:
         return subprocess.Popen(
-            [sys.executable, "-m", "drivers.guard"],
+            [sys.executable, "-P", "-m", "drivers.guard"],  # -P: not a drivers.py of this folder
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": path},

@@ -13,11 +13,12 @@ import numpy as np
 from drivers.interfaces import Camera, DeviceError, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
-from labrig.config.templates import NOT_CALIBRATED, template_path
+from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
 from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig import DRIVE, Rig, opened
+from labrig.plausibility import calibration_age
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
@@ -62,14 +63,17 @@ def look(rig: Rig, plan: Plan) -> list[Check]:
     """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
-        checks += _camera(rig, rig.camera, plan)
+        checks += camera_checks(rig, rig.camera, plan)
     return checks
 
 
 def calibrations(plan: Plan) -> Iterator[Check]:
     """How old they are. Needs no device."""
     cell, camera, optics = plan.rig.load_cell, plan.rig.camera, plan.optics
-    yield _age("load cell calibration", plan.calibration.date, cell.warn_after_days)
+    today = dt.datetime.now(dt.UTC).date()
+    yield calibration_age(
+        "load cell calibration", plan.calibration.date, cell.warn_after_days, today
+    )
     if camera is not None and optics is not None and optics.date:
         try:
             date = dt.date.fromisoformat(optics.date[:10])
@@ -77,17 +81,7 @@ def calibrations(plan: Plan) -> Iterator[Check]:
             found, wanted = f"dated {optics.date!r}", "a date such as 2026-11-02"
             yield Check("camera calibration", ok=False, found=found, wanted=wanted)
         else:
-            yield _age("camera calibration", date, camera.warn_after_days)
-
-
-def _age(name: str, date: dt.date, limit: int) -> Check:
-    days = (dt.datetime.now(dt.UTC).date() - date).days
-    wanted = f"at most {limit} days"
-    if days < 0:
-        return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
-    if date == NOT_CALIBRATED:
-        return Check(name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True)
-    return Check(name, ok=True, found=f"{days} days old", wanted=wanted, warning=days > limit)
+            yield calibration_age("camera calibration", date, camera.warn_after_days, today)
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:
@@ -151,7 +145,8 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
     return [float(np.mean(part)) for part in np.array_split(values, parts)]
 
 
-def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+    """Yield what a camera's images show: their size, their rate, and that they are not blank."""
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(

@@ -69,7 +69,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
     inputs = _inputs(session, plan.rig)
     director = Director(session, inputs)
     settings = plan.rig.boards.settings()
-    server = NiDeviceServer(director, clock, devices=_models(settings), seed=None)
+    server = NiDeviceServer(director, clock, devices=_models(session, settings, inputs), seed=None)
     boards = plan.rig.family.connect(settings, clock, server.in_process_channel())
     camera = None
     if session.frame_shape is not None:
@@ -105,12 +105,16 @@ def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
     ]
 
 
-def _models(settings: Any) -> dict[str, str]:
-    """Boards that stand in: a session names its devices, and its ranges, but not their models."""
-    drive, inputs = (channel.split("/")[0] for channel in (settings.drive, settings.force))
-    if drive == inputs:
-        return {drive: "PCIe-6363"}
-    return {drive: "PCI-6703", inputs: "PCI-6034E"}
+def _models(session: RecordedSession, settings: Any, inputs: list[BoardInput]) -> dict[str, str]:
+    """Return boards that stand in: a session names its devices and ranges, but not their models."""
+    from sim_hardware.ni.boards import input_board, output_board
+
+    drive, force = (channel.split("/")[0] for channel in (settings.drive, settings.force))
+    recorded = dict(zip(session.channels, session.ranges_V, strict=False))
+    ranges = [(each.range_V, recorded.get(each.name, each.range_V)) for each in inputs]
+    if drive == force:
+        return {drive: input_board(ranges, outputs=True)}
+    return {drive: output_board(), force: input_board(ranges, outputs=False)}
 
 
 class Director:

@@ -112,13 +112,13 @@ def _record(
     if resumption is not None:
         resumption.check_rig(rig)
     writer = _writer(rig, job.plan, path)
-    hub.add_critical("the session file", writer.handle)
+    hub.add_required("the session file", writer.handle)
     try:
         if resumption is not None:
             resumption.tell(writer.handle, rig.clock.now())
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
-            hub.add_critical("the output guard", _run_counter(watchdog))
+            hub.add_required("the output guard", _run_counter(watchdog))
             scheduler = _scheduler(job)
             if on_scheduler is not None:
                 on_scheduler(scheduler)

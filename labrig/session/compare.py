@@ -18,7 +18,7 @@ _VOLATILE = VOLATILE | {f"{DERIVED}/source"}
 
 
 def compare_sessions(a: Path, b: Path) -> list[str]:
-    """A sentence for each dataset that differs; none: the sessions are equal to the last bit.
+    """Return a sentence for each dataset that differs; none where they are equal to the last bit.
 
     Identifiers, times of day, versions and file names are left out of it.
     """

@@ -32,7 +32,7 @@ def create_file(path: Path, setup: SessionSetup) -> None:
 
 
 def fill_file(file: Any, setup: SessionSetup) -> None:
-    """The same in a file that is open and empty."""
+    """Write it into a file that is open and empty."""
     set_attributes(file, NX_class="NXroot", default="session", labrig_format=setup.version)
     entry = _group(file, layout.ENTRY, "NXentry")
     if setup.schedule.runs:
@@ -61,7 +61,7 @@ def put_text_attribute(item: Any, name: str, value: str) -> None:
 
 
 def put_text(group: Any, name: str, value: str, size: int | None = None) -> None:
-    """A scalar text of a fixed length, just as long as it is unless `size` says otherwise."""
+    """Write a scalar text of a fixed length, as long as it is unless `size` says otherwise."""
     raw = value.encode("utf-8")
     kind = layout.text_type(size or len(raw))
     group.create_dataset(name, data=np.array(raw, dtype=kind), dtype=kind)

@@ -26,7 +26,7 @@ class CsvRow:
         self._cells = cells
 
     def get(self, column: str, read: Callable[[str], Value], wanted: str) -> Value:
-        """A value that must be there."""
+        """Return a value that must be there."""
         text = self._cells.get(column, "")
         if not text:
             raise self.fault(f"column {column} is empty; {wanted} is needed")
@@ -35,7 +35,7 @@ class CsvRow:
     def optional(
         self, column: str, read: Callable[[str], Value], wanted: str, default: Value
     ) -> Value:
-        """A value that may be missing or empty."""
+        """Return a value that may be missing or empty."""
         text = self._cells.get(column, "")
         return self._read(column, text, read, wanted) if text else default
 
@@ -52,7 +52,7 @@ class CsvRow:
         }
 
     def fault(self, text: str) -> BadInputError:
-        """An error at this line."""
+        """Return an error at this line."""
         return BadInputError(f"{self.file}, line {self.line}: {text}.")
 
     def _read(self, column: str, text: str, read: Callable[[str], Value], wanted: str) -> Value:
@@ -115,14 +115,14 @@ def _check_header(
 
 
 def integer(text: str) -> int:
-    """A whole number that is not negative. Raises ValueError."""
+    """Return a whole number that is not negative. Raises ValueError."""
     if not text.isascii() or not text.isdigit() or len(text) > _MOST_DIGITS:
         raise ValueError(text)
     return int(text)
 
 
 def truth(text: str) -> bool:
-    """True or false. Raises ValueError."""
+    """Return true or false. Raises ValueError."""
     values = {"true": True, "false": False, "1": True, "0": False}
     found = values.get(text.lower())
     if found is None:
@@ -131,7 +131,7 @@ def truth(text: str) -> bool:
 
 
 def one_of(*allowed: str) -> Callable[[str], str]:
-    """A word among some. Raises ValueError."""
+    """Return a word among some. Raises ValueError."""
 
     def read(text: str) -> str:
         if text not in allowed:

@@ -46,7 +46,7 @@ class CurvePoints:
         self._last = row
 
     def curve(self) -> Curve:
-        """The curve, its arc length computed where no column gives it. Raises BadInputError."""
+        """Return the curve, with its arc length where no column gives it. Raises BadInputError."""
         if self._last is None:
             raise ValueError("a curve without points")
         ordered = np.array([self._points[number] for number in sorted(self._points)])
@@ -75,7 +75,7 @@ class CurvePoints:
         )
 
     def _whole(self, name: str, values: FloatArray) -> FloatArray | None:
-        """A column that is there for all points; None when it is there for none."""
+        """Return a column that is there for all points; None when it is there for none."""
         missing = np.isnan(values)
         if missing.any() and not missing.all() and self._last is not None:
             raise self._last.fault(f"column {name} is empty for some points of its curve")

@@ -11,27 +11,27 @@ _PI = Decimal("3.14159265358979323846264338327950288")
 
 
 def milli(value: float) -> str:
-    """A number in thousandths: metres as mm, newtons as mN."""
+    """Return a number in thousandths: metres as mm, newtons as mN."""
     return _plain(Decimal(repr(float(value))).scaleb(3))
 
 
 def from_milli(text: str) -> float:
-    """The reverse of `milli`. Raises ValueError for what is no finite number."""
+    """Return the reverse of `milli`. Raises ValueError for what is no finite number."""
     return float(_decimal(text).scaleb(-3))
 
 
 def plain(value: float) -> str:
-    """A number as it is."""
+    """Return a number as it is."""
     return _plain(Decimal(repr(float(value))))
 
 
 def from_plain(text: str) -> float:
-    """The reverse of `plain`. Raises ValueError for what is no finite number."""
+    """Return the reverse of `plain`. Raises ValueError for what is no finite number."""
     return float(_decimal(text))
 
 
 def degrees(value_rad: float) -> str:
-    """An angle in degrees, as short as it can be without loss."""
+    """Return an angle in degrees, as short as it can be without loss."""
     short = plain(math.degrees(value_rad))
     if from_degrees(short) == value_rad:
         return short
@@ -40,7 +40,7 @@ def degrees(value_rad: float) -> str:
 
 
 def from_degrees(text: str) -> float:
-    """The reverse of `degrees`, in rad. Raises ValueError for what is no finite number."""
+    """Return the reverse of `degrees`, in rad. Raises ValueError for what is no finite number."""
     return float(_WIDE.multiply(_decimal(text), _WIDE.divide(_PI, Decimal(180))))
 
 

@@ -43,7 +43,7 @@ def store_measurements(
 
 
 def load_measurements(path: Path) -> Measurements:
-    """The measurements kept in a session. Raises BadInputError when there are none."""
+    """Return the measurements kept in a session. Raises BadInputError when there are none."""
     path = Path(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:
@@ -127,7 +127,7 @@ def write_derived(file: Any, measurements: Measurements) -> None:
 
 
 def derived_digest(group: Any) -> str:
-    """The sha256 over all tables of the group."""
+    """Return the sha256 over all tables of the group."""
     total = hashlib.sha256()
     for name in sorted(group):
         total.update(f"{name} {digest(group[name])}\n".encode())
@@ -136,7 +136,7 @@ def derived_digest(group: Any) -> str:
 
 @contextmanager
 def _remade(path: Path) -> Iterator[Any]:
-    """A copy of the session without measurements, open for writing; it replaces the session."""
+    """Yield a copy of the session without measurements, to write into; it replaces the session."""
     # Left in the reverse order: a file that is open cannot be replaced everywhere.
     with (
         written_beside(path) as beside,

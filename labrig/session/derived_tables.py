@@ -52,7 +52,7 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
 
 
 def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
-    """The reverse; raises KeyError, ValueError, TypeError or IndexError on other tables."""
+    """Return the reverse; raises KeyError, ValueError, TypeError or IndexError on other tables."""
     sheets = from_json(tuple[SheetGeometry, ...], _text_back(tables["sheets"]))
     curves: dict[tuple[int, int], Curve] = {}
     for row in tables["curves"]:
@@ -88,14 +88,14 @@ def _text(text: str) -> Array:
 
 
 def _curves(condition: Condition) -> list[tuple[int, Curve]]:
-    """The condition's curves with the place of their reading among its readings."""
+    """Return the condition's curves with the place of their reading among its readings."""
     whole = [] if condition.curve is None else [(MEAN_IMAGE, condition.curve)]
     by_reading = [(i, r.curve) for i, r in enumerate(condition.readings) if r.curve is not None]
     return whole + by_reading
 
 
 def _table(columns: Mapping[str, Sequence[Any]]) -> Array:
-    """A structured array; texts get just the length they need."""
+    """Return a structured array; texts get just the length they need."""
     made: dict[str, Array] = {}
     for name, values in columns.items():
         if values and isinstance(values[0], str):
@@ -206,7 +206,7 @@ def _series_table(series: Sequence[TimeSeries]) -> Array:
 
 
 def _stacked(items: Sequence[Any], names: Sequence[str]) -> Array:
-    """The named arrays of all items side by side, one item below the other."""
+    """Return the named arrays of all items side by side, one item below the other."""
     parts = []
     for item in items:
         columns = [getattr(item, name) for name in names]

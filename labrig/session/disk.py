@@ -35,7 +35,7 @@ def sync_folder(path: Path) -> None:
 
 
 def cause(error: Exception) -> str:
-    """What the system said, in words."""
+    """Return what the system said, in words."""
     number = error.errno if isinstance(error, OSError) else None
     if number is None:
         # The HDF5 library hands the system's error on as text.
@@ -57,7 +57,7 @@ _failed_writes = 0
 
 
 def note_a_failed_write() -> None:
-    """The HDF5 library has met a disk that takes no more: see `end_before_the_library_does`."""
+    """React to a disk that takes no more: see `end_before_the_library_does`."""
     global _failed_writes
     _failed_writes += 1
 
@@ -78,7 +78,7 @@ def end_before_the_library_does(code: int) -> None:
 
 @contextmanager
 def written_beside(path: Path) -> Iterator[Path]:
-    """A name beside `path` to write to; it takes the place of `path` when all went well.
+    """Yield a name beside `path` to write to; it takes the place of `path` when all went well.
 
     Raises LabrigError when the disk does not take it, BadInputError when nothing can be written
     there; `path` is then as it was.

@@ -58,7 +58,7 @@ def import_session(
 
 
 def _session(setup: SessionSetup, names: list[str], measurements: Measurements) -> bytes:
-    """The file's content. Made in memory: the library ends badly with a disk that gets full."""
+    """Return the file's content, made in memory: the library ends badly with a full disk."""
     with h5py.File("made", "w", libver=layout.LIBVER, driver="core", backing_store=False) as file:
         fill_file(file, setup)
         _complete(file, names)

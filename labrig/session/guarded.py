@@ -32,7 +32,7 @@ def forget_guard_report(session: Path) -> None:
 
 
 def read_guard_report(session: Path) -> GuardReport | None:
-    """The report; None when there is none, or what is there is not whole (yet)."""
+    """Return the report; None when there is none, or what is there is not whole (yet)."""
     try:
         with guard_report_path(session).open("rb") as file:
             facts = json.loads(file.read(_LONGEST))

@@ -65,7 +65,7 @@ class Journal:
         os.fsync(self._file.fileno())
 
     def remove(self) -> None:
-        """The session is whole without it: close and delete."""
+        """Close and delete it: the session is whole without it."""
         self.close()
         self.path.unlink(missing_ok=True)
 
@@ -112,7 +112,7 @@ class JournalReader:
 
 
 def read_journal(path: Path) -> JournalReader | None:
-    """The journal at a path; None when there is none, or not even its first record is whole."""
+    """Return the journal at a path; None when not even its first record is whole."""
     try:
         with path.open("rb") as file:
             for head, _ in _records(file, first=0):
@@ -125,16 +125,16 @@ def read_journal(path: Path) -> JournalReader | None:
 
 
 def _rows(head: dict[str, Any], blob: bytes) -> EventRows | None:
-    """A record as rows; None when its head is none of ours."""
+    """Return a record as rows; None when its head is none of ours."""
     match head:
         case {"path": str(path), "at": None | int() as at, "count": int(count), "packed": bool(p)}:
             if 0 <= count < _MOST_ROWS and 0 <= (at or 0) < _MOST_ROWS:
-                return EventRows(path, at, count, blob, p)
+                return EventRows(path=path, at=at, count=count, blob=blob, packed=p)
     return None
 
 
 def _records(file: BinaryIO, first: int) -> Iterator[tuple[dict[str, Any], bytes]]:
-    """Records numbered from `first`; leaves the file at the end of the last whole one."""
+    """Yield records numbered from `first`; leave the file at the end of the last whole one."""
     number = first
     size = os.fstat(file.fileno()).st_size
     while True:

@@ -49,7 +49,7 @@ EVENT_TEXT_BYTES: Final = 240
 
 
 def text_type(size: int) -> np.dtype[Any]:
-    """A fixed-length UTF-8 string of at most `size` bytes."""
+    """Return a fixed-length UTF-8 string of at most `size` bytes."""
     made: np.dtype[Any] = h5py.string_dtype("utf-8", max(size, 1))
     return made
 
@@ -190,5 +190,5 @@ def frame_path(run: int, column: str) -> str:
 
 
 def signal_chunk(rate_hz: float) -> int:
-    """Samples in a chunk: about a quarter of a second, a power of two."""
+    """Return the samples in a chunk: about a quarter of a second, a power of two."""
     return int(min(65536, max(256, 2 ** round(np.log2(max(rate_hz, 1.0) / 4)))))

@@ -73,7 +73,7 @@ def _even(group: Any, what: str) -> Iterator[str]:
 
 
 def _loosen(group: Any, setup: SessionSetup) -> Iterator[str]:
-    """Readings whose frame is not there any more keep their values and lose the frame."""
+    """Remove the frame from readings whose frame is not there any more."""
     frames = group["frames/images"].shape[0] if setup.frame_shape is not None else 0
     rows = group["readings"][()]
     lost = rows["frame"] >= frames

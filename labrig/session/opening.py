@@ -26,7 +26,7 @@ _DEEPEST = 8  # groups in one another; a session has four
 
 
 def open_file(path: Path, *, live: bool = False) -> Any:
-    """The HDF5 file, read-only and checked. Raises BadInputError.
+    """Return the HDF5 file, read-only and checked. Raises BadInputError.
 
     `live` also opens a session that is being recorded right now, as it stands.
     """
@@ -79,7 +79,7 @@ def _why_not(path: Path, error: OSError) -> str:
 
 
 def cut_short(path: Path) -> str:
-    """The sentence about a session without an end."""
+    """Return the sentence about a session without an end."""
     guard = read_guard_report(path)
     if guard is not None:
         return f"{path}: {guard.text}; run labrig recover {path}."

@@ -24,7 +24,7 @@ from protocols.planning.schedule import Schedule
 
 @contextmanager
 def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
-    """What the library says of a damaged file, as BadInputError in a sentence."""
+    """Yield what the library says of a damaged file, as BadInputError in a sentence."""
     try:
         yield
     except (KeyError, OSError, RuntimeError) as error:
@@ -37,7 +37,7 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
 
 
 def read_dataset(file: Any, name: str, path: Path) -> Any:
-    """A dataset by its full name. Raises BadInputError when it is not there."""
+    """Return a dataset by its full name. Raises BadInputError when it is not there."""
     with damage_told(path, name):
         found = file.get(name)
     if not isinstance(found, h5py.Dataset):
@@ -46,13 +46,13 @@ def read_dataset(file: Any, name: str, path: Path) -> Any:
 
 
 def read_array(dataset: Any, path: Path, rows: Any = ()) -> Array:
-    """Some or all of a dataset. Raises BadInputError when its bytes are damaged."""
+    """Return some or all of a dataset. Raises BadInputError when its bytes are damaged."""
     with damage_told(path, str(dataset.name)):
         return np.asarray(dataset[rows])
 
 
 def read_text(file: Any, name: str, path: Path) -> str:
-    """A scalar text."""
+    """Return a scalar text."""
     value = read_array(read_dataset(file, name, path), path)
     if value.shape != () or value.dtype.kind != "S":
         raise BadInputError(f"{path}: {name} is no text, so this is no whole session.")
@@ -72,7 +72,7 @@ def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
 
 
 def dataset_names(file: Any, path: Path) -> set[str]:
-    """The full names of all datasets."""
+    """Return the full names of all datasets."""
     found: set[str] = set()
 
     def note(name: str, item: Any) -> None:
@@ -85,7 +85,7 @@ def dataset_names(file: Any, path: Path) -> set[str]:
 
 
 def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
-    """A table, its texts as str. Raises BadInputError when it has other columns."""
+    """Return a table, its texts as str. Raises BadInputError when it has other columns."""
     dataset = read_dataset(file, name, path)
     if dataset.dtype != kind or len(dataset.shape) > 1:
         raise BadInputError(f"{path}: {name} has other columns than a session has.")
@@ -93,7 +93,7 @@ def read_table(file: Any, name: str, kind: np.dtype[Any], path: Path) -> Array:
 
 
 def with_str(table: Array) -> Array:
-    """The structured array with its bytes decoded to str."""
+    """Return the structured array with its bytes decoded to str."""
     columns = {name: table.dtype[name] for name in table.dtype.names or ()}
     wanted = [
         (name, f"<U{kind.itemsize}" if kind.kind == "S" else kind) for name, kind in columns.items()
@@ -106,7 +106,7 @@ def with_str(table: Array) -> Array:
 
 
 def read_setup(file: Any, path: Path) -> SessionSetup:
-    """What the file was created from."""
+    """Return what the file was created from."""
 
     def scalar(name: str) -> Any:
         return read_array(read_dataset(file, f"{layout.SETUP}/{name}", path), path)[()]

@@ -105,7 +105,7 @@ class Recorder:
         self._growing.clear()
 
     def write_checksums(self) -> None:
-        """The sha256 of every dataset; those appended to here are known without reading them."""
+        """Write the sha256 of every dataset; appended ones are known without reading."""
         self.put()
         table = self._file[layout.CHECKSUMS]
         rows = table[()]
@@ -117,7 +117,7 @@ class Recorder:
 
 
 def digest(dataset: Any) -> str:
-    """The sha256 of a dataset's content (its bytes in C order), read block by block."""
+    """Return the sha256 of a dataset's content (its bytes in C order), read block by block."""
     found = hashlib.sha256()
     for block in blocks(dataset):
         found.update(np.ascontiguousarray(block).tobytes())
@@ -125,7 +125,7 @@ def digest(dataset: Any) -> str:
 
 
 def blocks(dataset: Any) -> Iterator[Array]:
-    """A dataset's content in the order of its rows, a few megabytes at a time."""
+    """Yield a dataset's content in the order of its rows, a few megabytes at a time."""
     if dataset.shape == ():
         yield np.asarray(dataset[()], dtype=dataset.dtype)
         return

@@ -34,7 +34,7 @@ from protocols.execution.events import Outcome, OutputState
 _CRASHED = "The recording was cut short; this was recovered from what had reached the disk."
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RecoverReport:
     """What was found, and what was made of it."""
 
@@ -97,7 +97,7 @@ def _nothing_to_do(path: Path, journal: Path, in_place: bool) -> RecoverReport:
 
 
 def _open_old(path: Path, journal: JournalReader | None, until: ExitStack, notes: list[str]) -> Any:
-    """The session file as it stands, or None when only the journal is of use."""
+    """Return the session file as it stands, or None when only the journal is of use."""
     try:
         check_is_hdf5(path)
         return until.enter_context(unlocked(path))
@@ -152,7 +152,7 @@ def _replay(file: Any, journal: JournalReader, notes: list[str]) -> None:
 
 
 def _end(file: Any, guard: GuardReport | None) -> None:
-    """A session nobody ended has crashed; where that left the output only the guard may know."""
+    """Mark a session that nobody ended as crashed, its output as the guard reports it."""
     entry = file[layout.ENTRY]
     if entry["outcome"][()] != Outcome.RUNNING.value.encode():
         return

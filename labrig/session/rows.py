@@ -22,7 +22,7 @@ from protocols.execution import events as ev
 from protocols.execution.channels import Values
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EventRows:
     """Bytes for one dataset: rows to append at row `at`, or (None) its whole new content."""
 
@@ -33,7 +33,7 @@ class EventRows:
     packed: bool = False  # deflated: one image, ready to be a chunk
 
     def array(self, dtype: np.dtype[np.void], row_shape: tuple[int, ...]) -> Array:
-        """The content as an array of the dataset's type. Raises ValueError when it does not fit."""
+        """Return the content as an array of the dataset's type. ValueError when it does not fit."""
         shape = () if self.at is None else (self.count, *row_shape)
         size = dtype.itemsize * math.prod(shape)
         raw = _unpacked(self.blob, size) if self.packed else self.blob
@@ -77,7 +77,7 @@ class Translator:
         }
 
     def rows(self, event: ev.Event) -> list[EventRows]:
-        """The rows that record an event, in the order in which they are to be written."""
+        """Return the rows that record an event, in the order in which they are to be written."""
         way = self._ways.get(type(event))
         if way is None:  # an event of a later version: the log at least knows of it
             return self._log(event, type(event).__name__)
@@ -88,12 +88,14 @@ class Translator:
     def _append(self, path: str, rows: Array) -> EventRows:
         at = self._lengths.get(path, 0)
         self._lengths[path] = at + len(rows)
-        return EventRows(path, at, len(rows), np.ascontiguousarray(rows).tobytes())
+        return EventRows(
+            path=path, at=at, count=len(rows), blob=np.ascontiguousarray(rows).tobytes()
+        )
 
     def _status(self, name: str, text: str) -> EventRows:
         size = layout.STATUS_TEXTS[name]
         value = np.array(layout.cut(text, size), dtype=f"S{size}")
-        return EventRows(f"{layout.ENTRY}/{name}", None, 1, value.tobytes())
+        return EventRows(path=f"{layout.ENTRY}/{name}", at=None, count=1, blob=value.tobytes())
 
     def _log(
         self,
@@ -182,7 +184,12 @@ class Translator:
             row["lost_samples"] = stopped.lost_samples
             row["frames_grabbed"] = stopped.frames_grabbed
             row["frames_dropped"] = stopped.frames_dropped
-        return EventRows(f"{layout.run_path(event.run.index)}/acquisition", None, 1, row.tobytes())
+        return EventRows(
+            path=f"{layout.run_path(event.run.index)}/acquisition",
+            at=None,
+            count=1,
+            blob=row.tobytes(),
+        )
 
     def _write(self, event: ev.VoltageSet) -> list[EventRows]:
         started = self._started[event.run]
@@ -243,7 +250,7 @@ class Translator:
             self._append(layout.frame_path(run, name), np.array([values[name]], dtype=kind))
             for name, (kind, _) in layout.FRAME_COLUMNS.items()
         ]
-        return [EventRows(path, at, 1, packed, packed=True), *columns]
+        return [EventRows(path=path, at=at, count=1, blob=packed, packed=True), *columns]
 
     def _frames_arrived(self, event: ev.FramesArrived) -> list[EventRows]:
         return [rows for frame in event.frames for rows in self._frame(event.run, frame, None)]
@@ -289,7 +296,7 @@ class Translator:
 
 
 def _deflated(image: Array) -> bytes:
-    """A zlib stream of an image, as any HDF5 reader unpacks it.
+    """Return a zlib stream of an image, as any HDF5 reader unpacks it.
 
     Camera noise has no strings that come again: not to look for any but runs of one value takes
     two thirds of the time, and the result is a tenth smaller.

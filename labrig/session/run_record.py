@@ -105,7 +105,7 @@ class RunRecord:
         return int(self._column("signals/time").shape[0])
 
     def signal_V(self, channel: str) -> FloatArray:
-        """A channel's raw samples in V; samples that were lost are NaN."""
+        """Return a channel's raw samples in V; samples that were lost are NaN."""
         if channel not in self.channels:
             known = ", ".join(self.channels)
             raise BadInputError(f"{self._path}: no channel {channel} among {known}.")
@@ -156,7 +156,7 @@ class RunRecord:
         return int(self._images().shape[0]) if self._has_frames else 0
 
     def image(self, row: int) -> GreyImage:
-        """An image by its row, 0 to `frame_count` - 1."""
+        """Return an image by its row, 0 to `frame_count` - 1."""
         if not 0 <= row < self.frame_count:
             raise BadInputError(
                 f"{self._path}: run {self.planned.index + 1} has {self.frame_count} images and "
@@ -171,7 +171,7 @@ class RunRecord:
         return read_array(self._column(f"frames/{name}"), self._path)
 
     def frame(self, reading_index: int) -> GreyImage | None:
-        """A reading's image; None when it has none or was not taken."""
+        """Return a reading's image; None when it has none or was not taken."""
         row = self._reading(reading_index)
         if row is None or row["frame"] == layout.NO_FRAME:
             return None

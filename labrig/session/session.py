@@ -25,7 +25,7 @@ VOLATILE = frozenset(
 VOLATILE_UNDER = f"{layout.SETUP}/versions/"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoggedEvent:
     """A line of the session's log. `run` and `reading` are -1 where it concerns none."""
 

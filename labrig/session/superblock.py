@@ -42,7 +42,7 @@ class _Unlocked(io.FileIO):
 
 @contextmanager
 def unlocked(path: Path) -> Iterator[Any]:
-    """The file for reading, as its writer left it. Raises OSError when it is no such file."""
+    """Yield the file for reading, as its writer left it. Raises OSError when it is no such file."""
     with path.open("rb") as file:
         block = file.read(_LENGTH)
         size = file.seek(0, io.SEEK_END)
@@ -51,7 +51,7 @@ def unlocked(path: Path) -> Iterator[Any]:
 
 
 def _released(block: bytes, size: int) -> bytes:
-    """The first block without its flags, and with the file's true length."""
+    """Return the first block without its flags, and with the file's true length."""
     if len(block) < _LENGTH or block[8] not in (2, 3):
         raise OSError("its first block is damaged")
     signature, version, offsets, lengths, _, base, extension, end, root = _BLOCK.unpack_from(block)

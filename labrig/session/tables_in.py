@@ -11,11 +11,11 @@ import numpy as np
 
 from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
+from labrig.plausibility import unit_warnings
 from labrig.session import columns
 from labrig.session.csv_rows import CsvRow, integer, one_of, read_rows, truth
 from labrig.session.curve_points import CurvePoints
 from labrig.session.decimals import from_degrees, from_milli, from_plain, milli
-from labrig.session.plausibility import doubts
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
 
 NUMBER = "a number"
@@ -69,7 +69,7 @@ def read_tables(
         source=forces.name,
         warnings=(*_without_force(gathered), *([_UNSAID.format(curves)] if unsaid else [])),
     )
-    return replace(found, warnings=(*found.warnings, *doubts(found)))
+    return replace(found, warnings=(*found.warnings, *unit_warnings(found)))
 
 
 # -------------------------------------------------------------------------------------- conditions
@@ -142,7 +142,7 @@ def _meant(
     sheet: Mapping[str, SheetGeometry],
     reading: int | None,
 ) -> tuple[_Key, bool]:
-    """The condition that a curve belongs to, and whether only the order says so.
+    """Return the condition that a curve belongs to, and whether only the order says so.
 
     Where a row does not say of which run it is, the first curve is the first run's, the next one
     the next one's; approached from below comes before from above.
@@ -194,7 +194,7 @@ def _condition(key: _Key, gathered: _Gathered) -> Condition:
 
 
 def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries, ...]:
-    """A time series for each run; times that begin anew begin the next run at the same place."""
+    """Return a time series for each run; times that start again begin the next run."""
     rows: dict[tuple[str, float | None, int, int], list[tuple[float, ...]]] = {}
     turns: dict[tuple[str, float | None, int], int] = {}
     for row in read_rows(path, columns.SIGNALS, columns.SIGNALS_OPTIONAL):

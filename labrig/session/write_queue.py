@@ -44,7 +44,7 @@ class WriteQueue(Generic[Item]):
             self._changed.notify_all()
 
     def take(self, timeout_s: float) -> Item | None:
-        """The next item; None after `timeout_s` without one, or when closed and empty."""
+        """Return the next item; None after `timeout_s` without one, or when closed and empty."""
         with self._changed:
             self._taken_s = None
             if not self._items and not self._closed:

@@ -240,7 +240,7 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
 
 
 def _kept(event: ev.Event) -> ev.Event:
-    """The event with arrays of its own: a driver may use its buffers again."""
+    """Return the event with arrays of its own: a driver may use its buffers again."""
     match event:
         case ev.SignalsArrived(block=block) if block.volts.base is not None:
             own = SignalBlock(block.first_index, block.volts.copy(), block.read_s)

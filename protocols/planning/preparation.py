@@ -30,7 +30,7 @@ Action = Prompt | Move
 
 
 def preparation(before: Situation, run: PlannedRun) -> tuple[list[Action], Situation]:
-    """What to do before a run, in order, and the situation that it leads to."""
+    """Return what to do before a run, in order, and the situation that it leads to."""
     if run.tilt_rad and not before.turned_over:
         actions, now = preparation(replace(before, turned_over=True), run)
         return [_turn_over(run), *actions], now
@@ -59,7 +59,7 @@ def preparation(before: Situation, run: PlannedRun) -> tuple[list[Action], Situa
 
 
 def _approach(run: PlannedRun, position_m: float, *, touching: bool) -> list[Action]:
-    """The sheet must be between the rolls before the last move, which gives the side."""
+    """Put the sheet between the rolls before the last move, which gives the side."""
     touch: list[Action] = [] if touching else [_touch(run)]
     if run.via_m is None:
         return [Move(position_m), *touch]

@@ -110,7 +110,7 @@ class _Run:
 
     def execute(self, path: Path, resumption: Resumption | None) -> Result:
         """Run the session."""
-        self._event_bus.add_watcher("the panel", self._follower)
+        self._event_bus.add_best_effort("the panel", self._follower)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
             result = run_session(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from pathlib import Path
 
 import pytest
 
 from labrig.cli.main import run
+from labrig.plausibility import calibration_age
 from labrig.session import load_measurements
 
 SHEET = """
@@ -71,3 +73,18 @@ def test_another_unit_is_asked_about_and_the_question_stays_with_the_session(
     assert len(warnings) == 1
     assert warnings[0].endswith(asked)
     assert f"warning: {warnings[0]}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("date", "ok", "warning", "found"),
+    [
+        ("2026-06-01", True, False, "30 days old"),
+        ("2026-01-01", True, True, "181 days old"),
+        ("2026-07-02", False, False, "dated in the future"),
+        ("1970-01-01", True, True, "never made: labrig init's"),
+    ],
+)
+def test_an_old_calibration_is_a_warning_and_one_from_the_future_a_fault(date, ok, warning, found):
+    today = dt.date(2026, 7, 1)
+    check = calibration_age("load cell calibration", dt.date.fromisoformat(date), 180, today)
+    assert (check.ok, check.warning, check.found) == (ok, warning, found)
