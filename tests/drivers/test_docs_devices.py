@@ -24,8 +24,6 @@ def shown(constant: str) -> Any:
     """The part of the block of code that defines this constant."""
     blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     (code,) = (block for block in blocks if f"\n{constant} =" in block)
-        c for c in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if f"\n{constant} =" in c
-    )
     names: dict[str, Any] = {"__name__": f"docs_{constant.lower()}"}
     exec(compile(code, "docs/devices.md", "exec", dont_inherit=True), names)
     return names[constant]
