@@ -28,7 +28,7 @@ from drivers.interfaces import (
     VoltageWrite,
 )
 from drivers.safe_shutdown import Safety, SafetyReport
-from protocols import SafetyLimits
+from protocols import Channel, SafetyLimits
 from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
 from protocols.execution.rules import LoopTiming, Rules
@@ -161,7 +161,10 @@ def scheduler(count: int, timing: LoopTiming) -> float:
             camera=None,
             stage=nobody,
             operator=nobody,
-            newtons=lambda volts: volts,
+            channels=tuple(
+                Channel(name=name, quantity="voltage", unit=unit, range_V=10.0)
+                for name, unit in zip(CHANNELS, ("N", "A", "V"), strict=True)
+            ),
         ),
         clock,
         emit,

@@ -7,6 +7,7 @@ the side of positive deflection and of positive position on the arc; angles coun
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -79,6 +80,8 @@ class Reading:
     valid: bool = True
     why: str = ""  # the reason when not valid
     curve: Curve | None = None
+    # of further channels at the sampling point, by name and unit: {"temperature_degC": 21.5}
+    other_values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """What happens when: a schedule is plain data, and the scheduler runs one on a clock."""
 
 from protocols.errors import ScheduleError
+from protocols.execution.channels import Channel
 from protocols.execution.devices import Devices
 from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.lateness import Lateness, lateness_of, lateness_s
@@ -35,6 +36,7 @@ from protocols.planning.schedule import (
 from protocols.planning.session_schedule import Extras, Place, make_schedule
 
 __all__ = [
+    "Channel",
     "Devices",
     "EventBus",
     "Extras",

@@ -14,9 +14,10 @@ from benchmarks.soak import record
 from benchmarks.soak.faults import Fault
 from benchmarks.soak.rig import LIMIT_V
 from labrig.cli.main import run as labrig
-from labrig.session import RunRecord, layout, open_session
-from labrig.session.journal import journal_path, read_journal
-from labrig.session.superblock import unlocked
+from labrig.session import RunRecord, open_session
+from labrig.session.format import layout
+from labrig.session.recording.journal import journal_path, read_journal
+from labrig.session.repair.superblock import unlocked
 from protocols.execution.events import Outcome
 
 LONGEST_S = 1.0  # until 0 V, a hang included
@@ -101,9 +102,12 @@ def _of_journal(session: Path) -> list[tuple[int, Table]]:
     """The readings in the journal, run by run, read without what `recover` does with them."""
     journal = read_journal(journal_path(session))
     found: dict[str, list[Table]] = {}
-    for part in journal.rows() if journal is not None else ():
+    if journal is None:
+        return []
+    row = journal.setup.reading_row
+    for part in journal.rows():
         if part.path.endswith("/readings"):
-            found.setdefault(part.path, []).append(np.frombuffer(part.blob, layout.READING_ROW))
+            found.setdefault(part.path, []).append(np.frombuffer(part.blob, row))
     return [(_run_of(path), np.concatenate(parts)) for path, parts in found.items()]
 
 

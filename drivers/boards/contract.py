@@ -2,7 +2,7 @@
 
 A module of this folder, or a distribution with an entry point of the group `labrig.boards`, adds a
 family by the constant `BOARDS`. Its kind is the name of its table in rig.toml.
-`drivers.conformance` has the functions that find one which breaks the contract.
+The functions in `conformance` find one that breaks its contract.
 """
 
 from __future__ import annotations
@@ -115,8 +115,8 @@ class BoardFamily:
     # Return the channels force, current and drive as the settings wire them.
     inputs: Callable[[Any], tuple[BoardInput, ...]]
     # What another process needs to make the output safe, as plain data (JSON): from the settings,
-    # the limit at the board in V, the voltage that counts as 0 V, whether there is an interlock.
-    output_place: Callable[[Any, float, float, bool], dict[str, Any]]
+    # the limit at the board in V, the voltage that counts as 0 V, the interlock's line if any.
+    output_place: Callable[[Any, float, float, str | None], dict[str, Any]]
     # Make a rescue of that plain data. Raises DeviceError when it makes no sense. None: such boards
     # cannot be made safe from outside, and no rig is wired with them.
     rescue: Callable[[Mapping[str, Any], Clock], OutputRescue] | None = None
@@ -131,5 +131,9 @@ def faults(part: object) -> list[str]:
 
 
 BOARD_FAMILIES: PluginFolder[BoardFamily] = PluginFolder(
-    "family of boards", "drivers.boards", "BOARDS", "labrig.boards", faults
+    what="family of boards",
+    package="drivers.boards",
+    constant="BOARDS",
+    group="labrig.boards",
+    faults=faults,
 )

@@ -2,7 +2,7 @@
 
 A module of this folder, or a distribution with an entry point of the group `labrig.cameras`, adds
 a kind by the constant `CAMERA`. `drivers.interfaces.Camera` says what a camera does when;
-`drivers.conformance.camera_faults` finds one that does not.
+`camera_faults` in `conformance` finds one that does not.
 """
 
 from __future__ import annotations
@@ -44,7 +44,11 @@ def faults(part: object) -> list[str]:
 
 
 CAMERAS: PluginFolder[CameraKind] = PluginFolder(
-    "camera", "drivers.cameras", "CAMERA", "labrig.cameras", faults
+    what="camera",
+    package="drivers.cameras",
+    constant="CAMERA",
+    group="labrig.cameras",
+    faults=faults,
 )
 
 

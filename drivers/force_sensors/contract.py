@@ -3,7 +3,7 @@
 Either the board reads it, on its input `force`, or a `ForceSensor` does by itself (a meter). A
 module of this folder, or a distribution with an entry point of the group `labrig.force_sensors`,
 adds a kind by the constant `FORCE_SENSOR`. `drivers.interfaces.ForceSensor` says what it does when;
-`drivers.conformance.force_sensor_faults` finds one that does not.
+`force_sensor_faults` in `conformance` finds one that does not.
 """
 
 from __future__ import annotations
@@ -40,5 +40,9 @@ def faults(part: object) -> list[str]:
 
 
 FORCE_SENSORS: PluginFolder[ForceSensorKind] = PluginFolder(
-    "force sensor", "drivers.force_sensors", "FORCE_SENSOR", "labrig.force_sensors", faults
+    what="force sensor",
+    package="drivers.force_sensors",
+    constant="FORCE_SENSOR",
+    group="labrig.force_sensors",
+    faults=faults,
 )

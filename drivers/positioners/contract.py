@@ -2,7 +2,7 @@
 
 A module of this folder, or a distribution with an entry point of the group `labrig.positioners`,
 adds a kind by the constant `POSITIONER`. `drivers.interfaces.Positioner` says what it does when;
-`drivers.conformance.positioner_faults` finds one that does not.
+`positioner_faults` in `conformance` finds one that does not.
 """
 
 from __future__ import annotations
@@ -47,5 +47,9 @@ def faults(part: object) -> list[str]:
 
 
 POSITIONERS: PluginFolder[PositionerKind] = PluginFolder(
-    "positioner", "drivers.positioners", "POSITIONER", "labrig.positioners", faults
+    what="positioner",
+    package="drivers.positioners",
+    constant="POSITIONER",
+    group="labrig.positioners",
+    faults=faults,
 )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from drivers.interfaces import Operator, Positioner, Prompt
+from drivers.interfaces import LimitError, Operator, Positioner, Prompt
 from drivers.positioners.contract import PositionerKind, Surroundings
 
 
@@ -14,25 +15,27 @@ class ManualSettings:
 
 
 class ManualStage:
-    """A `Positioner` that asks. It cannot tell where it is."""
+    """A `Positioner` that asks. It does not know where it is."""
 
     def __init__(self, operator: Operator) -> None:
         self._operator = operator
 
     def open(self) -> None:
-        """Nothing is to be taken."""
+        """Do nothing."""
 
     def move_to(self, position_m: float) -> bool:
         """See `Positioner.move_to`."""
+        if not math.isfinite(position_m):
+            raise LimitError(f"{position_m} is no position on the arc; it was not moved")
         text = f"Set the load cell to {position_m * 1e3:g} mm on the arc."
         return self._operator.ask(Prompt(kind="move", text=text, position_m=position_m))
 
     def position(self) -> float | None:
-        """See `Positioner.position`: nothing can tell."""
+        """See `Positioner.position`: not known."""
         return None
 
     def close(self) -> None:
-        """Nothing is to be let go of."""
+        """Do nothing."""
 
 
 def _make(_settings: ManualSettings, around: Surroundings) -> Positioner:

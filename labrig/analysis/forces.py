@@ -11,11 +11,10 @@ from drivers.interfaces import FloatArray
 from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.edges import VoltageEdge, find_edges
 from labrig.session import RunRecord
+from protocols.execution.channels import CURRENT, DRIVE, FORCE
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.rules import Rules, bad_samples, wrong_drive
 from protocols.planning.schedule import PlannedReading, ReadingKind
-
-FORCE, DRIVE = "force", "drive"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,12 +31,13 @@ class ForceReading:
     sample_index: float
     valid: bool
     why: str
+    other_values: dict[str, float]  # of further channels, by column
 
 
 def measure_forces(
     run: RunRecord, calibration: LoadCellCalibration, *, rules: Rules | None = None
 ) -> tuple[ForceReading, ...]:
-    """Every reading that the run came to, from its raw samples.
+    """Return every reading that the run came to, from its raw samples.
 
     The sampling point is the planned delay after the edge, as found in the drive's read-back; the
     value there comes from the symmetric filter. A reading that is not valid carries all reasons:
@@ -70,7 +70,7 @@ class _ReadingMaker:
         self._written_V = {int(row["step"]): float(row["sheet_V"]) for row in run.writes}
 
     def reading(self, row: np.void) -> ForceReading:
-        """The reading that a row of the recorded table stands for."""
+        """Return the reading that a row of the recorded table stands for."""
         clock, zero_s = self._run.sample_clock, self._run.time_zero_s
         planned = self._run.planned.readings[int(row["index"])]
         edge = self._edges.get(planned.step)
@@ -80,6 +80,7 @@ class _ReadingMaker:
         drive_V = float(row["drive_V"])
         reasons = [str(row["why"])] if not row["valid"] else []
         first, last = window(centre, half)
+        filtered_V = None
         if first < 0 or last >= self._volts.shape[1]:
             reasons.append("the samples of its window were not recorded")
         else:
@@ -89,6 +90,7 @@ class _ReadingMaker:
                 force_N = float(self._calibration.newtons(volts[self._force]))
                 drive_V = float(volts[self._drive])
                 noise_N = noise_factor * self._scatter_N(first, last)
+                filtered_V = volts
         return ForceReading(
             index=planned.index,
             kind=planned.kind,
@@ -100,7 +102,18 @@ class _ReadingMaker:
             sample_index=centre,
             valid=not reasons,
             why="; ".join(_once(reasons)),
+            other_values=self._other_values(row, filtered_V),
         )
+
+    def _other_values(self, row: np.void, volts: FloatArray | None) -> dict[str, float]:
+        """Return the values from the filtered volts; as recorded where these are not to be had."""
+        found = self._run.values(row)
+        for at, channel in enumerate(self._run.signals):
+            if channel.name in (FORCE, DRIVE, CURRENT):
+                del found[channel.column]
+            elif volts is not None and np.isfinite(volts[at]) and channel.gain is not None:
+                found[channel.column] = float(channel.convert(volts[at]))
+        return {name: value for name, value in found.items() if np.isfinite(value)}
 
     def _centre(self, planned: PlannedReading, edge: VoltageEdge | None, recorded: float) -> float:
         if edge is None:
@@ -112,7 +125,10 @@ class _ReadingMaker:
         return found.value, found.noise_factor
 
     def _scatter_N(self, first: int, last: int) -> float:
-        """Noise of one sample, from differences of neighbours: blind to the signal's own course."""
+        """Return the noise of one sample, from differences of neighbours.
+
+        Blind to the signal's own course.
+        """
         force = self._volts[self._force, first : last + 1]
         sigma_V = float(np.std(np.diff(force))) / np.sqrt(2) if force.size > 2 else float("nan")
         return sigma_V / abs(self._calibration.sensitivity_V_per_N)
@@ -133,6 +149,6 @@ class _ReadingMaker:
 
 
 def _once(reasons: list[str]) -> list[str]:
-    """Each reason once: what was noted while running is mostly found again."""
-    said = {part for reason in reasons[:1] for part in reason.split("; ")}
-    return reasons[:1] + [reason for reason in dict.fromkeys(reasons[1:]) if reason not in said]
+    """Return each reason once: what was noted while running is mostly found again."""
+    named = {part for reason in reasons[:1] for part in reason.split("; ")}
+    return reasons[:1] + [reason for reason in dict.fromkeys(reasons[1:]) if reason not in named]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
@@ -12,6 +11,8 @@ from typing import Any, Protocol
 
 from rich.console import Console
 from rich.table import Table
+
+from labrig.serialise import finite
 
 # Also with an uncertainty, an interval, a count out of another, or nothing known.
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
@@ -41,19 +42,6 @@ def warn(text: str) -> None:
 def print_json(value: Any) -> None:
     """Print one JSON object to standard output; NaN and infinities become null."""
     sys.stdout.write(json.dumps(finite(value), indent=2, allow_nan=False) + "\n")
-
-
-def finite(value: Any) -> Any:
-    """Return the same structure of plain types, with None for NaN and infinities."""
-    if isinstance(value, dict):
-        return {str(key): finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if hasattr(value, "tolist"):  # numpy arrays and scalars
-        return finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

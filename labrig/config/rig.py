@@ -12,6 +12,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from drivers.boards import BOARD_FAMILIES, DEFAULT, BoardFamily
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.channels import Channels, require_distinct
 from labrig.config.derived import SIMULATED
 from labrig.config.parts import (
     CAMERA,
@@ -86,13 +87,14 @@ class RigConfig(ClosedModel):
         default_factory=lambda: cast("PartConfig", POSITIONER.read({})),
         description="what moves the load cell along the arc",
     )
+    channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
 
     @model_validator(mode="before")
     @classmethod
     def _with_boards(cls, data: Any) -> Any:
-        """A file without a table of boards has the default one."""
+        """Add the default table of boards to a file that has none."""
         if not isinstance(data, dict) or any(data.get(name) is not None for name in cls.families):
             return data
         return {**data, DEFAULT: {}}
@@ -105,6 +107,9 @@ class RigConfig(ClosedModel):
             raise ValueError(f"there are the boards {tables}; a rig has one table of boards")
         if self.interlock is not None:
             self._check_line(self.interlock.line)
+        wired = self.family.inputs(self.boards.settings())
+        further = [(name, each.input) for name, each in self.channels.items()]
+        require_distinct([*((each.name, each.terminal) for each in wired), *further])
         return self
 
     def _check_line(self, line: str) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import datetime as dt
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +21,7 @@ from labrig.config import (
 )
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
+from labrig.serialise import to_plain
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
@@ -52,8 +51,8 @@ class Plan:
         return {
             "rig": self.rig.model_dump(mode="json"),
             "protocol": self.protocol.model_dump(mode="json"),
-            "sheet": {name: _plain(sheet) for name, sheet in self.sheets.items()},
-            "load_cell": _plain(self.calibration),
+            "sheet": {name: to_plain(sheet) for name, sheet in self.sheets.items()},
+            "load_cell": to_plain(self.calibration),
             FORCE_UNIT: "N" if _reads_newtons(self.rig) else "V",
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
         }
@@ -124,16 +123,3 @@ def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
         raise BadInputError(
             f"{called['protocol.toml']}: against the [limits] of the rig: {error}."
         ) from None
-
-
-def _plain(value: Any) -> dict[str, Any]:
-    """Return a dataclass as plain JSON."""
-
-    def item(value: Any) -> Any:
-        if isinstance(value, dt.date):
-            return value.isoformat()
-        if isinstance(value, tuple | list):
-            return [item(part) for part in value]
-        return value.tolist() if hasattr(value, "tolist") else value
-
-    return {key: item(part) for key, part in dataclasses.asdict(value).items()}

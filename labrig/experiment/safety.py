@@ -30,7 +30,7 @@ def output_place(config: RigConfig) -> dict[str, Any]:
         config.boards.settings(),
         amplifier.limit_board_V,
         limits.safe_below_V,
-        config.interlock is not None,
+        None if config.interlock is None else config.interlock.line,
     )
 
 

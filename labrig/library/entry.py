@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import datetime as dt
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.serialise import to_plain
 from labrig.session import RecordedSession, open_session
 
 Fits = dict[str, dict[str, Any]]  # by configuration
@@ -41,12 +42,8 @@ class CatalogueEntry:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return {**asdict(self), "sheet": list(self.sheet)}
-
-    @classmethod
-    def from_dict(cls, plain: dict[str, Any]) -> CatalogueEntry:
-        """Return the entry of `as_dict`. Raises TypeError."""
-        return cls(**{**plain, "sheet": tuple(plain.get("sheet", ()))})
+        plain: dict[str, Any] = to_plain(self)
+        return plain
 
     def fitted(self, what: str) -> float | None:
         """B_Nm2, E_Pa or EIBM_Nm (the largest) of the first configuration that was fitted."""

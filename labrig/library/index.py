@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import threading
 import time
@@ -10,11 +9,11 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from labrig.errors import BadInputError
 from labrig.library.entry import CatalogueEntry, Fits, read_entry
 from labrig.library.fits import looks_like_model, read_fits
+from labrig.serialise import from_json, to_json
 
 VERSION = 1  # of what is kept
 KEPT = ".labrig/library.json"
@@ -34,6 +33,14 @@ class _Known:
     stamp: Stamp
     entry: CatalogueEntry | None = None
     fits: tuple[str, Fits] | None = None
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """The content of the file in which a library keeps what it knows."""
+
+    version: int
+    files: dict[str, _Known]
 
 
 class Library:
@@ -102,13 +109,9 @@ class Library:
         """Store the entries, unless the folder is read-only: then they are read again next time."""
         path = self.folder / KEPT
         beside = path.with_name(f"{path.name}.{os.getpid()}.new")
-        plain = {
-            "version": VERSION,
-            "files": {name: _as_plain(one) for name, one in self._known.items()},
-        }
         with suppress(OSError):
             path.parent.mkdir(exist_ok=True)
-            beside.write_text(json.dumps(plain), encoding="utf-8")
+            beside.write_text(to_json(_Kept(VERSION, self._known)), encoding="utf-8")
             beside.replace(path)
 
 
@@ -144,30 +147,10 @@ def _files(folder: Path) -> Iterator[tuple[str, Stamp]]:
                         return
 
 
-def _as_plain(one: _Known) -> dict[str, Any]:
-    plain: dict[str, Any] = {"stamp": list(one.stamp)}
-    if one.entry is not None:
-        plain["entry"] = one.entry.as_dict()
-    if one.fits is not None:
-        plain["fits"] = list(one.fits)
-    return plain
-
-
 def _load(path: Path) -> dict[str, _Known]:
     """Return what was stored; nothing where it is damaged or of another version."""
     try:
-        plain = json.loads(path.read_text(encoding="utf-8"))
-        if plain["version"] != VERSION:
-            return {}
-        return {name: _from_plain(one) for name, one in plain["files"].items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError):
+        kept = from_json(_Kept, path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
         return {}
-
-
-def _from_plain(plain: dict[str, Any]) -> _Known:
-    stamp, entry, fits = plain["stamp"], plain.get("entry"), plain.get("fits")
-    return _Known(
-        (int(stamp[0]), int(stamp[1])),
-        None if entry is None else CatalogueEntry.from_dict(entry),
-        None if fits is None else (str(fits[0]), dict(fits[1])),
-    )
+    return kept.files if kept.version == VERSION else {}

@@ -12,18 +12,27 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
-    from labrig.testing.conformance import board_faults as board_faults
+    from labrig.testing.conformance import board_family_faults as board_family_faults
     from labrig.testing.conformance import camera_faults as camera_faults
+    from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
     from labrig.testing.conformance import command_faults as command_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import effect_faults as effect_faults
     from labrig.testing.conformance import extractor_faults as extractor_faults
+    from labrig.testing.conformance import family_faults as family_faults
     from labrig.testing.conformance import force_sensor_faults as force_sensor_faults
+    from labrig.testing.conformance import force_sensor_kind_faults as force_sensor_kind_faults
+    from labrig.testing.conformance import interlock_faults as interlock_faults
+    from labrig.testing.conformance import location_faults as location_faults
+    from labrig.testing.conformance import output_faults as output_faults
     from labrig.testing.conformance import page_faults as page_faults
     from labrig.testing.conformance import positioner_faults as positioner_faults
+    from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
     from labrig.testing.conformance import protocol_faults as protocol_faults
+    from labrig.testing.conformance import rescue_faults as rescue_faults
     from labrig.testing.conformance import section_content_faults as section_content_faults
     from labrig.testing.conformance import section_faults as section_faults
+    from labrig.testing.conformance import signal_faults as signal_faults
     from labrig.testing.conformance import simulated_board_faults as simulated_board_faults
     from labrig.testing.conformance import (
         simulated_serial_device_faults as simulated_serial_device_faults,
@@ -33,18 +42,27 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.testing.conformance": (
-        "board_faults",
+        "board_family_faults",
         "camera_faults",
+        "camera_kind_faults",
         "command_faults",
         "curve_faults",
         "effect_faults",
         "extractor_faults",
+        "family_faults",
         "force_sensor_faults",
+        "force_sensor_kind_faults",
+        "interlock_faults",
+        "location_faults",
+        "output_faults",
         "page_faults",
         "positioner_faults",
+        "positioner_kind_faults",
         "protocol_faults",
+        "rescue_faults",
         "section_content_faults",
         "section_faults",
+        "signal_faults",
         "simulated_board_faults",
         "simulated_serial_device_faults",
     ),

@@ -31,6 +31,7 @@ from drivers.interfaces import (
 )
 from drivers.safe_shutdown import SafetyReport, make_safe
 from protocols import (
+    Channel,
     Devices,
     Place,
     SafetyLimits,
@@ -42,6 +43,11 @@ from protocols import (
 from protocols.execution.events import Event
 from protocols.kinds.pulse_train import PulseTrain
 
+CHANNELS = (
+    Channel(name="force", quantity="force", unit="N", range_V=0.05),
+    Channel(name="current", quantity="electric current", unit="A", range_V=5.0),
+    Channel(name="drive", quantity="voltage", unit="V", range_V=10.0),
+)
 E = TypeVar("E", bound=Event)
 
 LIMITS = SafetyLimits(sheet_voltage_V=2.5, time_under_voltage_s=30.0)
@@ -284,7 +290,12 @@ class FakeCamera:
 
     def _frame(self, number: int) -> Frame:
         image = ((np.arange(24) * 9 + number) % 256).astype(np.uint8).reshape(self.frame_shape)
-        return Frame(number, self.start_s + (number + 1) * self.period_s, None, image)
+        return Frame(
+            number=number,
+            time_s=self.start_s + (number + 1) * self.period_s,
+            device_time_s=None,
+            image=image,
+        )
 
     def _is_wanted(self, time_s: float) -> bool:
         return self.all or any(low <= time_s <= high for low, high in self.wanted)
@@ -353,7 +364,7 @@ class FakeRig:
             camera=self.camera if camera else None,
             stage=self.stage,
             operator=self.operator,
-            newtons=lambda volts: volts * 1.0,
+            channels=CHANNELS,
         )
         self.stop = StopRequest()
         self.events: list[Event] = []

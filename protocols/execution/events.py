@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
+from protocols.execution.channels import Values
 from protocols.planning.schedule import PlannedReading, PlannedRun
 
 
@@ -69,7 +70,7 @@ class OperatorAnswered(Event):
     done: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunStarted(Event):
     """Acquisition runs; `time_s` is the run's time 0, at which the first step is due."""
 
@@ -81,7 +82,7 @@ class RunStarted(Event):
     since_wetting_s: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class VoltageSet(Event):
     """A step was written; `time_s` is the moment just after the device confirmed it."""
 
@@ -99,7 +100,7 @@ class SignalsArrived(Event):
     block: SignalBlock
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadingTaken(Event):
     """One reading, as seen while running; the analysis makes it anew from the raw samples."""
 
@@ -107,9 +108,7 @@ class ReadingTaken(Event):
     planned: PlannedReading
     sample_index: float  # of the sampling point, from the write of its step
     sample_time_s: float  # clock time of the sampling point
-    force_N: float
-    drive_V: float  # at the sampling point, as read back
-    current_A: float
+    values: Values  # of every channel at the sampling point: force_N, drive_V (as read back), ...
     frame: Frame | None  # the frame nearest to the sampling point
     frame_offset_s: float | None  # its time minus that of the sampling point
     valid: bool
@@ -124,7 +123,7 @@ class FramesArrived(Event):
     frames: tuple[Frame, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadingMarked(Event):
     """The operator, or a rule, has declared a reading (None: the whole run) invalid."""
 
@@ -157,7 +156,7 @@ class Warned(Event):
     text: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunStopped(Event):
     """The run's acquisition has ended."""
 
@@ -168,7 +167,7 @@ class RunStopped(Event):
     frames_dropped: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SessionStopped(Event):
     """The last event, always sent, after the output was made safe or could not be."""
 

@@ -13,9 +13,10 @@ import h5py
 import numpy as np
 import pytest
 
-from labrig.session import layout, store_measurements
-from labrig.session.create import put_text
-from labrig.session.journal import journal_path
+from labrig.session import store_measurements
+from labrig.session.format import layout
+from labrig.session.recording.create import put_text
+from labrig.session.recording.journal import journal_path
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told
 from tests.labrig.session.measured import measurements
@@ -286,7 +287,7 @@ def _other_leaf(text: str, dice: random.Random) -> str:
 @pytest.mark.slow
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    odd = (np.int64(2), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
+    odd = (np.int64(3), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
     for value in odd:
         shutil.copy(sound, path)
         with h5py.File(path, "r+") as file:
@@ -383,7 +384,9 @@ def test_a_journal_that_would_unpack_to_gigabytes_does_not(cut: Path, tmp_path: 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS[:11])
-@pytest.mark.parametrize("key", ["rate_hz", "frame_shape", "ranges_V", "channels", "frame_dtype"])
+@pytest.mark.parametrize(
+    "key", ["rate_hz", "frame_shape", "signals", "range_V", "gain", "unit", "frame_dtype"]
+)
 def test_a_journal_of_an_absurd_setup_is_refused(
     cut: Path, tmp_path: Path, key: str, number: str
 ) -> None:
@@ -391,7 +394,10 @@ def test_a_journal_of_an_absurd_setup_is_refused(
 
     value: Any = {"nan": float("nan"), "inf": float("inf"), "-inf": -float("inf")}.get(number)
     value = json.loads(number) if value is None and len(number) < 4000 else value
-    if key != "rate_hz" and key != "frame_dtype":
+    if key in {"range_V", "gain", "unit"}:
+        channel = {"name": "force", "quantity": "force", "unit": "N", "range_V": 1.0, "gain": 1.0}
+        key, value = "signals", [channel | {key: value}]
+    elif key != "rate_hz" and key != "frame_dtype":
         value = [value] * (2 if key == "frame_shape" else 3)
     path = tmp_path / "s.h5"
     journal_path(path).write_bytes(with_setup(journal_path(cut), {key: value}))

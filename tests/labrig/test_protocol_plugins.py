@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 
 import pytest
-from labrig.panel.pages.configuration_files import kind_of
 
 from drivers.plugins import PluginWarning
 from labrig.cli.main import run
 from labrig.config import PROTOCOLS, parse_protocol
 from labrig.config.schema import schemas
-from labrig.session.setup import present_versions
+from labrig.panel.core.configuration_files import kind_of
+from labrig.session.format.setup import present_versions
 
 FLASH = '''
 """One short pulse."""

@@ -14,6 +14,7 @@ from drivers.boards.ni.connection import NiConnection
 from drivers.interfaces import FloatArray, Prompt
 from drivers.safe_shutdown import make_safe
 from protocols import Devices, SafetyLimits, Scheduler, StopRequest
+from protocols.execution.channels import current_channel, drive_channel, force_channel
 from protocols.execution.events import Event
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import NiDeviceServer
@@ -113,7 +114,11 @@ class WitnessedRig:
             camera=None,
             stage=Stage(),
             operator=self.person,
-            newtons=lambda volts: volts / 0.15,
+            channels=(
+                force_channel(range_V=0.05, conversion=lambda volts: volts / 0.15),
+                current_channel(range_V=0.5, shunt_ohm=1.0),
+                drive_channel(range_V=5.0),
+            ),
         )
         return Scheduler(
             devices,

@@ -1,6 +1,7 @@
 """Whatever fails, whenever: 0 V first, and the end is told."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from drivers.interfaces import OverloadError
 from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import EventBus, FinishReason, LoopTiming, RunState
+from protocols.execution.channels import force_channel
 from protocols.execution.events import (
     Outcome,
     OutputChanged,
@@ -189,6 +191,15 @@ def test_a_missing_channel_is_found_before_the_first_voltage():
     assert not scheduler.status.energised_once
 
 
+def test_a_channel_without_a_meaning_is_found_before_the_first_voltage():
+    rig = FakeRig()
+    rig.devices = replace(rig.devices, channels=rig.devices.channels[::2])
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert "what the volts of the channel 'current' mean is not known" in scheduler.status.text
+    assert not scheduler.status.energised_once
+
+
 def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
     rig = FakeRig()
     rig.scheduler(timing=COARSE).run(short_schedule())
@@ -200,8 +211,8 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
             if next(count) >= k:
                 raise OSError("disk full")
 
-        hub.add_critical("the session file", write)
-        hub.add_watcher("progress", watched.append)
+        hub.add_required("the session file", write)
+        hub.add_best_effort("progress", watched.append)
         scheduler = broken.scheduler(emit=hub.emit, timing=COARSE)
         assert scheduler.run(short_schedule()) is Outcome.FAILED
         assert scheduler.status.finish is FinishReason.RECORDING_FAULT
@@ -214,9 +225,9 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
 def test_a_watcher_that_fails_at_every_event_changes_nothing():
     def voltages(break_it):
         rig, hub = FakeRig(), EventBus(threaded=False)
-        hub.add_critical("file", rig.events.append)
+        hub.add_required("file", rig.events.append)
         if break_it:
-            hub.add_watcher("panel", lambda event: 1 / 0)
+            hub.add_best_effort("panel", lambda event: 1 / 0)
         assert rig.scheduler(emit=hub.emit).run(short_schedule()) is Outcome.COMPLETED
         return rig.of_kind(VoltageSet), rig.of_kind(Warned)
 
@@ -256,7 +267,8 @@ def test_an_operator_who_cannot_be_asked_is_named_as_the_reason():
 
 def test_a_mistake_in_the_program_is_named_as_such():
     rig = FakeRig()
-    object.__setattr__(rig.devices, "newtons", lambda volts: volts.no_such_thing)
+    broken = force_channel(range_V=0.05, conversion=lambda volts: volts.no_such_thing)
+    rig.devices = replace(rig.devices, channels=(broken, *rig.devices.channels[1:]))
     scheduler = rig.scheduler()
     assert scheduler.run(short_schedule()) is Outcome.FAILED
     assert scheduler.status.finish is FinishReason.INTERNAL_ERROR

@@ -80,9 +80,9 @@ def test_running_it_writes_these_voltages_at_these_times_and_takes_these_reading
     assert [r.planned for r in readings] == list(run.readings)
     assert all(r.valid for r in readings)
     for r in readings:
-        assert r.drive_V == pytest.approx(r.planned.voltage_V, abs=1e-9)
-        assert r.current_A == pytest.approx(1e-3 * r.planned.voltage_V, abs=1e-9)
+        assert r.values["drive_V"] == pytest.approx(r.planned.voltage_V, abs=1e-9)
+        assert r.values["current_A"] == pytest.approx(1e-3 * r.planned.voltage_V, abs=1e-9)
         # The input's force is 1 mV per V, on a ramp of 10 uV/s: unbiased only in the centre.
         expected = 1e-3 * r.planned.voltage_V + 1e-5 * (r.sample_time_s - 100.0)
-        assert r.force_N == pytest.approx(expected, abs=1e-12)
+        assert r.values["force_N"] == pytest.approx(expected, abs=1e-12)
         assert abs(r.frame_offset_s) <= 0.02 + 1e-9

@@ -83,7 +83,7 @@ def _inputs(settings: NiSettings) -> tuple[BoardInput, ...]:
 
 
 def _output_place(
-    settings: NiSettings, limit_V: float, safe_below_V: float, has_interlock: bool
+    settings: NiSettings, limit_V: float, safe_below_V: float, line: str | None
 ) -> dict[str, Any]:
     names = settings.task_names
     return OutputPlace(
@@ -96,7 +96,7 @@ def _output_place(
         safe_below_V=safe_below_V,
         output_task=names.output,
         input_task=names.input,
-        interlock_task=names.interlock if has_interlock else None,
+        interlock_task=None if line is None else names.interlock,
     ).as_dict()
 
 

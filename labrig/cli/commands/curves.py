@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.screen import finite, say, warn
+from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
+from labrig.serialise import finite
 
 if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
@@ -141,7 +142,7 @@ def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) 
     from labrig.analysis import measure
     from labrig.cli.screen import progress
     from labrig.session import open_session
-    from labrig.session.tables_out import write_curves
+    from labrig.session.tables.write import write_curves
 
     with open_session(path) as session, progress("curves") as advance:
         measurements = measure(session, advance, extractor=extractor)

@@ -7,13 +7,14 @@ from collections.abc import Callable
 import numpy as np
 
 from drivers.interfaces import Frame
-from labrig.experiment.rig import DRIVE, Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.panel.job.preview import Preview
 from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frames import raw_picture
 from labrig.panel.live.messages import MessageEncoder
 from labrig.panel.live.strip_chart import Envelope
 from protocols.execution import events as ev
+from protocols.execution.channels import CURRENT, DRIVE, FORCE
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import RunState
 
@@ -79,16 +80,16 @@ class Follower:
     def _signals(self, event: ev.SignalsArrived) -> None:
         if self._rig is None or self._run is None or self._envelope is None:
             return
-        devices, channels = self._rig.devices(), list(self._run.channels)
-        volts = event.block.volts
+        rows = self._rig.devices().rows()
+        values = rows.values_by_name(event.block.volts)
         clock = self._run.sample_clock
         first_s = clock.time_of(event.block.first_index) - self._run.time_s
         samples = np.stack(
             [
-                first_s + np.arange(volts.shape[1]) / clock.rate_hz,
-                volts[channels.index(DRIVE)],
-                1e3 * devices.newtons(volts[channels.index("force")]),
-                1e3 * devices.amperes(volts[channels.index("current")]),
+                first_s + np.arange(event.block.volts.shape[1]) / clock.rate_hz,
+                values[DRIVE],
+                1e3 * values[FORCE],
+                1e3 * values[CURRENT],
             ]
         )
         strip = self._envelope.add(samples)

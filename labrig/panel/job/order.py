@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from labrig.errors import BadInputError
+from labrig.serialise import from_json, to_json
 
 Kind = Literal["run", "preflight", "weighing", "camera"]
 
@@ -31,16 +31,14 @@ class Order:
 
     def to_json(self) -> str:
         """One line."""
-        return json.dumps(asdict(self)) + "\n"
+        return to_json(self) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> Order:
         """Return the reverse. Raises BadInputError."""
         try:
-            values = json.loads(text)
-            values["loads_mN"] = tuple(values.get("loads_mN", ()))
-            return cls(**values)
-        except (ValueError, TypeError) as error:
+            return from_json(cls, text)
+        except ValueError as error:
             raise BadInputError(f"a job's order cannot be read ({error}).") from None
 
     def files(self) -> tuple[Path, Path, Path]:

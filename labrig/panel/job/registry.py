@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 import threading
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError
 from labrig.files import not_written
+from labrig.serialise import from_json, to_json
 
 HIDDEN = ".labrig"
 GOING = "going"
@@ -69,7 +69,7 @@ def write_address(data: Path, address: JobAddress) -> None:
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         with os.fdopen(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w") as file:
-            json.dump(asdict(address), file)
+            file.write(to_json(address))
         _put(beside, path)
     except OSError as error:
         raise not_written(path, error) from None
@@ -90,6 +90,6 @@ def read_address(data: Path) -> JobAddress | None:
     """Return the last job; None when there was none, or the file is no such file."""
     try:
         with address_path(data).open("rb") as file:
-            return JobAddress(**json.loads(file.read(65536)))
-    except (OSError, ValueError, TypeError):
+            return from_json(JobAddress, file.read(65536))
+    except (OSError, ValueError):
         return None

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from math import degrees
+from math import degrees, nan
 from typing import Any
 
 from drivers.interfaces import Prompt
 from protocols import describe
 from protocols.execution import events as ev
+from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N
 from protocols.planning.schedule import PlannedRun, Schedule
 
 Message = dict[str, Any]
@@ -118,9 +119,10 @@ class MessageEncoder:
             "step": planned.step,
             "kind": planned.kind.value,
             "voltage_V": planned.voltage_V,
-            "force_mN": 1e3 * event.force_N,
-            "drive_V": event.drive_V,
-            "current_mA": 1e3 * event.current_A,
+            "force_mN": 1e3 * event.values[FORCE_N],
+            "drive_V": event.values[DRIVE_V],
+            "current_mA": 1e3 * event.values.get(CURRENT_A, nan),
+            "values": dict(event.values),
             "frame": None if frame is None else frame.number,
             "frame_offset_ms": None if offset_s is None else round(1e3 * offset_s, 3),
             "valid": event.valid,

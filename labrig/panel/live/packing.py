@@ -7,10 +7,11 @@ Between processes each of these has its whole length before it, once more as `u3
 from __future__ import annotations
 
 import json
-import math
 import socket
 import struct
 from typing import IO, Any
+
+from labrig.serialise import finite
 
 Header = dict[str, Any]
 
@@ -50,17 +51,7 @@ def dumps(value: Any) -> str:
     try:
         return json.dumps(value, allow_nan=False, separators=(",", ":"))
     except ValueError:
-        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+        return json.dumps(finite(value), allow_nan=False, separators=(",", ":"))
 
 
 def send(connection: socket.socket, packed: bytes) -> None:

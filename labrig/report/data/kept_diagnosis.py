@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from labrig.config.base import parse_json
 from labrig.errors import BadInputError
-from labrig.report.parts.plain import from_plain, to_plain
+from labrig.serialise import from_plain, to_json
 from labrig.session import load_finding, store_finding
 from model.discrepancy.verdict.result import Diagnosis
 
@@ -16,7 +15,7 @@ NAME = "diagnosis"
 
 def keep_diagnosis(session: Path, found: Diagnosis) -> None:
     """Store it in the session, in place of an older one; a new analysis removes it."""
-    store_finding(session, NAME, json.dumps(to_plain(found), allow_nan=False))
+    store_finding(session, NAME, to_json(found))
 
 
 def kept_diagnosis(session: Path) -> Diagnosis | None:
@@ -25,7 +24,8 @@ def kept_diagnosis(session: Path) -> Diagnosis | None:
     if text is None:
         return None
     try:
-        return from_plain(Diagnosis, parse_json(text, f"{session}: its diagnosis"))
+        plain = parse_json(text, f"{session}: its diagnosis")
+        return from_plain(Diagnosis, plain, lenient=True)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BadInputError(
             f"{session}: its diagnosis cannot be read ({error!r}); run labrig diagnose {session} "

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from labrig.report.parts.table import Table, fixed
+from labrig.report.tables.channels import ChannelSummary, channel_table, channels_as_table
 from labrig.session import RecordedSession, RunRecord
 
 
@@ -18,10 +19,15 @@ class Overview:
     facts: tuple[tuple[str, str], ...]
     runs: tuple[dict[str, Any], ...]
     log: tuple[tuple[str, ...], ...]
+    channels: tuple[ChannelSummary, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds."""
-        return {"session": dict(self.facts), "runs": list(self.runs)}
+        return {
+            "session": dict(self.facts),
+            "runs": list(self.runs),
+            "channels": [asdict(channel) for channel in self.channels],
+        }
 
     def tables(self, *, log: bool = False) -> list[Table]:
         """Return the tables of the command line and the report."""
@@ -29,6 +35,8 @@ class Overview:
             Table(title="Session", columns=("", ""), rows=self.facts),
             Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
         ]
+        if self.channels:
+            found.append(channels_as_table(self.channels))
         if log:
             found.append(
                 Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
@@ -54,6 +62,7 @@ _COLUMNS = {
 def overview(session: RecordedSession) -> Overview:
     """Look through an open session; images and samples are not read."""
     runs = tuple(_run(run) for run in session.runs)
+    channels = channel_table(session)
     done = sum(run["state"] == "complete" for run in runs)
     facts = (
         ("file", str(session.path)),
@@ -79,7 +88,7 @@ def overview(session: RecordedSession) -> Overview:
         )
         for event in session.events
     )
-    return Overview(facts, runs, log)
+    return Overview(facts, runs, log, channels)
 
 
 def _run(run: RunRecord) -> dict[str, Any]:

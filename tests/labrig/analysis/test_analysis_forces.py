@@ -65,7 +65,10 @@ def test_forces_are_those_of_the_samples_at_the_sampling_points(tmp_path):
 
 def test_live_readings_do_not_matter(tmp_path):
     wrong = change(
-        ev.ReadingTaken, lambda e: replace(e, force_N=99.0, sample_index=0.0, drive_V=9.0)
+        ev.ReadingTaken,
+        lambda e: replace(
+            e, sample_index=0.0, values=dict(e.values) | {"force_N": 99.0, "drive_V": 9.0}
+        ),
     )
     plain = record_with(tmp_path / "a.h5", ONE_RUN)
     other = record_with(tmp_path / "b.h5", ONE_RUN, wrong)
@@ -192,7 +195,9 @@ def test_reasons_noted_while_running_stay_and_none_is_said_twice(tmp_path):
 def test_a_person_s_mark_is_the_reason(tmp_path):
     def mark(event):
         if isinstance(event, ev.RunStopped):
-            yield ev.ReadingMarked(event.time_s, event.run, 4, "stuck in the rolls", "anna")
+            yield ev.ReadingMarked(
+                event.time_s, run=event.run, reading=4, why="stuck in the rolls", who="anna"
+            )
 
     found = measured(record_with(tmp_path / "s.h5", ONE_RUN, more=mark))
     assert [(r.index, r.why) for r in found if not r.valid] == [(4, "stuck in the rolls")]

@@ -13,7 +13,7 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.report.data.kept_diagnosis import keep_diagnosis, kept_diagnosis
-from labrig.report.parts.plain import from_plain, to_plain
+from labrig.serialise import SerialiseError, from_plain, to_plain
 from labrig.session import drop_measurements, load_measurements, store_measurements, verify
 from model.discrepancy.verdict.result import Diagnosis
 from tests.labrig.diagnose.made import ALL, found
@@ -46,7 +46,7 @@ def test_what_an_older_version_did_not_write_takes_its_default():
     del plain["seconds"]
     assert from_plain(Diagnosis, plain).seconds == 0.0
     del plain["verdict"]
-    with pytest.raises(KeyError):
+    with pytest.raises(SerialiseError, match="'verdict' is missing"):
         from_plain(Diagnosis, plain)
 
 

@@ -38,6 +38,7 @@ def readings(rng, count: int, *, curves: bool) -> tuple[Reading, ...]:
             valid=i != 3,
             why="late, by „5 ms“" if i == 3 else "",
             curve=curve(i) if curves and i % 2 else None,
+            other_values={} if i == 4 else {"temperature_degC": float(rng.normal(21.5, 0.1))},
         )
         for i in range(count)
     )

@@ -10,9 +10,9 @@ from labrig.errors import BadInputError
 from labrig.session import SessionWriter, open_session
 from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (
-    CHANNELS,
     FRAME_SHAPE,
     LATE_S,
+    NAMES,
     OFFSET_V,
     SENSITIVITY_V_PER_N,
     TEXTS,
@@ -39,7 +39,7 @@ def test_what_was_planned_is_in_the_file(recorded):
         assert session.resolved == {"current_sense": {"shunt_ohm": 2.0}}
         assert session.versions["numpy"] == np.__version__
         assert session.simulated
-        assert session.channels == CHANNELS
+        assert session.channels == NAMES
 
 
 def test_the_outcome_and_its_reason_are_in_the_file(recorded):
@@ -55,7 +55,7 @@ def test_raw_signals_come_back_to_the_last_bit(recorded):
     with open_session(recorded) as session:
         for run in session.runs:
             sent = np.hstack([e.block.volts for e in blocks if e.run == run.planned.index])
-            for row, name in zip(sent, CHANNELS, strict=True):
+            for row, name in zip(sent, NAMES, strict=True):
                 np.testing.assert_array_equal(run.signal_V(name), row)
             assert run.samples == sent.shape[1]
 
@@ -75,7 +75,7 @@ def test_readings_and_their_frames_come_back(recorded):
             run = session.runs[event.run]
             row = run.readings[event.planned.index]
             assert row["kind"] == event.planned.kind
-            assert row["force_N"] == event.force_N
+            assert row["force_N"] == event.values["force_N"]
             assert row["sample_index"] == event.sample_index
             assert row["time_s"] == pytest.approx(row["planned_s"] + LATE_S, abs=1e-9)
             np.testing.assert_array_equal(run.frame(event.planned.index), event.frame.image)
@@ -120,8 +120,14 @@ def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
         for event in session_events(schedule):
             writer.handle(event)
             if isinstance(event, ev.RunStopped) and event.run == 1:
-                writer.handle(ev.ReadingMarked(event.time_s, 1, 3, "stuck in the rolls", "anna"))
-                writer.handle(ev.ReadingMarked(event.time_s, 0, None, "dry", "anna"))
+                writer.handle(
+                    ev.ReadingMarked(
+                        event.time_s, run=1, reading=3, why="stuck in the rolls", who="anna"
+                    )
+                )
+                writer.handle(
+                    ev.ReadingMarked(event.time_s, run=0, reading=None, why="dry", who="anna")
+                )
     with open_session(tmp_path / "s.h5") as session:
         readings = session.runs[1].readings
         assert list(np.flatnonzero(~readings["valid"])) == [3]

@@ -1,0 +1,77 @@
+"""What the conformance functions of all kinds of device share.
+
+A conformance function puts a device through its contract (see `drivers.interfaces`) and returns
+what it found wrong, a sentence each; none for a good one. It never raises. Real, simulated and fake
+devices pass the same functions: `camera_faults`, `positioner_faults`, `force_sensor_faults`,
+`output_faults`, `signal_faults`, `interlock_faults` and `rescue_faults`, each in its folder.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from drivers.interfaces import Clock, DeviceError
+
+T = TypeVar("T")
+PROMPT_S = 0.3  # a call that must not wait may take so long: the computer is busy at times
+
+
+class Checks:
+    """Calls a device's methods and collects what is wrong."""
+
+    def __init__(self, clock: Clock) -> None:
+        self.clock = clock
+        self.faults: list[str] = []
+
+    def require(self, good: object, sentence: str) -> bool:
+        """Note the sentence unless `good`; return whether it is."""
+        if not good:
+            self.faults.append(sentence)
+        return bool(good)
+
+    def call(self, name: str, act: Callable[[], T], within_s: float = PROMPT_S) -> T | None:
+        """Return what the call returns; None after a fault: it raised, or took too long."""
+        began_s = self.clock.now()
+        try:
+            result = act()
+        except Exception as error:  # noqa: BLE001 - whatever it raises is the finding
+            self.faults.append(f"{name} raised {_described(error)}")
+            return None
+        self._in_time(name, began_s, within_s)
+        return result
+
+    def refuse(
+        self,
+        name: str,
+        act: Callable[[], object],
+        wanted: type[DeviceError] = DeviceError,
+        within_s: float = PROMPT_S,
+    ) -> None:
+        """Require that the call raises this error, or one derived from it."""
+        began_s = self.clock.now()
+        try:
+            act()
+        except wanted as error:
+            self.require(str(error), f"{name} raised {type(error).__name__} without a sentence")
+        except Exception as error:  # noqa: BLE001 - whatever it raises is the finding
+            self.faults.append(f"{name} raised {_described(error)}, not {wanted.__name__}")
+        else:
+            self.faults.append(f"{name} was not refused with {wanted.__name__}")
+        self._in_time(name, began_s, within_s)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.clock.sleep_until(self.clock.now() + seconds)
+
+    def _in_time(self, name: str, began_s: float, within_s: float) -> None:
+        took_s = self.clock.now() - began_s
+        if took_s > within_s:
+            self.faults.append(f"{name} took {took_s:.2f} s; at most {within_s:g} s are allowed")
+
+
+def _described(error: Exception) -> str:
+    kind = type(error).__name__
+    if isinstance(error, DeviceError):
+        return f"{kind}: {error}"
+    return f"{kind} ({error}), which is no DeviceError"

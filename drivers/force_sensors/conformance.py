@@ -1,0 +1,44 @@
+"""Whether a force sensor that is asked for one force at a time keeps its contract."""
+
+from __future__ import annotations
+
+import math
+
+from drivers.conformance import Checks
+from drivers.interfaces import Clock, ForceSensor
+
+READ_S = 2.0
+OPEN_S = 10.0
+_READINGS = 5
+
+
+def force_sensor_faults(sensor: ForceSensor, clock: Clock, *, noise_N: float = 1e-3) -> list[str]:
+    """Return what a sensor, not open yet, does against `ForceSensor`.
+
+    The load must be steady, within its range. After taring a reading may be off by `noise_N`.
+    """
+    checks = Checks(clock)
+    checks.refuse("read_force before open", sensor.read_force, within_s=READ_S)
+    checks.call("open", sensor.open, OPEN_S)
+    if not checks.faults:
+        _read(checks, sensor, noise_N)
+    checks.call("close", sensor.close, READ_S)
+    checks.call("a second close", sensor.close)
+    checks.refuse("read_force after close", sensor.read_force, within_s=READ_S)
+    return checks.faults
+
+
+def _read(checks: Checks, sensor: ForceSensor, noise_N: float) -> None:
+    range_N = sensor.range_N
+    checks.require(math.isfinite(range_N) and range_N > 0, f"range_N is {range_N}")
+    for _ in range(_READINGS):
+        force_N = checks.call("read_force", sensor.read_force, READ_S)
+        if force_N is not None:
+            checks.require(
+                isinstance(force_N, float) and abs(force_N) <= range_N,
+                f"read_force returned {force_N!r}; the range is {range_N:g} N",
+            )
+    checks.call("tare", sensor.tare, READ_S)
+    force_N = checks.call("read_force", sensor.read_force, READ_S)
+    if force_N is not None:
+        checks.require(abs(force_N) <= noise_N, f"after tare it reads {force_N:g} N")

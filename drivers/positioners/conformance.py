@@ -1,0 +1,57 @@
+"""Whether a positioner keeps its contract."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from drivers.conformance import Checks
+from drivers.interfaces import Clock, LimitError, Positioner
+
+MOVE_S = 300.0
+OPEN_S = 120.0  # it may sweep to its reference
+
+
+def positioner_faults(
+    positioner: Positioner,
+    clock: Clock,
+    positions_m: Sequence[float] = (0.0, 0.01, 0.002),
+    *,
+    outside_m: float | None = None,
+    tolerance_m: float = 1e-4,
+) -> list[str]:
+    """Return what a positioner, not open yet, does against `Positioner`.
+
+    It moves to `positions_m`: nothing may stand in its way, and an operator must confirm.
+    `outside_m` is out of its range; None: it has none.
+    """
+    checks = Checks(clock)
+    checks.call("open", positioner.open, OPEN_S)
+    if not checks.faults:
+        for position_m in positions_m:
+            _move(checks, positioner, position_m, tolerance_m)
+        for refused_m in (math.nan, outside_m):
+            if refused_m is not None:
+                _refuse(checks, positioner, refused_m)
+    checks.call("close", positioner.close, 5.0)
+    checks.call("a second close", positioner.close)
+    return checks.faults
+
+
+def _move(checks: Checks, positioner: Positioner, position_m: float, tolerance_m: float) -> None:
+    what = f"move_to({position_m:g})"
+    moved = checks.call(what, lambda: positioner.move_to(position_m), MOVE_S)
+    checks.require(moved is True, f"{what} returned {moved}, not True")
+    found_m = checks.call("position", positioner.position, 5.0)
+    if found_m is not None:
+        checks.require(
+            abs(found_m - position_m) <= tolerance_m, f"after {what} position is {found_m:g}"
+        )
+
+
+def _refuse(checks: Checks, positioner: Positioner, position_m: float) -> None:
+    before_m = checks.call("position", positioner.position, 5.0)
+    what = f"move_to({position_m:g})"
+    checks.refuse(what, lambda: positioner.move_to(position_m), LimitError, 5.0)
+    after_m = checks.call("position", positioner.position, 5.0)
+    checks.require(after_m == before_m, f"{what} was refused, but it moved")

@@ -1,0 +1,88 @@
+"""What stands in for hardware where rig.toml says `simulated`: one simulated rig, virtual time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from drivers.cameras.capture_camera import CaptureCamera
+from drivers.interfaces import Camera, Operator
+from labrig.config.derived import SIMULATED
+from labrig.errors import BadInputError
+from labrig.experiment.plan import Plan
+from sim_hardware.camera import SimulatedCapture
+from sim_hardware.clock import VirtualClock
+from sim_hardware.faults import FaultyRig
+from sim_hardware.operator import SimulatedOperator
+from sim_hardware.plugins import UnknownPartError
+from sim_hardware.rig_boards import boards_of
+from sim_hardware.serial_devices import FOLDER as SERIAL_DEVICES
+from sim_hardware.serial_devices import InMemorySerial
+from sim_hardware.world import World, WorldError, load_world
+
+_DAY = 1_000_003  # from the seed of one session to that of the next
+
+
+class StandIns:
+    """A simulated rig: its clock, its operator, and what each driver reaches its device through."""
+
+    def __init__(self, plan: Plan) -> None:
+        simulated = plan.rig.simulated
+        try:
+            settings = load_world(simulated.world if simulated else None)
+        except WorldError as error:
+            raise BadInputError(str(error)) from None
+        if plan.earlier:  # other set-ups and noise: another day, with the same sheet
+            seed = (settings.seed + _DAY * plan.earlier) % 2**63
+            settings = settings.model_copy(update={"seed": seed})
+        self.clock = VirtualClock()
+        self._seed = settings.seed
+        self._world = World(settings, self.clock)
+        try:
+            self._server = boards_of(self._world, self.clock)
+        except WorldError as error:
+            raise BadInputError(f"{_world_file(plan)}: {error}") from None
+        self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._server)
+        self._faulty.begin()
+        self.operator: Operator = SimulatedOperator(self._world)
+        self._boards: dict[str, Callable[[], Any]] = {"ni": self._server.in_process_channel}
+
+    def boards(self, kind: str) -> Any:
+        """Return the transport of a family of boards."""
+        if kind not in self._boards:
+            raise _not_simulated(f"[{kind}]", self._boards)
+        return self._boards[kind]()
+
+    def serial(self, table: str, kind: str) -> Callable[..., Any]:
+        """Return what opens the serial line of a part, as pyserial's `Serial`."""
+        try:
+            device = SERIAL_DEVICES.get(kind)
+        except UnknownPartError as error:
+            raise BadInputError(f'rig.toml: [{table}] kind = "{kind}": {error}.') from None
+
+        def opened(port: str, **options: Any) -> InMemorySerial:
+            made = device.make(self._world, self.clock, self._seed)
+            return InMemorySerial(
+                made, self.clock, port=port, faults=self._faulty.serial, **options
+            )
+
+        return opened
+
+    def camera(self) -> Camera:
+        """Return the camera that shows the simulated sheet, whatever kind rig.toml names."""
+        return CaptureCamera(
+            SIMULATED,
+            self.clock,
+            lambda _source: SimulatedCapture(self._world, self.clock, faults=self._faulty.camera),
+        )
+
+
+def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
+    return BadInputError(
+        f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(there))}."
+    )
+
+
+def _world_file(plan: Plan) -> str:
+    simulated = plan.rig.simulated
+    return str((simulated.world if simulated else None) or "world.toml")

@@ -1,0 +1,290 @@
+"""Real, simulated and fake devices keep one contract; one that breaks it is found."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.boards import BOARD_FAMILIES
+from drivers.boards.conformance import (
+    family_faults,
+    interlock_faults,
+    output_faults,
+    rescue_faults,
+    signal_faults,
+)
+from drivers.boards.ni.analog_output import NiVoltageOutput
+from drivers.boards.ni.connection import NiConnection
+from drivers.boards.ni.interlock import NiInterlock
+from drivers.boards.ni.rescue import NiRescue, OutputPlace
+from drivers.cameras import CAMERAS
+from drivers.cameras.capture_camera import CaptureCamera
+from drivers.cameras.conformance import camera_faults
+from drivers.cameras.iidc import IidcCapture
+from drivers.force_sensors import FORCE_SENSORS
+from drivers.force_sensors.conformance import force_sensor_faults
+from drivers.force_sensors.dpm3 import Dpm3Meter
+from drivers.force_sensors.metered_input import MeteredInput
+from drivers.interfaces import DeviceError, Frame, RealClock
+from drivers.positioners import POSITIONERS
+from drivers.positioners.conformance import positioner_faults
+from drivers.positioners.manual import ManualStage
+from drivers.positioners.zaber import ZaberStage
+from sim_hardware import serial_devices as simulated
+from sim_hardware.camera import SimulatedCapture
+from sim_hardware.clock import VirtualClock
+from tests.drivers.test_camera_virtual import CountingScene
+from tests.drivers.test_dpm3 import Load, meter_on
+from tests.drivers.test_stage_zaber import RADIUS_M, Arc, Person
+
+FOLDERS = (BOARD_FAMILIES, CAMERAS, FORCE_SENSORS, POSITIONERS)
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.what)
+def test_every_part_of_a_folder_is_a_kind_of_its_own_name(folder):
+    assert folder.parts()
+    for name, part in folder.parts().items():
+        assert folder.faults(part.part) == []
+        assert part.part.kind == name
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.what)
+def test_what_is_no_kind_is_said_so(folder):
+    assert "is needed" in folder.faults(object())[0]
+
+
+# ---------------------------------------------------------------------------------------- cameras
+
+
+def simulated_camera(clock, kind=CaptureCamera, scene=CountingScene):
+    return kind("simulated", clock, lambda _: SimulatedCapture(scene(), clock))
+
+
+def test_the_simulated_camera_keeps_the_contract():
+    clock = VirtualClock()
+    assert camera_faults(simulated_camera(clock), clock) == []
+
+
+@pytest.mark.skipif(
+    shutil.which("gcc") is None or sys.platform == "win32", reason="needs gcc for libdc1394's twin"
+)
+def test_a_firewire_camera_keeps_the_contract(tmp_path: Path):
+    library = str(tmp_path / "libfake_dc1394.so")
+    source = Path(__file__).with_name("fake_dc1394.c")
+    subprocess.run(["gcc", "-shared", "-fPIC", "-o", library, source], check=True)
+    ctypes.c_int.in_dll(ctypes.CDLL(library), "most_frames").value = 100_000
+    clock = VirtualClock()
+    guid = 0x00B09D0100112233
+    camera = CaptureCamera("iidc:", clock, lambda _: IidcCapture(guid, clock, library=library))
+    assert camera_faults(camera, clock, watch_s=0.2) == []
+
+
+class WrongType(CaptureCamera):
+    """Says that its pixels have 16 bit."""
+
+    dtype = np.dtype(np.uint16)
+
+
+class Blocking(CaptureCamera):
+    """Waits for the next frame when it is asked for those that have come."""
+
+    def frames(self) -> list[Frame]:
+        self._clock.sleep_until(self._clock.now() + 0.5)
+        return super().frames()
+
+
+class Raising(CaptureCamera):
+    """Raises an error of its own making when it runs already."""
+
+    def start(self) -> None:
+        if self._running:
+            raise RuntimeError("busy")
+        super().start()
+
+
+class Eager(CaptureCamera):
+    """Keeps frames that nobody wanted."""
+
+    def want(self, from_s: float, to_s: float) -> None:
+        self.want_all()
+
+
+class Counting(CaptureCamera):
+    """Numbers the frames that it hands over, not those that came."""
+
+    def frames(self) -> list[Frame]:
+        return [
+            Frame(number=number, time_s=frame.time_s, device_time_s=None, image=frame.image)
+            for number, frame in enumerate(super().frames())
+        ]
+
+
+class OneBuffer(CaptureCamera):
+    """Hands over the same memory with each frame."""
+
+    def frames(self) -> list[Frame]:
+        found = super().frames()
+        return [
+            Frame(number=f.number, time_s=f.time_s, device_time_s=None, image=found[0].image)
+            for f in found
+        ]
+
+
+class Dark(CaptureCamera):
+    """Sends nothing."""
+
+    def frames(self) -> list[Frame]:
+        super().frames()
+        return []
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        (WrongType, "an image is (4, 6) uint8; frame_shape and dtype are (4, 6) uint16"),
+        (Blocking, "frames took 0.50 s; at most 0.3 s are allowed"),
+        (Raising, "raised RuntimeError (busy), which is no DeviceError"),
+        (Eager, "frames came that nobody wanted"),
+        (Counting, "frames that nobody wanted do not count as frames"),
+        (OneBuffer, "share their memory"),
+        (Dark, "0 frames came"),
+    ],
+)
+def test_a_camera_that_breaks_the_contract_is_found(kind, said):
+    clock = VirtualClock()
+    found = camera_faults(simulated_camera(clock, kind), clock)
+    assert any(said in fault for fault in found), found
+
+
+# ------------------------------------------------------------------------------------- positioners
+
+
+def zaber(clock, kind=ZaberStage):
+    device = simulated.SimulatedZaberStage(Arc(), clock, homed=True)
+
+    def port(name, **settings):
+        return simulated.InMemorySerial(device, clock, port=name, **settings)
+
+    return kind("COM2", clock, RADIUS_M, serial_factory=port)
+
+
+def test_a_zaber_stage_keeps_the_contract():
+    clock = VirtualClock()
+    assert positioner_faults(zaber(clock), clock, outside_m=10.0) == []
+
+
+def test_a_stage_moved_by_hand_keeps_the_contract():
+    assert positioner_faults(ManualStage(Person(answer=True)), RealClock()) == []
+
+
+class Sloppy(ZaberStage):
+    """Believes that it has arrived."""
+
+    def position(self) -> float | None:
+        return 0.0
+
+
+def test_a_stage_that_reports_another_position_is_found():
+    clock = VirtualClock()
+    assert "after move_to(0.01) position is 0" in positioner_faults(zaber(clock, Sloppy), clock)
+
+
+# ----------------------------------------------------------------------------------- force sensors
+
+
+def test_a_dpm3_meter_keeps_the_contract():
+    clock = VirtualClock()
+    assert force_sensor_faults(meter_on(clock, Load(0.02)), clock) == []
+
+
+class InGrams(Dpm3Meter):
+    """Reports what it displays."""
+
+    def read_force(self) -> float:
+        return super().read_force() / 9.80665e-3
+
+
+def test_a_sensor_of_another_unit_is_found():
+    clock = VirtualClock()
+    device = simulated.SimulatedDpm3Meter(Load(0.02), clock, noise_N=0.0)
+
+    def port(name, **settings):
+        return simulated.InMemorySerial(device, clock, port=name, **settings)
+
+    found = force_sensor_faults(InGrams("COM1", serial_factory=port), clock)
+    assert any("the range is 0.98 N" in fault for fault in found)
+
+
+# ------------------------------------------------------------------------------------------ boards
+
+
+def test_ni_boards_keep_the_contract(ni_rig):
+    clock = ni_rig.clock
+    output = NiVoltageOutput(ni_rig.connection, clock, ni_rig.drive, 0.25)
+    assert output_faults(output, 0.25, clock) == []
+    assert signal_faults(ni_rig.signals(), clock) == []
+
+
+def test_the_ni_family_keeps_the_contract():
+    family = BOARD_FAMILIES.get("ni")
+    assert family_faults(family, family.settings(), RealClock()) == []
+
+
+def test_an_ni_line_keeps_the_contract(simulated_ni):
+    line = NiInterlock(simulated_ni.connection, simulated_ni.clock, "PCI6703/port0/line0")
+    assert interlock_faults(line, simulated_ni.clock) == []
+
+
+def test_the_rescue_of_ni_boards_keeps_the_contract(tcp_ni):
+    output = tcp_ni.output()
+    output.open()
+    output.write(0.2)
+    place = OutputPlace(
+        address=tcp_ni.connection.address,
+        output_channel=tcp_ni.drive,
+        drive_channel="PCI6034E/ai2",
+        limit_board_V=0.25,
+    )
+
+    def read_V() -> float:
+        signals = tcp_ni.signals(task_name="apart from the rescue")
+        signals.open()
+        try:
+            return float(signals.measure(0.02)[2].mean())
+        finally:
+            signals.close()
+
+    assert rescue_faults(NiRescue(place, tcp_ni.clock), tcp_ni.clock, read_V) == []
+
+
+class Unlimited(NiVoltageOutput):
+    """Checks no limit of its own."""
+
+    def write(self, board_V: float):
+        return super().write(min(max(board_V, -0.25), 0.25))
+
+
+def test_an_output_that_refuses_nothing_is_found(simulated_ni):
+    clock = simulated_ni.clock
+    output = Unlimited(simulated_ni.connection, clock, simulated_ni.drive, 0.25)
+    found = output_faults(output, 0.25, clock)
+    assert any("write(0.2525) was not refused with LimitError" in fault for fault in found)
+
+
+def test_boards_with_a_meter_keep_the_contract_of_inputs(simulated_ni):
+    clock = simulated_ni.clock
+    signals = MeteredInput(simulated_ni.signals(), meter_on(clock, Load()), clock)
+    signals.board._inputs = signals.board._inputs[1:]  # all but the force
+    signals.board._ranges = signals.board._ranges[1:]
+    assert signal_faults(signals, clock) == []
+
+
+def test_a_connection_that_is_not_open_raises_device_errors_only():
+    with pytest.raises(DeviceError):
+        NiConnection("127.0.0.1:9").devices()
