@@ -34,7 +34,7 @@ PLUGIN_FOLDERS = {
     "drivers/boards",
     "protocols/kinds",
     "model/effects",
-    "model/discrepancy/locations",
+    "model/locations",
     "sim_hardware/ni/boards",
 }
 
