@@ -36,6 +36,7 @@ PLUGIN_FOLDERS = {
     "model/effects",
     "model/locations",
     "sim_hardware/ni/boards",
+    "sim_hardware/serial_devices",
 }
 
 
