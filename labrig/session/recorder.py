@@ -105,7 +105,7 @@ class Recorder:
         self._growing.clear()
 
     def write_checksums(self) -> None:
-        """Write the sha256 of every dataset; those appended to here are known without reading them."""
+        """Write the sha256 of every dataset; those appended here are known without reading them."""
         self.put()
         table = self._file[layout.CHECKSUMS]
         rows = table[()]
