@@ -16,9 +16,9 @@ from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
-from labrig.experiment.wiring import wire
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
 from protocols.execution.channels import FORCE_N
@@ -86,7 +86,7 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
         _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
-        hub.add_watcher("the progress display", show)
+        hub.add_best_effort("the progress display", show)
         rig = wire(plan, operator, hub.emit)
         return run_session(rig, plan, output, stop, hub, resumption=resumption)
 
@@ -100,9 +100,9 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         stop = StopRequest()
         hub = EventBus(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
-        hub.add_critical("the recording", director.follow)
+        hub.add_required("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
-            hub.add_watcher("the progress display", show)
+            hub.add_best_effort("the progress display", show)
             return run_session(rig, plan, path, stop, hub, check_first=False)
 
 

@@ -13,11 +13,12 @@ import numpy as np
 from drivers.interfaces import Camera, DeviceError, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
-from labrig.config.templates import NOT_CALIBRATED, template_path
+from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
-from labrig.experiment.rig import DRIVE, Rig, opened
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import DRIVE, Rig, opened
+from labrig.plausibility import calibration_age
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
@@ -29,7 +30,7 @@ _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
     from labrig.experiment.operator import NoOperator
-    from labrig.experiment.wiring import wire
+    from labrig.experiment.rig.wiring import wire
 
     plan = plan_of(rig, protocol, sheet)
     wired = wire(plan, NoOperator(lambda _text: None))
@@ -37,7 +38,7 @@ def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None
 
 
 def plan_of(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> Plan:
-    """A plan for what needs the rig but no particular experiment."""
+    """Return a plan for what needs the rig but no particular experiment."""
     return load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
 
 
@@ -59,17 +60,20 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
 
 
 def look(rig: Rig, plan: Plan) -> list[Check]:
-    """The checks that need the open devices."""
+    """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
-        checks += _camera(rig, rig.camera, plan)
+        checks += camera_checks(rig, rig.camera, plan)
     return checks
 
 
 def calibrations(plan: Plan) -> Iterator[Check]:
     """How old they are. Needs no device."""
     cell, camera, optics = plan.rig.load_cell, plan.rig.camera, plan.optics
-    yield _age("load cell calibration", plan.calibration.date, cell.warn_after_days)
+    today = dt.datetime.now(dt.UTC).date()
+    yield calibration_age(
+        "load cell calibration", plan.calibration.date, cell.warn_after_days, today
+    )
     if camera is not None and optics is not None and optics.date:
         try:
             date = dt.date.fromisoformat(optics.date[:10])
@@ -77,17 +81,7 @@ def calibrations(plan: Plan) -> Iterator[Check]:
             found, wanted = f"dated {optics.date!r}", "a date such as 2026-11-02"
             yield Check("camera calibration", ok=False, found=found, wanted=wanted)
         else:
-            yield _age("camera calibration", date, camera.warn_after_days)
-
-
-def _age(name: str, date: dt.date, limit: int) -> Check:
-    days = (dt.datetime.now(dt.UTC).date() - date).days
-    wanted = f"at most {limit} days"
-    if days < 0:
-        return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
-    if date == NOT_CALIBRATED:
-        return Check(name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True)
-    return Check(name, ok=True, found=f"{days} days old", wanted=wanted, warning=days > limit)
+            yield calibration_age("camera calibration", date, camera.warn_after_days, today)
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:
@@ -151,7 +145,8 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
     return [float(np.mean(part)) for part in np.array_split(values, parts)]
 
 
-def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+    """Yield what a camera's images show: their size, their rate, and that they are not blank."""
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(

@@ -19,7 +19,7 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution import events as ev
 
@@ -135,12 +135,12 @@ def _retold(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
     shape = run.image(0).shape if run.frame_count else None
     yield ev.RunStarted(
         zero_s,
-        planned,
-        clock,
-        run.channels,
-        None if shape is None else (shape[0], shape[1]),
-        run.stage_position_m,
-        run.since_wetting_s,
+        run=planned,
+        sample_clock=clock,
+        channels=run.channels,
+        frame_shape=None if shape is None else (shape[0], shape[1]),
+        stage_position_m=run.stage_position_m,
+        since_wetting_s=run.since_wetting_s,
     )
     yield from _writes(run, shift_s)
     volts = np.stack([run.signal_V(name) for name in run.channels])
@@ -152,14 +152,14 @@ def _retold(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
         reading = int(mark["reading"])
         yield ev.ReadingMarked(
             float(mark["time_s"]) + shift_s,
-            planned.index,
-            None if reading < 0 else reading,
-            str(mark["why"]),
-            str(mark["who"]),
+            run=planned.index,
+            reading=None if reading < 0 else reading,
+            why=str(mark["why"]),
+            who=str(mark["who"]),
         )
     yield ev.RunStopped(
         zero_s + planned.duration_s,
-        planned.index,
+        run=planned.index,
         completed=True,
         lost_samples=counts.lost_samples,
         frames_grabbed=counts.frames_grabbed,
@@ -172,7 +172,9 @@ def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
         before_s, after_s = float(row["before_s"]) + shift_s, float(row["after_s"]) + shift_s
         write = VoltageWrite(float(row["sheet_V"]), float(row["board_V"]), before_s, after_s)
         due_s = float(row["due_s"]) + shift_s
-        yield ev.VoltageSet(after_s, run.planned.index, int(row["step"]), due_s, write)
+        yield ev.VoltageSet(
+            after_s, run=run.planned.index, step=int(row["step"]), due_s=due_s, write=write
+        )
 
 
 def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:
@@ -205,8 +207,8 @@ def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.Fr
 def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:
     device_s = float(run.frame_column("device_time")[row])
     return Frame(
-        int(run.frame_column("number")[row]),
-        float(run.frame_column("time")[row]) + zero_s,
-        None if np.isnan(device_s) else device_s,
-        run.image(row),
+        number=int(run.frame_column("number")[row]),
+        time_s=float(run.frame_column("time")[row]) + zero_s,
+        device_time_s=None if np.isnan(device_s) else device_s,
+        image=run.image(row),
     )

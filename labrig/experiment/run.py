@@ -12,7 +12,8 @@ from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.resume import Resumption
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.parts_in_use import parts_in_use
+from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
@@ -111,13 +112,13 @@ def _record(
     if resumption is not None:
         resumption.check_rig(rig)
     writer = _writer(rig, job.plan, path)
-    hub.add_critical("the session file", writer.handle)
+    hub.add_required("the session file", writer.handle)
     try:
         if resumption is not None:
             resumption.tell(writer.handle, rig.clock.now())
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
-            hub.add_critical("the output guard", _run_counter(watchdog))
+            hub.add_required("the output guard", _run_counter(watchdog))
             scheduler = _scheduler(job)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
@@ -162,6 +163,7 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
         frame_dtype="uint8" if camera is None else camera.dtype,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
         simulated=rig.config.is_simulated,
+        parts=parts_in_use(rig.config),
     )
 
 

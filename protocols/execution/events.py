@@ -70,7 +70,7 @@ class OperatorAnswered(Event):
     done: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunStarted(Event):
     """Acquisition runs; `time_s` is the run's time 0, at which the first step is due."""
 
@@ -82,7 +82,7 @@ class RunStarted(Event):
     since_wetting_s: float | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class VoltageSet(Event):
     """A step was written; `time_s` is the moment just after the device confirmed it."""
 
@@ -100,7 +100,7 @@ class SignalsArrived(Event):
     block: SignalBlock
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadingTaken(Event):
     """One reading, as seen while running; the analysis makes it anew from the raw samples."""
 
@@ -123,7 +123,7 @@ class FramesArrived(Event):
     frames: tuple[Frame, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReadingMarked(Event):
     """The operator, or a rule, has declared a reading (None: the whole run) invalid."""
 
@@ -156,7 +156,7 @@ class Warned(Event):
     text: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunStopped(Event):
     """The run's acquisition has ended."""
 
@@ -167,7 +167,7 @@ class RunStopped(Event):
     frames_dropped: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SessionStopped(Event):
     """The last event, always sent, after the output was made safe or could not be."""
 

@@ -22,7 +22,7 @@ class Filtered:
 def symmetric_mean(
     samples: npt.ArrayLike, centre_index: float, half_window_samples: float
 ) -> Filtered:
-    """The signal at a fractional index, from the samples within ± `half_window_samples` of it.
+    """Return the signal at a fractional index, from the samples within the half window of it.
 
     `samples` has shape (..., n); sample i of the last axis has index i. The value is that of a
     straight line at the centre, fitted with Hann weights that fall to 0 at the window's ends. So

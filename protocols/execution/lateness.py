@@ -12,7 +12,7 @@ from protocols.execution.events import VoltageSet
 
 
 def written_s(write: VoltageWrite) -> float:
-    """The moment at which a write counts as done: midway between sending and confirmation, s."""
+    """Return when a write counts as done: midway between sending and confirmation, s."""
     return (write.before_s + write.after_s) / 2
 
 

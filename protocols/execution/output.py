@@ -1,4 +1,4 @@
-"""The output as a session uses it: every change of its state is told."""
+"""The output as a session uses it: every change of its state is reported."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class GuardedOutput:
         self._emit = emit
         self._on_energised = on_energised
         self._on_guard = False
-        self._told: OutputState | None = None
+        self._reported: OutputState | None = None
         self.state = OutputState.UNKNOWN
         self.energised_once = False
 
@@ -55,9 +55,9 @@ class GuardedOutput:
         return self.state in (OutputState.ARMED, OutputState.SAFE)
 
     def write(self, sheet_V: float) -> VoltageWrite:
-        """Write a voltage, at once; `tell` is for when the edge is over.
+        """Write a voltage, at once; `report` is for when the edge is over.
 
-        Guarding ends here and not with the telling, which may take long: a guard that hears no
+        Guarding ends here and not with the report, which may take long: a guard that hears no
         beat meanwhile would take this program for dead.
         """
         if sheet_V != 0.0 and not self._on_guard:
@@ -74,24 +74,24 @@ class GuardedOutput:
 
     def zero(self) -> VoltageWrite | None:
         """Write 0 V at once; never raises. None: it could not be written, and is still to be."""
-        with suppress(Exception):  # what matters now is 0 V; the state tells of the failure
+        with suppress(Exception):  # what matters now is 0 V; the state shows the failure
             return self.write(0.0)
         return None
 
-    def tell(self, why: str) -> None:
+    def report(self, why: str) -> None:
         """Emit the state when it has changed."""
-        if self.state is not self._told:
-            self._told = self.state
+        if self.state is not self._reported:
+            self._reported = self.state
             self._emit(OutputChanged(self._clock.now(), self.state, why))
 
     def settle(self, make_safe: MakeSafe) -> str:
-        """The end: make safe, and settle on SAFE or UNKNOWN; how it went in words."""
+        """Make safe at the end, settle on SAFE or UNKNOWN, and return how it went in words."""
         self.state = OutputState.UNKNOWN
         made = make_safe()
         if made.is_safe:
             self.state = OutputState.SAFE
             if self._on_guard:
                 self._on_guard = False
-                with suppress(Exception):  # a guard that is gone need not be told
+                with suppress(Exception):  # a guard that is gone need not know
                     self._on_energised(False)  # noqa: FBT003 - as above
         return made.text

@@ -26,7 +26,7 @@ from protocols.planning.schedule import PlannedReading, PlannedRun
 CENTRE_DECIMALS = 6  # of a sample
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Pending:
     """A reading whose edge has been written."""
 
@@ -80,13 +80,13 @@ class ReadingMaker:
         return bool(self._pending)
 
     def edge(self, event: VoltageSet) -> None:
-        """A step was written: its readings are due."""
+        """Expect the readings of a step that was written."""
         for planned in self._run.readings:
             if planned.step == event.step:
                 self._expect(planned, event)
 
     def forget_after(self, run_s: float) -> None:
-        """The run is cut short at its time `run_s`: readings not over by plan will not be made.
+        """Drop the readings that are not over by plan at the run's time `run_s`: it is cut short.
 
         By plan, because the window of a pulse that is over ends a little later than its pulse
         when its edge was written a little late.
@@ -95,7 +95,7 @@ class ReadingMaker:
         self._pending = deque(over)
 
     def add_block(self, block: SignalBlock) -> None:
-        """Samples have arrived."""
+        """Add samples that have arrived."""
         self.samples.add(block)
 
     def add_frames(self, frames: Sequence[Frame]) -> None:
@@ -103,7 +103,7 @@ class ReadingMaker:
         self._frames.extend(frames)
 
     def complete(self, now_s: float) -> Iterator[ReadingTaken | FramesArrived]:
-        """Readings that are complete by now, and frames that no reading can want any more."""
+        """Yield readings that are complete by now, and frames that no reading can want any more."""
         while self._pending and self._is_complete(self._pending[0], now_s):
             yield self._make(self._pending.popleft(), now_s)
         self._forget_samples()
@@ -111,7 +111,7 @@ class ReadingMaker:
         yield from self._release_frames(first_s - self._reach_s, now_s)
 
     def leftover_frames(self, now_s: float) -> Iterator[FramesArrived]:
-        """The run is over: the frames that went with no reading, when all are kept."""
+        """Yield the frames that went with no reading, when all are kept and the run is over."""
         yield from self._release_frames(float("inf"), now_s)
 
     def _planned_end_s(self, planned: PlannedReading) -> float:
@@ -124,7 +124,15 @@ class ReadingMaker:
         # replayed has the same readings to the last bit.
         centre = round(self._sample_clock.index_at(sample_s), CENTRE_DECIMALS)
         half_window = planned.half_window_s * self._sample_clock.rate_hz
-        self._pending.append(_Pending(planned, event, sample_s, centre, half_window))
+        self._pending.append(
+            _Pending(
+                planned=planned,
+                edge=event,
+                sample_s=sample_s,
+                centre=centre,
+                half_window=half_window,
+            )
+        )
         if self._devices.camera is not None and not self._keep_all:
             self._devices.camera.want(sample_s - self._reach_s, sample_s + self._reach_s)
 

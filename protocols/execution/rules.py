@@ -13,7 +13,7 @@ _COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether the
 AT_THE_RAIL = 0.999  # of the input's range: the last counts of the converter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Rules:
     """Thresholds beyond which a reading is invalid."""
 
@@ -24,7 +24,7 @@ class Rules:
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoopTiming:
     """Times of the loop, s."""
 
@@ -38,7 +38,7 @@ class LoopTiming:
 
 
 def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:
-    """A reason when the reading's own edge came late."""
+    """Yield a reason when the reading's own edge came late."""
     if lateness_s > rules.late_edge_s:
         yield (
             f"its edge came {lateness_s * 1e3:.1f} ms late (limit {rules.late_edge_s * 1e3:g} ms)"
@@ -57,7 +57,7 @@ def bad_samples(
 
 
 def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]:
-    """A reason when the sheet did not get what was written."""
+    """Yield a reason when the sheet did not get what was written."""
     if abs(drive_V - written_V) > rules.drive_tolerance_V:
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
 

@@ -1,4 +1,4 @@
-"""Executes one run: edges at their times, everything else in between."""
+"""Execute one run: edges at their times, everything else in between."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel, StopRequest
 from protocols.planning.schedule import PlannedRun
 
-# Making safe goes on, and may take its time; until then only hands can act.
+# Making safe continues, and may take its time; until then only hands can act.
 NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
-OVERDUE_S = 0.5  # a look at the signals so long overdue is taken although an edge is near
+OVERDUE_S = 0.5  # service so long overdue happens although an edge is near
 
 
 class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
     """The session is to end; the text is the reason that was given."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Loop:
     """What all runs of a session are executed with."""
 
@@ -48,16 +48,16 @@ class Loop:
     keep_all_frames: bool
 
     def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
-        """Do something while cleaning up: what goes wrong is told and does not stop the rest."""
+        """Do something while cleaning up: a failure is reported and does not stop the rest."""
         try:
             act()
-        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up goes on
+        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up continues
             with suppress(Exception):
                 self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
             return error
         return None
 
-    def tell_if_possible(self, event: Event) -> None:
+    def emit_if_possible(self, event: Event) -> None:
         """Emit an event while cleaning up after a failure, which may be the recording's own."""
         with suppress(Exception):
             self.emit(event)
@@ -66,7 +66,7 @@ class Loop:
 class RunLoop:
     """One run, from the start of the acquisition to its end.
 
-    Edges have priority: between them the loop looks at signals, frames and the stop request every
+    Edges have priority: between them the loop reads signals, frames and the stop request every
     `LoopTiming.service_s`, but not when the next edge is nearer than that takes. Whatever is
     raised, by a device or by a subscriber, 0 V is written before anything else happens.
     """
@@ -89,7 +89,7 @@ class RunLoop:
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
         self._last_sample_s = 0.0
-        self._cost_s = 0.0  # of a look, recently
+        self._cost_s = 0.0  # of servicing, recently
 
     def execute(self) -> None:
         """Run it. Raises Stopped, DeviceError, or whatever else went wrong; at 0 V in any case."""
@@ -169,17 +169,17 @@ class RunLoop:
         return self._loop.stop.level is not StopLevel.NONE and not last
 
     def _follow_up(self, step: int, due_s: float, write: VoltageWrite) -> None:
-        """An edge has been written: expect its readings, and tell."""
-        event = VoltageSet(write.after_s, self._run.index, step, due_s, write)
+        """Expect the readings of an edge that was written, and emit it."""
+        event = VoltageSet(write.after_s, run=self._run.index, step=step, due_s=due_s, write=write)
         if self._maker is not None:
             self._maker.edge(event)
         self._loop.emit(event)
-        # Told when the state changes, and not with each pulse: which voltage it was is soon wrong.
-        self._loop.output.tell("0 V written" if write.sheet_V == 0.0 else "a voltage was written")
+        # Reported when the state changes, not with each pulse: the voltage is soon another one.
+        self._loop.output.report("0 V written" if write.sheet_V == 0.0 else "a voltage was written")
         self._loop.beat()
 
     def _tail(self, maker: ReadingMaker) -> None:
-        """Go on until the last readings are complete, and a little longer."""
+        """Continue until the last readings are complete, and a little longer."""
         loop = self._loop
         loop.enter(RunState.TAILING)
         self._until(loop.clock.now() + loop.timing.tail_s, maker, patient=True)
@@ -188,7 +188,7 @@ class RunLoop:
             self._service(maker)
 
     def _until(self, when_s: float, maker: ReadingMaker, *, patient: bool = False) -> bool:
-        """Wait and look after everything until a moment; False as soon as the run is to end.
+        """Wait and service the devices until a moment; False as soon as the run is to end.
 
         `patient`: a request to stop after the pulse is being followed already.
         """
@@ -215,7 +215,7 @@ class RunLoop:
         return now_s >= self._next_service_s and (when_s - now_s > margin_s or overdue)
 
     def _service(self, maker: ReadingMaker) -> None:
-        """Take what has arrived, tell of it, and make the readings that are complete."""
+        """Take what has arrived, emit it, and make the readings that are complete."""
         loop, devices = self._loop, self._loop.devices
         began_s = loop.clock.now()
         self._next_service_s = began_s + loop.timing.service_s
@@ -241,7 +241,7 @@ class RunLoop:
             )
 
     def _return_to_zero(self, why: str) -> None:
-        """0 V first, then the events that tell of it; never raises.
+        """Write 0 V first, then emit the events about it; never raise.
 
         It counts as the last step, which is the planned return to 0 V, done early.
         """
@@ -250,20 +250,22 @@ class RunLoop:
         write = loop.output.zero()
         if write is not None and self._maker is not None and not was_at_zero:
             last = len(self._run.steps) - 1
-            loop.tell_if_possible(
-                VoltageSet(write.after_s, self._run.index, last, write.before_s, write)
+            loop.emit_if_possible(
+                VoltageSet(
+                    write.after_s, run=self._run.index, step=last, due_s=write.before_s, write=write
+                )
             )
-        told = why if write is not None else NOT_ZERO.format(why=why)
-        loop.guarded("telling what the output is at", lambda: loop.output.tell(told))
+        text = why if write is not None else NOT_ZERO.format(why=why)
+        loop.guarded("reporting the output", lambda: loop.output.report(text))
 
     def _end(self, *, completed: bool) -> None:
-        """Stop the acquisition, each device for itself, and tell of it.
+        """Stop the acquisition, each device for itself, and emit its end.
 
         Raises only after a completed run: what a subscriber raises, or a device that cannot be
         stopped, and so not be started again for the next run.
         """
         loop, devices, maker = self._loop, self._loop.devices, self._maker
-        tell = loop.emit if completed else loop.tell_if_possible
+        emit = loop.emit if completed else loop.emit_if_possible
         if maker is not None and not completed:
             loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
         failed = loop.guarded("stopping the signal input", devices.signals.stop)
@@ -271,11 +273,11 @@ class RunLoop:
             camera_failed = loop.guarded("stopping the camera", devices.camera.stop)
             failed = failed or camera_failed
         if maker is None:
-            return  # RunStarted was never told
+            return  # RunStarted was never emitted
         grabbed, dropped = self._last_frames(maker)
         for event in maker.leftover_frames(loop.clock.now()):
-            tell(event)
-        tell(
+            emit(event)
+        emit(
             RunStopped(
                 time_s=loop.clock.now(),
                 run=self._run.index,

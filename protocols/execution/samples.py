@@ -40,7 +40,7 @@ class SampleBuffer:
             self._blocks.popleft()
 
     def between(self, first: int, last: int) -> FloatArray:
-        """Samples `first` to `last`, both included, as (channels, samples)."""
+        """Return samples `first` to `last`, both included, as (channels, samples)."""
         found = np.full((self._channels, last - first + 1), np.nan)
         for block in self._blocks:
             start, end = max(first, block.first_index), min(last + 1, _end(block))

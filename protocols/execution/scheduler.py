@@ -1,4 +1,51 @@
-"""Runs a schedule on a clock, and leaves the output at 0 V whatever happens."""
+"""Run a schedule on a clock, and leave the output at 0 V whatever happens.
+
+States of a session (`RunState`), and what is guaranteed in each::
+
+                   run()
+        IDLE --------------> PREPARING <-----------------------------.
+                                 |                                   |
+                                 | operator and stage are done       | next run
+                                 v                                   |
+                             LEADING_IN                              |
+                                 |                                   |
+                                 | first step written                |
+                                 v        last step, at 0 V          |
+                              RUNNING -----------------------> TAILING
+                                 |                               |
+               stop, answer "no",|                               | last run done,
+               fault, exception  |   (also from PREPARING,       | or stop after
+                                 |    LEADING_IN and TAILING)    | this pulse
+                                 v                               v
+                             STOPPING <--------------------------'
+                              |     |
+         0 V read back        |     |   0 V not confirmed
+        FINISHED <------------'     '-----------------> UNKNOWN
+
+=========== ============================= =======================================================
+State       Output                        Guarantee
+=========== ============================= =======================================================
+IDLE        as the caller left it         `run` may be called, once; nothing was written
+PREPARING   0 V                           operator and stage may take any time; no acquisition
+LEADING_IN  0 V                           signals and camera are acquired before the first step
+RUNNING     as the schedule says          `beat` at least every 50 ms while energised
+TAILING     0 V                           acquisition until the last reading is complete
+STOPPING    0 V is written first          `make_safe` is called once; no other voltage is written
+FINISHED    0 V, read back                `SessionStopped` was the last event; `status` says why
+UNKNOWN     may be live                   as FINISHED; the reason says what hands must do
+=========== ============================= =======================================================
+
+Who causes a transition:
+
+- `run` starts the session and carries it from run to run, on the caller's thread.
+- `StopRequest.request` may be called from any thread or signal handler. `NOW` is obeyed within
+  50 ms. `AFTER_PULSE` is obeyed at once at 0 V, else when the pulse and its reading are over: the
+  run then goes through TAILING. Neither can be withdrawn.
+- The operator causes STOPPING by answering "no"; so does a stage whose move is not done.
+- A device (`DeviceError`), a required subscriber (`SubscriberError`), the overload check or any
+  other exception causes STOPPING. 0 V is written before an event is emitted about it.
+- `mark` changes no state; it may be called from any thread until FINISHED or UNKNOWN.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +81,7 @@ from protocols.planning.schedule import PlannedRun, Schedule
 
 
 class _Declined(Exception):  # noqa: N818 - not an error: an answer
-    """The operator has said no."""
+    """The operator has answered no."""
 
 
 class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while asking
@@ -42,7 +89,7 @@ class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while as
 
 
 def utc_now() -> str:
-    """The time of day as ISO 8601, UTC."""
+    """Return the time of day as ISO 8601, UTC."""
     return dt.datetime.now(dt.UTC).isoformat(timespec="milliseconds")
 
 
@@ -55,28 +102,15 @@ def _no_guard(energised: bool) -> None:
 
 
 class Scheduler:
-    """Executes one schedule.
+    """Execute one schedule; the module's docstring has the states and their guarantees.
 
-    ::
-
-        IDLE -> PREPARING -> LEADING_IN -> RUNNING -> TAILING -.
-                    ^                                          |
-                    |---------------- next run <---------------|
-                    |                                          | last run
-                    |   stop, declined, fault: from any state  v
-                    '----------------------------------> STOPPING -> FINISHED
-                                                                 '-> UNKNOWN
-
-    The devices are open, and stay so; the caller closes them. Preparing happens at 0 V. On a
-    stop request or any exception 0 V is written first, then the events are told. `run` raises
-    ScheduleError, before anything is touched, when the schedule is not within the limits; else
-    SessionStopped is always the last event, with the output's state as read back, and `status`
-    holds the reason.
+    The devices are open, and stay so; the caller closes them. `run` raises ScheduleError, before
+    anything is touched, when the schedule is not within the limits.
 
     `beat` is called at least every 50 ms while the sheet is energised, `on_energised` before the
-    first voltage and after 0 V was confirmed: a guard process is fed by them. `make_safe` is the
-    one way out: called once, at the end, however that comes. `emit` may raise: the session then
-    ends safely. It must not block for long: a guard takes that for a hang.
+    first voltage and after 0 V was confirmed: they feed a guard process. `make_safe` is called
+    once, at the end, however that comes. `emit` may raise: the session then ends safely. It must
+    not block for long: a guard takes that for a hang.
     """
 
     def __init__(
@@ -125,11 +159,11 @@ class Scheduler:
         self._situation = Situation()
         self._wetted_s: float | None = None
         self._started: set[int] = set()
-        self._taken: set[tuple[int, int]] = set()
+        self._acquired: set[tuple[int, int]] = set()
 
     @property
     def status(self) -> Status:
-        """What is going on, or why it ended. May be asked from any thread."""
+        """Snapshot of the session: its state, or why it ended. May be read from any thread."""
         return self._status
 
     def run(self, schedule: Schedule, done: Collection[int] = ()) -> Outcome:
@@ -151,23 +185,23 @@ class Scheduler:
     def mark(self, run: int, reading: int | None, why: str, who: str) -> None:
         """Declare a reading (None: a whole run) invalid. May be called from any thread.
 
-        Raises ScheduleError for what has not been taken yet or when the session is over.
+        Raises ScheduleError for what has not been acquired yet or when the session is over.
         """
         with self._emit_lock:
             if self._status.state in (RunState.FINISHED, RunState.UNKNOWN):
                 raise ScheduleError("the session is over; mark the reading in its file")
             if run not in self._started:
                 raise ScheduleError(f"run {run + 1} has not begun, so nothing of it can be marked")
-            if reading is not None and (run, reading) not in self._taken:
-                raise ScheduleError(f"reading {reading} of run {run + 1} has not been taken yet")
-            self._emit(ReadingMarked(self._clock.now(), run, reading, why, who))
+            if reading is not None and (run, reading) not in self._acquired:
+                raise ScheduleError(f"reading {reading} of run {run + 1} has not been acquired yet")
+            self._emit(ReadingMarked(self._clock.now(), run=run, reading=reading, why=why, who=who))
 
     def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:
         self._enter(RunState.PREPARING)
         self._emit(SessionStarted(self._clock.now(), self._wall()))
         self._devices.rows()
         self._output.write(0.0)
-        self._output.tell("the session begins at 0 V")
+        self._output.report("the session begins at 0 V")
         for run in schedule.runs:
             if run.index in done:
                 continue
@@ -178,23 +212,23 @@ class Scheduler:
             ).execute()
 
     def _prepare(self, run: PlannedRun) -> float | None:
-        """Ask and move; the position that the stage reports."""
+        """Ask and move; return the position that the stage reports."""
         self._obey_stop()
         actions, after = preparation(self._situation, run)
         for action in actions:
-            done, asked = self._have_done(action)
+            done, request = self._have_done(action)
             self._obey_stop()
             if not done:
-                raise _Declined(f"the operator was asked {asked} and stopped the session")
+                raise _Declined(f"the operator was asked {request} and stopped the session")
         self._situation = after
         return self._reported_position(run)
 
     def _have_done(self, action: Action) -> tuple[bool, str]:
-        """Whether something has been done, and what was asked for, in words."""
+        """Return whether something has been done, and what the operator was asked for, in words."""
         try:
             if isinstance(action, Move):
-                asked = f"to move the load cell to {action.position_m * 1e3:g} mm"
-                return self._devices.stage.move_to(action.position_m), asked
+                request = f"to move the load cell to {action.position_m * 1e3:g} mm"
+                return self._devices.stage.move_to(action.position_m), request
             return self._ask(action), f"({action.text})"
         except (DeviceError, SubscriberError):
             raise
@@ -240,7 +274,7 @@ class Scheduler:
             if isinstance(event, RunStarted):
                 self._started.add(event.run.index)
             elif isinstance(event, ReadingTaken):
-                self._taken.add((event.run, event.planned.index))
+                self._acquired.add((event.run, event.planned.index))
             try:
                 self._subscribers(event)
             except SubscriberError:
@@ -249,19 +283,25 @@ class Scheduler:
                 raise SubscriberError(f"{type(error).__name__}: {error}") from error
 
     def _finish(self, finish: FinishReason, text: str, error: BaseException | None) -> Outcome:
-        """Make safe, tell the end, and settle the status; never raises."""
+        """Make safe, emit the end, and settle the status; never raises."""
         self._enter(RunState.STOPPING)
         found = self._output.settle(self._make_safe)
-        self._loop.guarded("telling the state of the output", lambda: self._output.tell(found))
+        self._loop.guarded("reporting the state of the output", lambda: self._output.report(found))
         state = self._output.state
         # What hands must do comes first, however much there is to say.
         reason = text if state is OutputState.SAFE else f"{found}; what ended the session: {text}"
         with self._emit_lock:
             try:
                 self._emit(
-                    SessionStopped(self._clock.now(), finish.outcome, reason, state, self._wall())
+                    SessionStopped(
+                        self._clock.now(),
+                        outcome=finish.outcome,
+                        reason=reason,
+                        output=state,
+                        wall=self._wall(),
+                    )
                 )
-            except Exception as failed:  # noqa: BLE001 - there is nobody left to tell but the caller
+            except Exception as failed:  # noqa: BLE001 - only the caller is left to know
                 if finish is FinishReason.COMPLETED:
                     finish, error = FinishReason.RECORDING_FAULT, failed
                     reason = f"all runs are done, but their end could not be recorded: {failed}"
@@ -279,7 +319,7 @@ class Scheduler:
 
 
 def _reason(error: BaseException) -> tuple[FinishReason, str]:
-    """What an exception means for the session, and the sentence for the operator."""
+    """Return what an exception means for the session, and the sentence for the operator."""
     text = str(error) or type(error).__name__
     if isinstance(error, Stopped):
         return FinishReason.STOP_REQUESTED, text

@@ -48,7 +48,7 @@ _OUTCOMES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Status:
     """A snapshot for other threads; a new one replaces it as a whole."""
 

@@ -110,7 +110,7 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
 
 
 def _bound_faults(protocol: ProtocolKind) -> Iterator[str]:
-    """What it accepts although its own bounds exclude it."""
+    """Yield what it accepts although its own bounds exclude it."""
     for field in fields(protocol):
         is_tuple = isinstance(getattr(protocol, field.name), tuple)
         bounds = field.metadata.get("items", {}) if is_tuple else field.metadata

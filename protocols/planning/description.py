@@ -25,7 +25,7 @@ MOVE_TAKES_S = 10.0
 OTHER_TAKES_S = 10.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanRow:
     """One run, as `labrig plan` shows it."""
 
@@ -53,7 +53,7 @@ class ScheduleDescription:
     under_voltage_s: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Timeline:
     """A run as a line: `voltage_V[i]` from `time_s[i]` to `time_s[i + 1]`, drawn with corners."""
 
@@ -65,7 +65,7 @@ class Timeline:
 
 
 def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDescription:
-    """Times, voltages and readings of every run, and an estimate of the whole session's time."""
+    """Return times, voltages and readings of every run, and an estimate of the session's time."""
     timing = timing or LoopTiming()
     situation, clock_s, rows = Situation(), 0.0, []
     for run in schedule.runs:
@@ -82,7 +82,7 @@ def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDe
 
 
 def timeline(run: PlannedRun) -> Timeline:
-    """What to draw of a run: corners of the voltage, and the readings."""
+    """Return what to draw of a run: corners of the voltage, and the readings."""
     time_s, voltage_V = [0.0], [0.0]
     for step in run.steps:
         time_s += [step.time_s, step.time_s]

@@ -71,7 +71,7 @@ def _faults_of_runs(schedule: Schedule, limits: SafetyLimits | None) -> list[str
 
 
 def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
-    """What of a run is beyond the limits, a phrase each."""
+    """Yield what of a run is beyond the limits, a phrase each."""
     largest_V = max((abs(step.voltage_V) for step in run.steps), default=0.0)
     if not largest_V <= limits.sheet_voltage_V:
         yield (
@@ -95,7 +95,7 @@ def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
 
 
 def structure_faults(run: PlannedRun) -> Iterator[str]:
-    """What of a run makes no sense whatever the limits, a phrase each."""
+    """Yield what of a run makes no sense whatever the limits, a phrase each."""
     times_s = [step.time_s for step in run.steps]
     if not run.steps:
         yield "it has no steps"

@@ -36,7 +36,7 @@ class VoltageStep:
     voltage_V: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlannedReading:
     """A reading `delay_s` after its step *as written*, filtered over ± `half_window_s`."""
 
@@ -48,7 +48,7 @@ class PlannedReading:
     kind: ReadingKind
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlannedRun:
     """Everything that happens at one setting of sheet and load cell, without a pause."""
 

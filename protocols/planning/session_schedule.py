@@ -35,7 +35,7 @@ class Place:
             raise ScheduleError(f"places: a position of {self.configuration} is there twice")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Extras:
     """Minutes at the rig that decide what can be known afterwards. As made here: none of them."""
 
@@ -106,7 +106,7 @@ class _Planner:
         self._load_cell_zero = _load_cell_zero(protocol)
 
     def weigh(self, configuration: str) -> None:
-        """The dead weights, after a reading without any."""
+        """Return the dead weights, after a reading without any."""
         loads_N = self._extras.dead_weights_N
         for load_N in (0.0, *loads_N) if loads_N else ():
             self._add(configuration, None, Purpose.DEAD_WEIGHT, self._load_cell_zero, load_N=load_N)

@@ -13,9 +13,10 @@ import h5py
 import numpy as np
 import pytest
 
-from labrig.session import layout, store_measurements
-from labrig.session.create import put_text
-from labrig.session.journal import journal_path
+from labrig.session import store_measurements
+from labrig.session.format import layout
+from labrig.session.recording.create import put_text
+from labrig.session.recording.journal import journal_path
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told
 from tests.labrig.session.measured import measurements
@@ -286,7 +287,7 @@ def _other_leaf(text: str, dice: random.Random) -> str:
 @pytest.mark.slow
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    odd = (np.int64(2), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
+    odd = (np.int64(3), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
     for value in odd:
         shutil.copy(sound, path)
         with h5py.File(path, "r+") as file:

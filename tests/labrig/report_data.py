@@ -130,7 +130,11 @@ def stopped_session(path: Path, after_runs: int) -> Path:
             writer.handle(event)
             done += isinstance(event, ev.RunStopped)
         last = ev.SessionStopped(
-            event.time_s, ev.Outcome.ABORTED, "stopped by Ctrl-C", ev.OutputState.SAFE, "2026"
+            event.time_s,
+            outcome=ev.Outcome.ABORTED,
+            reason="stopped by Ctrl-C",
+            output=ev.OutputState.SAFE,
+            wall="2026",
         )
         writer.handle(last)
     return path

@@ -61,7 +61,13 @@ def test_a_timeline_has_two_corners_at_each_edge():
 
 def test_lateness_is_counted_from_the_middle_of_the_write():
     events = [
-        VoltageSet(1.0, 0, i, 1.0, VoltageWrite(2.0, 0.2, 1.0 + late_s - 1e-4, 1.0 + late_s + 1e-4))
+        VoltageSet(
+            1.0,
+            run=0,
+            step=i,
+            due_s=1.0,
+            write=VoltageWrite(2.0, 0.2, 1.0 + late_s - 1e-4, 1.0 + late_s + 1e-4),
+        )
         for i, late_s in enumerate([0.001] * 98 + [0.002, 0.009])
     ]
     found = lateness_of([Warned(0.0, "x"), *events])

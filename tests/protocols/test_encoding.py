@@ -18,7 +18,9 @@ from protocols import (
 )
 from protocols.kinds.pulse_train import PulseTrain
 
-EXTRAS = Extras(3, 1, no_touch_zero=True, free_shapes=True, dead_weights_N=(0.02,))
+EXTRAS = Extras(
+    random_order_seed=3, remounts=1, no_touch_zero=True, free_shapes=True, dead_weights_N=(0.02,)
+)
 SCHEDULE = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=EXTRAS)
 
 

@@ -211,8 +211,8 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
             if next(count) >= k:
                 raise OSError("disk full")
 
-        hub.add_critical("the session file", write)
-        hub.add_watcher("progress", watched.append)
+        hub.add_required("the session file", write)
+        hub.add_best_effort("progress", watched.append)
         scheduler = broken.scheduler(emit=hub.emit, timing=COARSE)
         assert scheduler.run(short_schedule()) is Outcome.FAILED
         assert scheduler.status.finish is FinishReason.RECORDING_FAULT
@@ -225,9 +225,9 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
 def test_a_watcher_that_fails_at_every_event_changes_nothing():
     def voltages(break_it):
         rig, hub = FakeRig(), EventBus(threaded=False)
-        hub.add_critical("file", rig.events.append)
+        hub.add_required("file", rig.events.append)
         if break_it:
-            hub.add_watcher("panel", lambda event: 1 / 0)
+            hub.add_best_effort("panel", lambda event: 1 / 0)
         assert rig.scheduler(emit=hub.emit).run(short_schedule()) is Outcome.COMPLETED
         return rig.of_kind(VoltageSet), rig.of_kind(Warned)
 

@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from protocols import EventBus, SubscriberError
-from protocols.execution.event_bus import WATCHER_QUEUE
+from protocols.execution.event_bus import QUEUE_EVENTS
 from protocols.execution.events import SessionStarted, Warned
 
 EVENT = SessionStarted(1.0, "")
@@ -17,9 +17,9 @@ def raising(_):
 
 def test_everybody_gets_the_event_when_a_critical_subscriber_fails_and_the_emitter_is_told():
     hub, heard = EventBus(threaded=False), []
-    hub.add_critical("the session file", raising)
-    hub.add_critical("another", heard.append)
-    hub.add_watcher("panel", heard.append)
+    hub.add_required("the session file", raising)
+    hub.add_required("another", heard.append)
+    hub.add_best_effort("panel", heard.append)
     with pytest.raises(SubscriberError, match="the session file: disk full"):
         hub.emit(EVENT)
     assert heard == [EVENT, EVENT]
@@ -33,8 +33,8 @@ def test_a_watchers_failure_is_told_once_as_a_warning_and_breaks_nothing(threade
         failed.release()
         raise ValueError("no such page")
 
-    hub.add_critical("file", heard.append)
-    hub.add_watcher("panel", fail)
+    hub.add_required("file", heard.append)
+    hub.add_best_effort("panel", fail)
     hub.emit(EVENT)
     assert failed.acquire(timeout=5)
     for _ in range(100):  # the thread's exception may take a moment to be noted
@@ -53,20 +53,20 @@ def test_a_watchers_failure_is_told_once_as_a_warning_and_breaks_nothing(threade
 
 def test_a_watcher_that_hangs_holds_nobody_back_and_is_reported_once():
     hub, heard, release = EventBus(), [], threading.Event()
-    hub.add_critical("file", heard.append)
-    hub.add_watcher("panel", lambda _: release.wait(30))
-    for _ in range(WATCHER_QUEUE + 50):
+    hub.add_required("file", heard.append)
+    hub.add_best_effort("panel", lambda _: release.wait(30))
+    for _ in range(QUEUE_EVENTS + 50):
         hub.emit(EVENT)
     warnings = [event for event in heard if isinstance(event, Warned)]
     assert [w.text for w in warnings] == ["panel is too slow and is not shown everything"]
-    assert len(heard) == WATCHER_QUEUE + 51
+    assert len(heard) == QUEUE_EVENTS + 51
     hub.close(timeout_s=0.01)
     release.set()
 
 
 def test_closing_lets_a_watcher_finish():
     hub, heard = EventBus(), []
-    hub.add_watcher("progress", heard.append)
+    hub.add_best_effort("progress", heard.append)
     for _ in range(100):
         hub.emit(EVENT)
     hub.close()

@@ -103,7 +103,14 @@ def test_dead_weights_come_first_and_begin_with_none():
 
 
 def test_runs_are_numbered_in_their_order():
-    extras = Extras(3, 2, True, True, True, (0.02,))
+    extras = Extras(
+        random_order_seed=3,
+        remounts=2,
+        no_touch_zero=True,
+        free_shapes=True,
+        reversed_approach=True,
+        dead_weights_N=(0.02,),
+    )
     runs = make_schedule(PulseTrain(), [LONG, SHORT], extras=extras).runs
     assert [r.index for r in runs] == list(range(len(runs)))
 

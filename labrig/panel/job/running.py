@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.errors import BadInputError, NotReadyError
-from labrig.experiment.networked_rig import at_addresses, served_rig
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.networked_rig import at_addresses, served_rig
+from labrig.experiment.rig.rig import Rig
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
-from labrig.experiment.wiring import wire
 from labrig.panel.job.follow import Follower
 from labrig.panel.job.host import Host
 from labrig.panel.job.operator import PageOperator
@@ -110,7 +110,7 @@ class _Run:
 
     def execute(self, path: Path, resumption: Resumption | None) -> Result:
         """Run the session."""
-        self._event_bus.add_watcher("the panel", self._follower)
+        self._event_bus.add_best_effort("the panel", self._follower)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
             result = run_session(

@@ -26,10 +26,10 @@ def events_of(session: RecordedSession) -> list[ev.Event]:
 
 
 def _logged(session: RecordedSession) -> Iterator[ev.Event]:
-    prompt = Prompt("confirm", "")
+    prompt = Prompt(kind="confirm", text="")
     for line in session.events:
         if line.kind == "asked":
-            prompt = Prompt(line.subject, line.text)
+            prompt = Prompt(kind=line.subject, text=line.text)
         way = _LINES.get(line.kind)
         if way is not None:
             yield way(session, line, prompt)
@@ -46,14 +46,18 @@ def _output(_session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev
 
 def _marked(_session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
     reading = None if line.reading < 0 else line.reading
-    return ev.ReadingMarked(line.time_s, line.run, reading, line.text, line.subject)
+    return ev.ReadingMarked(
+        line.time_s, run=line.run, reading=reading, why=line.text, who=line.subject
+    )
 
 
 def _stopped(session: RecordedSession, line: LoggedEvent, _prompt: Prompt) -> ev.Event:
     known = {outcome.value for outcome in Outcome}
     outcome = Outcome(line.subject) if line.subject in known else Outcome.FAILED
     state = session.output_state
-    return ev.SessionStopped(line.time_s, outcome, line.text, state, session.ended)
+    return ev.SessionStopped(
+        line.time_s, outcome=outcome, reason=line.text, output=state, wall=session.ended
+    )
 
 
 _LINES: dict[str, Way] = {
@@ -92,11 +96,11 @@ def _of_run(run: RunRecord, stopped_s: float) -> list[ev.Event]:
     )
     ended = ev.RunStopped(
         stopped_s,
-        index,
-        run.completed,
-        counts.lost_samples,
-        counts.frames_grabbed,
-        counts.frames_dropped,
+        run=index,
+        completed=run.completed,
+        lost_samples=counts.lost_samples,
+        frames_grabbed=counts.frames_grabbed,
+        frames_dropped=counts.frames_dropped,
     )
     return [began, *_writes(run), *_readings(run), ended]
 
@@ -108,7 +112,11 @@ def _writes(run: RunRecord) -> Iterator[ev.Event]:
             float(row["after_s"]),
         )  # fmt: skip
         yield ev.VoltageSet(
-            write.after_s, run.planned.index, int(row["step"]), float(row["due_s"]), write
+            write.after_s,
+            run=run.planned.index,
+            step=int(row["step"]),
+            due_s=float(row["due_s"]),
+            write=write,
         )
 
 
@@ -128,7 +136,7 @@ def _reading(
     at, offset_s = int(row["frame"]), float(row["frame_offset_s"])
     frame = None
     if 0 <= at < len(numbers):
-        frame = Frame(int(numbers[at]), sample_s, None, _NO_IMAGE)
+        frame = Frame(number=int(numbers[at]), time_s=sample_s, device_time_s=None, image=_NO_IMAGE)
     return ev.ReadingTaken(
         time_s=sample_s + planned.half_window_s,  # it was not known before its window was over
         run=run.planned.index,

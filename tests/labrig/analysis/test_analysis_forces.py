@@ -195,7 +195,9 @@ def test_reasons_noted_while_running_stay_and_none_is_said_twice(tmp_path):
 def test_a_person_s_mark_is_the_reason(tmp_path):
     def mark(event):
         if isinstance(event, ev.RunStopped):
-            yield ev.ReadingMarked(event.time_s, event.run, 4, "stuck in the rolls", "anna")
+            yield ev.ReadingMarked(
+                event.time_s, run=event.run, reading=4, why="stuck in the rolls", who="anna"
+            )
 
     found = measured(record_with(tmp_path / "s.h5", ONE_RUN, more=mark))
     assert [(r.index, r.why) for r in found if not r.valid] == [(4, "stuck in the rolls")]

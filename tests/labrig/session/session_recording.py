@@ -11,8 +11,8 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
-from labrig.session.channels import as_recorded
-from labrig.session.setup import SessionSetup
+from labrig.session.format.channels import as_recorded
+from labrig.session.format.setup import SessionSetup
 from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
 from protocols.execution.channels import current_channel, drive_channel, force_channel
@@ -73,13 +73,17 @@ def session_events(schedule: Schedule, block: int = 50, seed: int = 1) -> Iterat
     now = 100.0
     yield ev.SessionStarted(now, wall="2026-11-21T09:00:00+00:00")
     for run in schedule.runs:
-        prompt = Prompt("move", f"Move the load cell to {run.position_m}.")
+        prompt = Prompt(kind="move", text=f"Move the load cell to {run.position_m}.")
         yield ev.OperatorAsked(now, prompt)
         yield ev.OperatorAnswered(now + 2, prompt, done=True)
         yield from _run_events(run, now + 3.0, block, seed)
         now += 5.0 + run.duration_s
     yield ev.SessionStopped(
-        now, ev.Outcome.COMPLETED, "All runs were done.", ev.OutputState.SAFE, "2026-11-21T09:05Z"
+        now,
+        outcome=ev.Outcome.COMPLETED,
+        reason="All runs were done.",
+        output=ev.OutputState.SAFE,
+        wall="2026-11-21T09:05Z",
     )
 
 
@@ -117,35 +121,55 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
         write = VoltageWrite(
             step.voltage_V, step.voltage_V / 10, due + LATE_S - 1e-4, due + LATE_S + 1e-4
         )
-        at(write.after_s, ev.VoltageSet(write.after_s, run.index, number, due, write))
+        at(
+            write.after_s,
+            ev.VoltageSet(write.after_s, run=run.index, step=number, due_s=due, write=write),
+        )
     for reading in run.readings:
         sample_s = start_s + run.time_of(reading) + LATE_S
         image = rng.integers(0, 255, FRAME_SHAPE, dtype=np.uint8)
-        frame = Frame(reading.index * 15, sample_s + 4e-3, None, image)
+        frame = Frame(
+            number=reading.index * 15, time_s=sample_s + 4e-3, device_time_s=None, image=image
+        )
         index = clock.index_at(sample_s)
         taken = ev.ReadingTaken(
             sample_s + 0.1,
-            run.index,
-            reading,
-            index,
-            sample_s,
-            {
+            run=run.index,
+            planned=reading,
+            sample_index=index,
+            sample_time_s=sample_s,
+            values={
                 "force_N": float(force_N(run, sample_s - start_s)),
                 "drive_V": reading.voltage_V,
                 "current_A": 0.01 * reading.voltage_V,
             },
-            frame,
-            4e-3,
+            frame=frame,
+            frame_offset_s=4e-3,
             valid=True,
             why="",
         )
         at(sample_s + 0.1, taken)
-    yield ev.RunStarted(start_s, run, clock, NAMES, FRAME_SHAPE, None, 12.5)
+    yield ev.RunStarted(
+        start_s,
+        run=run,
+        sample_clock=clock,
+        channels=NAMES,
+        frame_shape=FRAME_SHAPE,
+        stage_position_m=None,
+        since_wetting_s=12.5,
+    )
     yield ev.OutputChanged(start_s, ev.OutputState.ENERGISED, "the first step")
     # Among events of one moment the blocks of samples may fall anywhere; the rest keep their order.
     yield from (event for _, _, event in sorted(happenings, key=lambda each: each[:2]))
     yield ev.OutputChanged(start_s + run.duration_s, ev.OutputState.SAFE, "0 V read back")
-    yield ev.RunStopped(start_s + run.duration_s + 0.3, run.index, True, 0, 500, 0)
+    yield ev.RunStopped(
+        start_s + run.duration_s + 0.3,
+        run=run.index,
+        completed=True,
+        lost_samples=0,
+        frames_grabbed=500,
+        frames_dropped=0,
+    )
 
 
 def record(path: Path, schedule: Schedule, block: int = 50, **changes: object) -> None:

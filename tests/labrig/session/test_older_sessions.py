@@ -12,7 +12,7 @@ import pytest
 from labrig.experiment.resume import Resumption
 from labrig.report.tables.overview import overview
 from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
-from labrig.session.journal import journal_path
+from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome
 from tests.labrig.session.session_recording import CHANNELS, FRAME_SHAPE, RATE_HZ, TEXTS
@@ -75,7 +75,9 @@ def test_the_runs_of_a_session_of_version_1_are_copied_into_a_new_one_when_it_is
         )
         with writer:
             Resumption(session).tell(writer.handle, 500.0)
-            stopped = ev.SessionStopped(900.0, Outcome.COMPLETED, "done", ev.OutputState.SAFE, "")
+            stopped = ev.SessionStopped(
+                900.0, outcome=Outcome.COMPLETED, reason="done", output=ev.OutputState.SAFE, wall=""
+            )
             writer.handle(stopped)
         with open_session(tmp_path / "new.h5") as new:
             assert new.version == 2

@@ -120,8 +120,14 @@ def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
         for event in session_events(schedule):
             writer.handle(event)
             if isinstance(event, ev.RunStopped) and event.run == 1:
-                writer.handle(ev.ReadingMarked(event.time_s, 1, 3, "stuck in the rolls", "anna"))
-                writer.handle(ev.ReadingMarked(event.time_s, 0, None, "dry", "anna"))
+                writer.handle(
+                    ev.ReadingMarked(
+                        event.time_s, run=1, reading=3, why="stuck in the rolls", who="anna"
+                    )
+                )
+                writer.handle(
+                    ev.ReadingMarked(event.time_s, run=0, reading=None, why="dry", who="anna")
+                )
     with open_session(tmp_path / "s.h5") as session:
         readings = session.runs[1].readings
         assert list(np.flatnonzero(~readings["valid"])) == [3]

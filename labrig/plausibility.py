@@ -1,0 +1,83 @@
+"""Plausibility checks: values that are allowed and can hardly be meant.
+
+Nothing is refused here. A limit that must hold stands in the configuration models and in
+`protocols.planning.limits`; a plausibility check yields a sentence, or a `Check` with a warning.
+Asked by imports of tables, by the preflight, and before a run.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from labrig.check import Check
+from labrig.config.templates import NOT_CALIBRATED
+from model.measurements import Condition, Curve, Measurements
+
+# Far beyond what a sheet on such a rig does, and far below what its load cell and stage resolve.
+LARGEST_FORCE_N, SMALLEST_FORCE_N = 1.0, 5e-6
+SMALLEST_POSITION_M = 2e-4
+LARGEST_VOLTAGE_V, SMALLEST_VOLTAGE_V = 30.0, 0.02
+LARGEST_LENGTH_RATIO = 5.0  # of a curve, in free lengths of its sheet
+
+
+def unit_warnings(measurements: Measurements) -> Iterator[str]:
+    """Yield a sentence for each column of imported tables that seems to be in another unit."""
+    conditions = measurements.conditions
+    yield from _forces([r.force_N for each in conditions for r in each.readings])
+    yield from _positions({each.position_m for each in conditions if each.position_m is not None})
+    yield from _voltages({each.voltage_V for each in conditions})
+    for name, sheet in measurements.sheets.items():
+        yield from _curves(
+            name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
+        )
+
+
+def calibration_age(name: str, date: dt.date, warn_after_days: int, today: dt.date) -> Check:
+    """Return a check of a calibration's age: older than that is a warning, the future a fault."""
+    days = (today - date).days
+    wanted = f"at most {warn_after_days} days"
+    if days < 0:
+        return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
+    if date == NOT_CALIBRATED:
+        return Check(name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True)
+    late = days > warn_after_days
+    return Check(name, ok=True, found=f"{days} days old", wanted=wanted, warning=late)
+
+
+def _forces(values: list[float]) -> Iterator[str]:
+    largest_N = max(map(abs, values), default=math.nan)
+    if largest_N > LARGEST_FORCE_N or 0.0 < largest_N < SMALLEST_FORCE_N:
+        yield f"No force is farther from 0 than {1e3 * largest_N:g} mN: is force_mN in mN?"
+
+
+def _positions(values: set[float]) -> Iterator[str]:
+    largest_m = max(map(abs, values), default=math.nan)
+    if len(values) > 1 and largest_m < SMALLEST_POSITION_M:
+        yield f"No position is farther from 0 than {1e3 * largest_m:g} mm: is position_mm in mm?"
+
+
+def _voltages(values: set[float]) -> Iterator[str]:
+    largest_V = max(map(abs, values), default=math.nan)
+    if largest_V > LARGEST_VOLTAGE_V or 0.0 < largest_V < SMALLEST_VOLTAGE_V:
+        yield f"No voltage is farther from 0 than {largest_V:g} V: is voltage_V in V?"
+
+
+def _all_curves(conditions: Iterable[Condition], configuration: str) -> list[Curve]:
+    mine = [each for each in conditions if each.configuration == configuration]
+    found = [each.curve for each in mine] + [r.curve for each in mine for r in each.readings]
+    return [curve for curve in found if curve is not None]
+
+
+def _curves(configuration: str, length_m: float, curves: list[Curve]) -> Iterator[str]:
+    if not curves:
+        return
+    longest_m = max(float(np.hypot(np.diff(c.x_m), np.diff(c.y_m)).sum()) for c in curves)
+    if not 1 / LARGEST_LENGTH_RATIO < longest_m / length_m < LARGEST_LENGTH_RATIO:
+        yield (
+            f"The longest curve of '{configuration}' has {1e3 * longest_m:.3g} mm, sheet and "
+            f"elongation have {1e3 * length_m:.3g} mm: are x_mm and y_mm in mm?"
+        )

@@ -1,0 +1,194 @@
+"""The session file's layout, version 2: every group, dataset and type has its name here.
+
+/                       NXroot, default -> session, labrig_format
+/session                NXentry, default -> run_000
+identifier, outcome, reason, output_state, start_time, end_time
+events              the log, a row for each event (a long text goes on in rows of kind +)
+checksums           sha256 of every other dataset, written at the close
+setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
+signals (name, range, quantity, unit, gain, offset of each channel), rate_hz, simulated,
+keep_all_frames
+run_000/            NXsubentry, default -> signals; one for each planned run
+planned         the run as planned (JSON)
+acquisition     sample clock, start, counts
+writes          each write of the voltage
+readings        each reading, as seen while running
+marks           readings declared invalid
+signals/        NXdata: raw samples in V, a dataset for each channel, and their time
+frames/         NXdata: images, time, number, device_time, sample_index, reading
+derived/            what the analysis made of it; may be dropped and made again
+In version 1 `signals` held names and ranges only, and the values of a reading were always force_N,
+drive_V and current_A; in version 2 they are those of the session's channels, a column each.
+Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
+they were flushed. Anything else in a file is refused when it is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import h5py
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+FORMAT: Final = 2  # that is written
+READABLE: Final = (1, 2)
+# The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
+LIBVER: Final = ("v110", "v110")
+ENTRY: Final = "/session"
+SETUP: Final = "/session/setup"
+DERIVED: Final = "/session/derived"
+CHECKSUMS: Final = "/session/checksums"
+EVENTS: Final = "/session/events"
+MORE: Final = "+"  # kind of an event row that continues the text of the row before
+NO_FRAME: Final = -1
+EVENT_TEXT_BYTES: Final = 240
+
+
+def text_type(size: int) -> np.dtype[Any]:
+    """Return a fixed-length UTF-8 string of at most `size` bytes."""
+    made: np.dtype[Any] = h5py.string_dtype("utf-8", max(size, 1))
+    return made
+
+
+def cut(text: str, size: int) -> bytes:
+    """UTF-8 bytes of a text, cut between two characters to at most `size` bytes."""
+    raw = text.encode("utf-8")
+    if len(raw) <= size:
+        return raw
+    mark = "…".encode()
+    return raw[: size - len(mark)].decode("utf-8", "ignore").encode("utf-8") + mark
+
+
+def pieces(text: str, size: int) -> list[bytes]:
+    """UTF-8 bytes of a text in pieces of at most `size` bytes; no character is split."""
+    raw = text.encode("utf-8")
+    found: list[bytes] = []
+    while len(raw) > size:
+        piece = raw[:size].decode("utf-8", "ignore").encode("utf-8")
+        found.append(piece)
+        raw = raw[len(piece) :]
+    return [*found, raw]
+
+
+# Scalar texts that change while a session runs: name -> bytes.
+STATUS_TEXTS: Final = {
+    "outcome": 16,
+    "reason": 1000,
+    "output_state": 16,
+    "start_time": 40,
+    "end_time": 40,
+}
+
+CHECKSUM_ROW: Final = np.dtype([("dataset", text_type(200)), ("sha256", text_type(64))])
+QUANTITY_BYTES: Final = 64
+_SIGNAL_1: Final = [("name", text_type(64)), ("range_V", "<f8")]
+_SIGNAL_2: Final = [
+    *_SIGNAL_1,
+    ("quantity", text_type(QUANTITY_BYTES)),
+    ("unit", text_type(24)),
+    ("gain", "<f8"),  # unit per V; NaN: converted by a calibration of its own
+    ("offset", "<f8"),  # in the unit, at 0 V
+]
+SIGNAL_ROWS: Final = {1: np.dtype(_SIGNAL_1), 2: np.dtype(_SIGNAL_2)}  # by version
+EVENT_ROW: Final = np.dtype(
+    [
+        ("time_s", "<f8"),
+        ("kind", text_type(24)),
+        ("run", "<i4"),
+        ("reading", "<i4"),
+        ("subject", text_type(24)),
+        ("text", text_type(EVENT_TEXT_BYTES)),
+    ]
+)
+ACQUISITION: Final = np.dtype(
+    [
+        ("started", "?"),
+        ("stopped", "?"),
+        ("completed", "?"),
+        ("time_zero_s", "<f8"),  # clock time of the run's time 0
+        ("clock_start_s", "<f8"),  # clock time of sample 0
+        ("clock_start_uncertainty_s", "<f8"),
+        ("rate_hz", "<f8"),
+        ("stage_position_m", "<f8"),  # NaN: nothing reported it
+        ("since_wetting_s", "<f8"),  # NaN: not known
+        ("lost_samples", "<i8"),
+        ("frames_grabbed", "<i8"),
+        ("frames_dropped", "<i8"),
+    ]
+)
+WRITE_ROW: Final = np.dtype(
+    [
+        ("step", "<i4"),
+        ("planned_s", "<f8"),  # since the run's time 0
+        ("due_s", "<f8"),  # clock times
+        ("before_s", "<f8"),
+        ("after_s", "<f8"),
+        ("lateness_s", "<f8"),  # middle of before and after, minus due
+        ("sample_index", "<f8"),  # of that middle
+        ("sheet_V", "<f8"),
+        ("board_V", "<f8"),
+    ]
+)
+_READING_BEFORE: Final = [
+    ("index", "<i4"),
+    ("step", "<i4"),
+    ("kind", text_type(16)),
+    ("voltage_V", "<f8"),
+    ("planned_s", "<f8"),  # since the run's time 0
+    ("time_s", "<f8"),  # the same, of the sampling point as it was
+    ("sample_index", "<f8"),
+]
+_READING_AFTER: Final = [
+    ("frame", "<i4"),  # row of frames/images; -1: none
+    ("frame_offset_s", "<f8"),
+    ("valid", "?"),
+    ("why", text_type(240)),
+]
+READING_COLUMNS: Final = tuple(name for name, _ in (*_READING_BEFORE, *_READING_AFTER))
+
+
+def reading_row(values: Sequence[str]) -> np.dtype[Any]:
+    """Return the type of a reading with these columns for the values of its channels."""
+    return np.dtype([*_READING_BEFORE, *((name, "<f8") for name in values), *_READING_AFTER])
+
+
+MARK_ROW: Final = np.dtype(
+    [
+        ("time_s", "<f8"),
+        ("reading", "<i4"),  # -1: the whole run
+        ("why", text_type(240)),
+        ("who", text_type(64)),
+    ]
+)
+# One value a frame, beside the image itself: name -> (type, unit).
+FRAME_COLUMNS: Final = {
+    "time": ("<f8", "s"),  # since the run's time 0
+    "number": ("<i8", ""),
+    "device_time": ("<f8", "s"),  # NaN: the camera gives none
+    "sample_index": ("<f8", ""),
+    "reading": ("<i4", ""),  # -1: no reading's frame
+}
+
+
+def run_path(run: int) -> str:
+    """Path of a run's group."""
+    return f"{ENTRY}/run_{run:03d}"
+
+
+def signal_path(run: int, channel: str) -> str:
+    """Path of a channel's raw samples; `time` is their time."""
+    return f"{run_path(run)}/signals/{channel}"
+
+
+def frame_path(run: int, column: str) -> str:
+    """Path of a run's images, or of one of `FRAME_COLUMNS`."""
+    return f"{run_path(run)}/frames/{column}"
+
+
+def signal_chunk(rate_hz: float) -> int:
+    """Return the samples in a chunk: about a quarter of a second, a power of two."""
+    return int(min(65536, max(256, 2 ** round(np.log2(max(rate_hz, 1.0) / 4)))))

@@ -1,0 +1,90 @@
+"""Tables whose numbers can hardly be in the units that their columns name."""
+
+from __future__ import annotations
+
+import datetime as dt
+from pathlib import Path
+
+import pytest
+
+from labrig.cli.main import run
+from labrig.plausibility import calibration_age
+from labrig.session import load_measurements
+
+SHEET = """
+free_length_mm = 50.0
+width_mm = 11.0
+thickness_mm = 0.21
+elongation_mm = 10.0
+[arc]
+radius_mm = 40.0
+"""
+LOADS = [(p, v, f) for p in (0.0, 15.0, 30.0) for v, f in ((0.0, 0.3), (2.0, 2.1))]
+
+
+def imported(
+    folder: Path,
+    position: float = 1.0,
+    voltage: float = 1.0,
+    force: float = 1.0,
+    shape: float = 1.0,
+) -> Path:
+    """A session of good tables whose columns were multiplied."""
+    (folder / "sheet.toml").write_text(SHEET)
+    lines = [
+        f"sheet,{position * p},{voltage * v},{i},{force * f}" for i, (p, v, f) in enumerate(LOADS)
+    ]
+    header = "configuration,position_mm,voltage_V"
+    (folder / "forces.csv").write_text("\n".join([f"{header},reading,force_mN", *lines]) + "\n")
+    points = [
+        f"sheet,{position * 15},{voltage * 2},{k},{shape * 12 * k},{shape * k * k / 5}"
+        for k in range(6)
+    ]
+    (folder / "curves.csv").write_text("\n".join([f"{header},point,x_mm,y_mm", *points]) + "\n")
+    files = [f"--{name}={folder / name}.csv" for name in ("forces", "curves")]
+    out = folder / "session.h5"
+    assert run(["import", f"--sheet={folder / 'sheet.toml'}", *files, "-o", str(out)]) == 0
+    return out
+
+
+def test_good_tables_are_taken_without_a_word(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert load_measurements(imported(tmp_path)).warnings == ()
+    assert "warning" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("column", "factor", "asked"),
+    [
+        ("force", 1e-3, "is force_mN in mN?"),
+        ("force", 1e3, "is force_mN in mN?"),
+        ("position", 1e-3, "is position_mm in mm?"),
+        ("voltage", 1e3, "is voltage_V in V?"),
+        ("voltage", 1e-3, "is voltage_V in V?"),
+        ("shape", 1e-3, "are x_mm and y_mm in mm?"),
+        ("shape", 10.0, "are x_mm and y_mm in mm?"),
+    ],
+)
+def test_another_unit_is_asked_about_and_the_question_stays_with_the_session(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], column: str, factor: float, asked: str
+) -> None:
+    warnings = load_measurements(imported(tmp_path, **{column: factor})).warnings
+    assert len(warnings) == 1
+    assert warnings[0].endswith(asked)
+    assert f"warning: {warnings[0]}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("date", "ok", "warning", "found"),
+    [
+        ("2026-06-01", True, False, "30 days old"),
+        ("2026-01-01", True, True, "181 days old"),
+        ("2026-07-02", False, False, "dated in the future"),
+        ("1970-01-01", True, True, "never made: labrig init's"),
+    ],
+)
+def test_an_old_calibration_is_a_warning_and_one_from_the_future_a_fault(date, ok, warning, found):
+    today = dt.date(2026, 7, 1)
+    check = calibration_age("load cell calibration", dt.date.fromisoformat(date), 180, today)
+    assert (check.ok, check.warning, check.found) == (ok, warning, found)
