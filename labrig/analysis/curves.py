@@ -15,7 +15,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, RunRecord, open_session
-from labrig.session.layout import NO_FRAME, Array
+from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
 from protocols.planning.schedule import Purpose
 

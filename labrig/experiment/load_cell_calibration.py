@@ -16,7 +16,7 @@ from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.rig import Rig, opened
 from labrig.files import discard, not_written
 
 LISTEN_S = 2.0  # to each weight

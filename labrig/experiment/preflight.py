@@ -15,9 +15,9 @@ from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
-from labrig.experiment.rig import DRIVE, Rig, opened
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import DRIVE, Rig, opened
 from labrig.plausibility import calibration_age
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
@@ -30,7 +30,7 @@ _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
     from labrig.experiment.operator import NoOperator
-    from labrig.experiment.wiring import wire
+    from labrig.experiment.rig.wiring import wire
 
     plan = plan_of(rig, protocol, sheet)
     wired = wire(plan, NoOperator(lambda _text: None))

@@ -20,10 +20,10 @@ from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import FORCE, Rig
-from labrig.experiment.wiring import sheet_drive
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import FORCE, Rig
+from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 

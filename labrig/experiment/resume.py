@@ -19,7 +19,7 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution import events as ev
 

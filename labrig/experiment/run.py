@@ -9,11 +9,11 @@ from pathlib import Path
 
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
-from labrig.experiment.parts_in_use import parts_in_use
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.resume import Resumption
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.parts_in_use import parts_in_use
+from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter

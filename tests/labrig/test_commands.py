@@ -6,6 +6,7 @@ import os
 import pkgutil
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import typer
 import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
 from labrig.cli.command import Command, faults
+from tests.labrig.report_data import measure, session
 
 ROOT = Path(__file__).parents[2]
 OWN = [module.name for module in pkgutil.iter_modules(labrig.cli.commands.__path__)]
@@ -68,6 +70,26 @@ def documented(speed: int | str) -> None:
 )
 def test_what_is_wrong_with_a_command_is_said(part: object, fault: str) -> None:
     assert fault in "; ".join(faults(part))
+
+
+def documented_example(language: str) -> str:
+    """The example of docs/commands.md in this language, as it stands there."""
+    text = (ROOT / "docs" / "commands.md").read_text()
+    return text.split(f"```{language}\n")[1].split("```")[0]
+
+
+def test_the_command_of_the_docs_works_as_it_stands_there(tmp_path: Path) -> None:
+    session(tmp_path / "session.h5", measure("long"))
+    points = tomllib.loads(documented_example("toml"))["project"]["entry-points"]
+    ((name, value),) = points["labrig.commands"].items()
+    assert value == "count_readings:COMMAND"
+    install(tmp_path, "count_readings", name, documented_example("python"))
+    counted = labrig_with(tmp_path, "count-readings", "session.h5")
+    expected = sum(len(c.used()) for c in measure("long").conditions)
+    assert counted.stdout == f"{expected}\n", counted.stderr
+    listed = labrig_with(tmp_path, "--help").stdout
+    assert listed.index("\n  list ") < listed.index("\n  count-readings ")
+    assert listed.index("\n  count-readings ") < listed.index("\n  analyze ")
 
 
 def install(where: Path, module: str, point: str, code: str) -> None:

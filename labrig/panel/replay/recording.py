@@ -13,7 +13,7 @@ from drivers.interfaces import Frame
 from drivers.load_cell import LoadCell
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
-from labrig.experiment.rig import DRIVE
+from labrig.experiment.rig.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
 from labrig.panel.live.frames import raw_picture
 from labrig.panel.live.messages import MessageEncoder, plan_message

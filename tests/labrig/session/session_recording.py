@@ -11,8 +11,8 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
-from labrig.session.channels import as_recorded
-from labrig.session.setup import SessionSetup
+from labrig.session.format.channels import as_recorded
+from labrig.session.format.setup import SessionSetup
 from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
 from protocols.execution.channels import current_channel, drive_channel, force_channel

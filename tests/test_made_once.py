@@ -1,0 +1,57 @@
+"""A folder that several workers need is made by one of them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.made_once import made_once
+
+ROOT = Path(__file__).parents[1]
+TESTS = """
+import pytest
+from tests.made_once import made_once
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    def make(folder):
+        folder.mkdir()
+        with open(folder.parent / "log.txt", "a") as log:
+            log.write("made\\n")
+        (folder / "text.txt").write_text("whole")
+    return made_once(tmp_path_factory, "shared", make)
+
+@pytest.mark.parametrize("number", range(8))
+def test_it_is_whole(folder, number):
+    assert (folder / "text.txt").read_text() == "whole"
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [0, 3])
+def test_it_is_made_once_and_whole_in_each_worker(tmp_path: Path, workers: int) -> None:
+    (tmp_path / "test_some.py").write_text(TESTS)
+    options = ["-q", "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), "-n", str(workers)]
+    options += ["--dist", "load", "--basetemp", str(tmp_path / "temp")]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, str(tmp_path / "test_some.py")],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "8 passed" in done.stdout, done.stdout + done.stderr
+    assert (tmp_path / "temp" / "log.txt").read_text() == "made\n"
+
+
+def test_where_making_it_failed_the_next_one_tries(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    def fail(folder: Path) -> None:
+        folder.mkdir()
+        raise RuntimeError("no rig")
+
+    with pytest.raises(RuntimeError, match="no rig"):
+        made_once(tmp_path_factory, "unmade", fail)
+    folder = made_once(tmp_path_factory, "unmade", lambda path: path.mkdir())
+    assert folder.is_dir()
