@@ -20,9 +20,9 @@ from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
 from labrig.errors import LabrigError
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import run_session
-from labrig.experiment.wiring import wire
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, RunStarted
 from protocols.execution.stop import StopRequest

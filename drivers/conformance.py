@@ -48,7 +48,7 @@ class Checks:
         wanted: type[DeviceError] = DeviceError,
         within_s: float = PROMPT_S,
     ) -> None:
-        """The call must raise this error, or one derived from it."""
+        """Require that the call raises this error, or one derived from it."""
         began_s = self.clock.now()
         try:
             act()

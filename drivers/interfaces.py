@@ -266,7 +266,7 @@ class ForceSensor(Protocol):
 # ----------------------------------------------------------------------------------------- camera
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """One picture: `image` (rows, columns), grey, 8 or 16 bit."""
 
@@ -342,7 +342,7 @@ class Camera(Protocol):
 # ------------------------------------------------------------------------------- operator and stage
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Prompt:
     """Something the operator is asked to do before the run goes on."""
 
@@ -377,7 +377,7 @@ class Positioner(Protocol):
         """
 
     def position(self) -> float | None:
-        """The position along the arc in m as the stage reports it; None where nothing can tell."""
+        """Return the position along the arc in m that the stage reports; None: it has no sensor."""
 
     def close(self) -> None:
         """Let go of the stage. May be called twice."""

@@ -24,7 +24,7 @@ class CalibrationError(DeviceError):
     """A calibration cannot be made from, or does not hold, what was given."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LoadCellCalibration:
     """What a load cell's volts mean: volts = offset + sensitivity * force, with uncertainty.
 
@@ -74,11 +74,11 @@ class LoadCellCalibration:
         return (np.asarray(volts, dtype=float) - self.offset_V) / self.sensitivity_V_per_N
 
     def volts(self, force_N: FloatArray) -> FloatArray:
-        """The reverse of `newtons`."""
+        """Return the voltage of each force."""
         return self.offset_V + self.sensitivity_V_per_N * np.asarray(force_N, dtype=float)
 
     def sigma_N(self, force_N: float) -> float:
-        """Standard uncertainty of a force due to the calibration alone."""
+        """Return the standard uncertainty of a force due to the calibration alone."""
         slope = force_N * self.sensitivity_sigma_V_per_N / self.sensitivity_V_per_N
         zero = self.offset_sigma_V / self.sensitivity_V_per_N
         return float(np.hypot(slope, zero))
@@ -186,7 +186,7 @@ class LoadCell:
 
 
 def _lasting_peak(values: FloatArray) -> float:
-    """The value of largest magnitude, leaving out as many as a glitch may have; NaN if any is."""
+    """Return the value of largest magnitude but for those of a glitch; NaN if any is NaN."""
     if not np.all(np.isfinite(values)):
         return float("nan")
     order = np.argsort(np.abs(values))

@@ -14,7 +14,7 @@ from drivers.load_cell import CalibrationError, LoadCellCalibration
 _ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below +1 sigma
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CalibrationFit:
     """volts = offset + sensitivity * load by least squares. Sigmas are standard uncertainties."""
 
@@ -35,7 +35,7 @@ class CalibrationFit:
         gain: float = 1.0,
         serial: str = "",
     ) -> LoadCellCalibration:
-        """The calibration to be kept."""
+        """Return the calibration to be kept."""
         return LoadCellCalibration(
             date=date,
             capacity_N=capacity_N,
@@ -110,7 +110,7 @@ def _correlation(loads: FloatArray) -> float:
 
 
 def _small_sample_factor(freedom: int) -> float:
-    """What makes ± sigma cover 68.3 % although the scatter came from few points (Student's t)."""
+    """Return the factor by which ± sigma covers 68.3 % for few points (Student's t)."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, _ONE_SIGMA))

@@ -89,7 +89,7 @@ def make_safe(
 def judge(
     written: bool, seen_V: float | None, safe_below_V: float, failures: list[str]
 ) -> SafetyReport:
-    """The report: safe only when 0 V was written and seen."""
+    """Return the report: safe only when 0 V was written and read back."""
     low = seen_V is not None and abs(seen_V) < safe_below_V
     told = list(dict.fromkeys(failures))  # a device that is tried again says the same again
     if seen_V is not None and not low:

@@ -44,7 +44,7 @@ class Part(Generic[T]):
     version: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PluginFolder(Generic[T]):
     """One kind of part: the package that holds our own, the entry-point group, the contract."""
 

@@ -207,7 +207,7 @@ def _number(plain: Any) -> float:
 
 
 def _key(kind: Any, key: str, where: str) -> Any:
-    """Return a mapping's key: JSON has texts only."""
+    """Return a mapping's key from its text: JSON has no other keys."""
     if kind in (int, float):
         try:
             return kind(key)

@@ -1,1 +1,1 @@
-"""What stands in for hardware, at the wire: NI boards, serial devices, a camera, and the sheet."""
+"""Simulated hardware, at the wire: NI boards, serial devices, a camera, and the sheet."""

@@ -1,4 +1,4 @@
-"""What goes wrong with a simulated rig, and when: the `[[faults]]` of a world.toml come about."""
+"""The faults of a simulated rig: the `[[faults]]` of a world.toml begin and end in time."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class FaultyRig:
             act()
 
     def _switch(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
-        """How it begins, and how it ends."""
+        """Return how it begins, and how it ends."""
         what = fault.what
         if what in _SERIAL:
             name = _SERIAL[what]

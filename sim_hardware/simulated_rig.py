@@ -1,4 +1,4 @@
-"""What the simulated boards, camera and serial devices are wired to.
+"""The two sides of a simulated rig, to which boards and camera are wired.
 
 `world.World` is the simulated set-up; a loop-back wire and a replayed session are others. Times are
 those of the injected clock, in s. Reads may ask for any time from the last read of that channel on;

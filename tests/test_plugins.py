@@ -16,7 +16,13 @@ def folder() -> PluginFolder[object]:
     def faults(part: object) -> list[str]:
         return [] if isinstance(part, int) else ["it is no number"]
 
-    return PluginFolder("number", "numbers_of_a_test", "NUMBER", "labrig.test_numbers", faults)
+    return PluginFolder(
+        what="number",
+        package="numbers_of_a_test",
+        constant="NUMBER",
+        group="labrig.test_numbers",
+        faults=faults,
+    )
 
 
 @pytest.fixture

@@ -34,8 +34,9 @@ PLUGIN_FOLDERS = {
     "drivers/boards",
     "protocols/kinds",
     "model/effects",
-    "model/discrepancy/locations",
+    "model/locations",
     "sim_hardware/ni/boards",
+    "sim_hardware/serial_devices",
 }
 
 

@@ -19,8 +19,8 @@ from benchmarks.hidden_effects.visible import known
 from model.discrepancy.prepare import Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.search.forward_selection import search
-from model.discrepancy.search.null_calibration import DEFAULT
 from model.discrepancy.search.signatures import forms
+from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
 from model.discrepancy.verdict.posterior import choices
 from model.discrepancy.verdict.prediction_error import variance
 from model.effects.interface import Effect
@@ -110,8 +110,8 @@ def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) ->
 def fixed_forms(ready: Prepared, effects: Sequence[Effect]) -> list[str]:
     """Names by the same search, every effect as the catalogue writes it."""
     rigid = [replace(e, form_error_along=()) for e in effects]
-    outcome = search(ready.problem, ready.theta, rigid, DEFAULT)
-    return [c.effect.name for c in choices(outcome, rigid, DEFAULT)[0]]
+    outcome = search(ready.problem, ready.theta, rigid, EVIDENCE_THRESHOLD_LN)
+    return [c.effect.name for c in choices(outcome, rigid, EVIDENCE_THRESHOLD_LN)[0]]
 
 
 # ------------------------------------------------------------------------ sparse regression

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from benchmarks.hidden_effects.sessions import Hidden
-from labrig.session.tables_out import write_tables
+from labrig.session.tables.write import write_tables
 from model import SheetGeometry
 
 

@@ -14,9 +14,10 @@ from benchmarks.soak import record
 from benchmarks.soak.faults import Fault
 from benchmarks.soak.rig import LIMIT_V
 from labrig.cli.main import run as labrig
-from labrig.session import RunRecord, layout, open_session
-from labrig.session.journal import journal_path, read_journal
-from labrig.session.superblock import unlocked
+from labrig.session import RunRecord, open_session
+from labrig.session.format import layout
+from labrig.session.recording.journal import journal_path, read_journal
+from labrig.session.repair.superblock import unlocked
 from protocols.execution.events import Outcome
 
 LONGEST_S = 1.0  # until 0 V, a hang included

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.soak.record import WorldRecord
 from labrig.config.templates import template_text, write_templates
-from labrig.experiment.networked_rig import served_rig
+from labrig.experiment.rig.networked_rig import served_rig
 
 # Two runs of three seconds: one reading at 0 V, four of pulses, then the stage moves.
 _PROTOCOL = """

@@ -131,5 +131,9 @@ def faults(part: object) -> list[str]:
 
 
 BOARD_FAMILIES: PluginFolder[BoardFamily] = PluginFolder(
-    "family of boards", "drivers.boards", "BOARDS", "labrig.boards", faults
+    what="family of boards",
+    package="drivers.boards",
+    constant="BOARDS",
+    group="labrig.boards",
+    faults=faults,
 )

@@ -35,7 +35,7 @@ class OpenedCapture:
         return bool(self._capture.grab())
 
     def retrieve(self) -> GreyImage:
-        """The frame last taken, grey."""
+        """Return the frame last grabbed, grey."""
         good, picture = self._capture.retrieve()
         if not good or picture is None:
             raise DeviceError(f"a frame of camera {self._source} could not be decoded")
@@ -48,12 +48,12 @@ class OpenedCapture:
         return image
 
     def device_time_s(self) -> float | None:
-        """The time stamp that the camera or stream gave the frame last taken."""
+        """Return the time stamp that the camera or stream gave the frame last grabbed."""
         stamp = float(self._capture.get(POS_MSEC))
         return stamp / 1e3 if stamp > 0.0 else None
 
     def pace(self, clock: Clock) -> Callable[[], None]:
-        """Called before each grab. A recording would come at once: it is played at its own rate."""
+        """Return what is called before each grab: a recording is played at its own rate."""
         if not self._is_file:
             return lambda: None
         rate_hz = float(self._capture.get(FPS)) or 25.0

@@ -140,7 +140,7 @@ class CaptureCamera:
             )
 
     def _grab_all(self, opened: OpenedCapture) -> None:
-        """The camera's thread: whatever ends it is kept, for whoever asks for frames."""
+        """Run the camera's thread; what ends it is kept, for whoever asks for frames."""
         try:
             self._grab_until_closed(opened)
         except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to

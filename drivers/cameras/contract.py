@@ -44,7 +44,11 @@ def faults(part: object) -> list[str]:
 
 
 CAMERAS: PluginFolder[CameraKind] = PluginFolder(
-    "camera", "drivers.cameras", "CAMERA", "labrig.cameras", faults
+    what="camera",
+    package="drivers.cameras",
+    constant="CAMERA",
+    group="labrig.cameras",
+    faults=faults,
 )
 
 

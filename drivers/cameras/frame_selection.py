@@ -40,14 +40,14 @@ class FrameSelection:
             self._everything = True
 
     def frames(self) -> list[Frame]:
-        """The frames kept since the last call."""
+        """Return the frames kept since the last call."""
         kept = []
         while self._queue:
             kept.append(self._queue.popleft())
         return kept
 
     def on_frame(self, capture: OpenedCapture, time_s: float) -> None:
-        """A frame has been grabbed at `time_s`; decode it if it is wanted and there is room."""
+        """Count a frame grabbed at `time_s`; decode it if it is wanted and there is room."""
         number, self._grabbed = self._grabbed, self._grabbed + 1
         device_s = capture.device_time_s()
         late_s = 0.0 if device_s is None else self._lateness(time_s, device_s)
@@ -56,10 +56,18 @@ class FrameSelection:
         if len(self._queue) >= self._queue_size:
             self._dropped += 1
             return
-        self._queue.append(Frame(number, time_s, device_s, capture.retrieve(), late_s))
+        self._queue.append(
+            Frame(
+                number=number,
+                time_s=time_s,
+                device_time_s=device_s,
+                image=capture.retrieve(),
+                late_s=late_s,
+            )
+        )
 
     def _lateness(self, time_s: float, device_s: float) -> float:
-        """The two clocks differ by what they like, but not by more from one frame to the next."""
+        """Compare with the frame that came soonest: the two clocks differ by a constant."""
         delays = self._delays
         delays.append((time_s, time_s - device_s))
         while delays[0][0] < time_s - _LATE_OVER_S:

@@ -104,7 +104,7 @@ class IidcCapture:
         return False
 
     def retrieve(self) -> tuple[bool, npt.NDArray[np.uint8] | None]:
-        """A copy of the frame last grabbed."""
+        """Return a copy of the frame last grabbed."""
         if self._frame is None:
             return False, None
         frame = self._frame.contents
@@ -117,7 +117,7 @@ class IidcCapture:
         return self.retrieve() if self.grab() else (False, None)
 
     def get(self, prop: int) -> float:
-        """The few properties that a camera is asked for."""
+        """Return one of the few properties that a camera is asked for."""
         if prop == POS_MSEC and self._frame is not None:
             return float(self._frame.contents.timestamp) / 1e3  # it is unix time in µs
         return {WIDTH: float(_SIZE[0]), HEIGHT: float(_SIZE[1]), FPS: self._rate_hz}.get(prop, 0.0)
@@ -192,7 +192,7 @@ class IidcCapture:
 
 
 def iidc_guid(source: str) -> int | None:
-    """The number in `iidc:GUID` (16 hexadecimal digits); None for `iidc:`, the first camera."""
+    """Return the number in `iidc:GUID` (16 hexadecimal digits); None for `iidc:`, the first."""
     digits = source.removeprefix("iidc:").removeprefix("0x")
     if not digits:
         return None

@@ -40,5 +40,9 @@ def faults(part: object) -> list[str]:
 
 
 FORCE_SENSORS: PluginFolder[ForceSensorKind] = PluginFolder(
-    "force sensor", "drivers.force_sensors", "FORCE_SENSOR", "labrig.force_sensors", faults
+    what="force sensor",
+    package="drivers.force_sensors",
+    constant="FORCE_SENSOR",
+    group="labrig.force_sensors",
+    faults=faults,
 )

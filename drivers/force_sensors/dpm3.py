@@ -100,7 +100,7 @@ class Dpm3Meter:
         self._line.close()
 
     def _first_reply(self) -> None:
-        """The rest of an unasked reading may come first: what follows it counts."""
+        """Read once more where the rest of an unasked reading came first."""
         try:
             self.read_force()
         except DeviceTimeoutError:

@@ -151,7 +151,7 @@ class MeteredInput:
         return self._sample_clock
 
     def _history(self) -> tuple[FloatArray, FloatArray]:
-        """Times and forces of the meter's readings."""
+        """Return times and forces of the meter's readings."""
         with self._lock:
             rows = np.array(self._readings, dtype=float).reshape(-1, 2)
         return rows[:, 0], rows[:, 1]
@@ -169,7 +169,7 @@ class MeteredInput:
             )
 
     def _read_until_closed(self) -> None:
-        """The meter's thread."""
+        """Run the meter's thread."""
         while not self._closing.is_set():
             began_s = self._clock.now()
             self._read_once(began_s)

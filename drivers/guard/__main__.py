@@ -89,7 +89,7 @@ def _tell_everybody(settings: GuardSettings, ending: Ending, report: SafetyRepor
 
 
 def _first_line() -> str:
-    """The settings; byte by byte, since what follows belongs to the watch."""
+    """Read the settings byte by byte: what follows belongs to the watchdog."""
     line = bytearray()
     while not line.endswith(b"\n"):
         byte = os.read(0, 1)
@@ -100,14 +100,14 @@ def _first_line() -> str:
 
 
 def _say(word: str, rest: str = "") -> None:
-    """A line to the program, which may be gone."""
+    """Send a line to the program, which may be gone."""
     with contextlib.suppress(OSError, ValueError):
         sys.stdout.write(f"{word} {rest}".strip() + "\n")
         sys.stdout.flush()
 
 
 def _ignore_signals() -> None:
-    """The guard ends when the program does, and by nothing that is meant for the program."""
+    """Ignore what is meant for the program: the guard ends when the program does."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK"):
         number = getattr(signal, name, None)
         if number is not None:

@@ -93,7 +93,7 @@ class Guard:
         return self._process.pid
 
     def beat(self) -> None:
-        """The working loop lives; called at least every 50 ms while energised. Does not block.
+        """Report that the working loop runs; called every 50 ms while energised. Does not block.
 
         Raises DeviceError when the guard has gone or has acted: the run must stop.
         """
@@ -118,7 +118,7 @@ class Guard:
         self._tell(ENERGISED if on else AT_ZERO)
 
     def new_run(self) -> None:
-        """A run begins, at 0 V: its time under voltage is counted from nothing."""
+        """Begin a run, at 0 V: its time under voltage is counted from 0."""
         self._check()
         self._tell(NEW_RUN)
 
@@ -164,7 +164,7 @@ class Guard:
         )
 
     def _tell(self, word: bytes) -> None:
-        """A pipe that nobody empties would block in the end: a deaf guard is told nothing more."""
+        """Send a word, unless the guard does not listen: a full pipe would block."""
         if self._unconfirmed < 1000:
             self._unconfirmed += 1
             self._send(word)
@@ -213,7 +213,7 @@ class Guard:
 
 
 def report_from_json(text: str) -> SafetyReport:
-    """What the guard has printed."""
+    """Return the report that the guard has printed."""
     data = json.loads(text)
     return SafetyReport(Safety(data["state"]), data["read_back_V"], tuple(data["failures"]))
 
@@ -227,7 +227,7 @@ def _spawn() -> subprocess.Popen[bytes]:
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     try:
         return subprocess.Popen(
-            [sys.executable, "-m", "drivers.guard"],
+            [sys.executable, "-P", "-m", "drivers.guard"],  # -P: not a drivers.py of this folder
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": path},

@@ -35,7 +35,7 @@ class GuardSettings:
 
     @classmethod
     def from_json(cls, text: str) -> GuardSettings:
-        """The reverse of `to_json`; DeviceError when it does not fit."""
+        """Read what `to_json` wrote; DeviceError when it does not fit."""
         try:
             return cls(**json.loads(text))
         except (ValueError, TypeError) as fault:

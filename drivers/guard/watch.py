@@ -112,7 +112,7 @@ class ParentWatchdog:
 
 
 def words_of(pipe: int) -> queue.Queue[bytes]:
-    """What comes from a pipe, in lots; an empty one is its end. A thread, for Windows' sake."""
+    """Return what comes from a pipe, in lots; an empty one is its end. A thread for Windows."""
     words: queue.Queue[bytes] = queue.Queue()
 
     def read() -> None:

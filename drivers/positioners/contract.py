@@ -47,5 +47,9 @@ def faults(part: object) -> list[str]:
 
 
 POSITIONERS: PluginFolder[PositionerKind] = PluginFolder(
-    "positioner", "drivers.positioners", "POSITIONER", "labrig.positioners", faults
+    what="positioner",
+    package="drivers.positioners",
+    constant="POSITIONER",
+    group="labrig.positioners",
+    faults=faults,
 )

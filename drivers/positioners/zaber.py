@@ -156,7 +156,7 @@ class ZaberStage:
         return self._operator.ask(Prompt(kind="confirm", text=text))
 
     def _forget_fault(self) -> None:
-        """It was reported when it came; one that lasts comes again."""
+        """Clear a fault that was reported before; one that lasts comes again."""
         if is_fault(self._ask("").warning):
             self._ask("warnings clear")
 
@@ -259,7 +259,7 @@ class ZaberStage:
 
 
 def _without_checksum(line: str) -> str:
-    """A reply may end in `:` and two hexadecimal digits."""
+    """Return the reply without the checksum, `:` and two hexadecimal digits."""
     return re.sub(r":[0-9A-F]{2}$", "", line)
 
 

@@ -47,5 +47,5 @@ def is_fault(flag: str) -> bool:
 
 
 def in_words(flag: str) -> str:
-    """The meaning of a flag, with the flag."""
+    """Return the meaning of a flag, with the flag."""
     return f"{_WARNINGS.get(flag, 'unknown warning')} ({flag})"

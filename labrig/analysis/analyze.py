@@ -46,7 +46,7 @@ def measure(
     workers: int = 1,
     extractor: str = BUILT_IN,
 ) -> Measurements:
-    """The same without keeping it."""
+    """Return the same without keeping it."""
     if not any(run.started for run in session.runs):
         raise BadInputError(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
@@ -109,7 +109,7 @@ def _curves(
 
 
 def _record_of(extractor: str) -> str:
-    """Name, distribution and version of an extractor; nothing for the built-in one."""
+    """Return name, distribution and version of an extractor; nothing for the built-in one."""
     chosen = chosen_extractor(extractor)
     return "" if chosen.is_built_in else f"{chosen.name} ({chosen.origin})"
 
@@ -124,7 +124,7 @@ def _series(session: RecordedSession, calibration: LoadCellCalibration) -> list[
 
 
 def _shunt_ohm(session: RecordedSession) -> float | None:
-    """The shunt that turns the current channel's volts into amperes; None: not known."""
+    """Return the shunt that turns the current channel's volts into amperes; None: not known."""
     sense = session.resolved.get("rig", {}).get("current_sense", {})
     value = sense.get("shunt_ohm")
     return float(value) if isinstance(value, int | float) and value > 0 else None

@@ -17,7 +17,7 @@ Forces = Mapping[int, Sequence[ForceReading]]  # by run
 def conditions_of(
     session: RecordedSession, forces: Forces, curves: Sequence[ConditionCurves]
 ) -> tuple[Condition, ...]:
-    """One condition for each run and voltage, in the order of the runs.
+    """Return one condition for each run and voltage, in the order of the runs.
 
     Readings without contact, and those of free shapes, are of kind no_contact and have no position.
     Dead weights are no measurement of the sheet and are left out.
@@ -85,7 +85,7 @@ def _kind(planned: PlannedRun, reading: ForceReading) -> Kind:
 
 
 def turns_of(session: RecordedSession) -> dict[int, int]:
-    """For each run how many before it had the same configuration, position and mounting."""
+    """Return for each run how many before it had the same configuration, position and mounting."""
     seen: dict[tuple[str, float | None, int], int] = {}
     turns: dict[int, int] = {}
     for run in session.runs:
@@ -97,5 +97,5 @@ def turns_of(session: RecordedSession) -> dict[int, int]:
 
 
 def _begin_s(session: RecordedSession) -> float:
-    """Clock time at which the session began."""
+    """Return clock time at which the session began."""
     return session.events[0].time_s if session.events else 0.0

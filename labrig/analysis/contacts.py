@@ -1,4 +1,4 @@
-"""The contact as the pictures show it, against the position that the stage was set to."""
+"""The contact as the images show it, against the position that the stage was set to."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from model.measurements import Contact, SheetGeometry
 SIGMAS = 3.0
 SETTING_SIGMA_M = 0.1e-3  # how well a stage, or a person, sets a position
 LEAST_RUNS = 3  # that must agree before their common cause is named
-CLAMP_SIGMA_PX = 0.5  # of the clamp's end along the sheet, in the picture
+CLAMP_SIGMA_PX = 0.5  # of the clamp's end along the sheet, in the image
 
 
 def contact_warnings(
@@ -23,39 +23,39 @@ def contact_warnings(
     curves: Sequence[ConditionCurves],
     px_per_m: float,
 ) -> list[str]:
-    """A sentence for each run whose pictures show the contact elsewhere than the stage says."""
+    """Return a sentence for each run whose images show the contact away from where the stage is."""
     by_run: dict[int, list[Contact]] = {}
     for each in curves:
         if each.contact is not None:
             by_run.setdefault(each.run, []).append(each.contact)
-    told: list[str] = []
+    warnings: list[str] = []
     shifts: list[float] = []
     for number, contacts in by_run.items():
         run = session.runs[number]
         shift = middle_position(contacts) - _stage_m(run)
         shifts.append(shift)
         if abs(shift) > tolerance_m(contacts):
-            told.append(_elsewhere(run, contacts))
-    if len(told) >= LEAST_RUNS:
-        told += _common_cause(shifts)
-    return [*told, *_other_radius(session, sheets, by_run, px_per_m)]
+            warnings.append(_elsewhere(run, contacts))
+    if len(warnings) >= LEAST_RUNS:
+        warnings += _common_cause(shifts)
+    return [*warnings, *_other_radius(session, sheets, by_run, px_per_m)]
 
 
 def middle_position(contacts: Sequence[Contact]) -> float:
-    """The position on the arc that the pictures of one run show, m; of the rolls, if any."""
+    """Return the position on the arc that the images of one run show, m; of the rolls, if any."""
     seen = [c.position_m for c in contacts if c.rolls_m]
     return float(np.median(seen or [c.position_m for c in contacts]))
 
 
 def tolerance_m(contacts: Sequence[Contact]) -> float:
-    """How far picture and stage may differ."""
+    """Return how far image and stage may differ."""
     # voltages share the clamp and the calibration, so their median is hardly better than one
     sigma = min(c.position_sigma_m for c in contacts)
     return SIGMAS * math.hypot(sigma, SETTING_SIGMA_M)
 
 
 def _stage_m(run: RunRecord) -> float:
-    """Where the stage reports to be, or was told to go."""
+    """Return where the stage reports to be, or was sent."""
     reported = run.stage_position_m
     planned = run.planned.position_m
     return float(reported if reported is not None else planned or 0.0)
@@ -66,9 +66,9 @@ def _elsewhere(run: RunRecord, contacts: Sequence[Contact]) -> str:
     place = f"{run.planned.configuration}, {place_of(run.planned.position_m)}"
     found = f"{1e3 * middle_position(contacts):.2f} ± {sigma_mm:.2f} mm"
     if any(c.rolls_m for c in contacts):
-        return f"{place}: the picture shows the contact at {found}; check the stage's position"
+        return f"{place}: the image shows the contact at {found}; check the stage's position"
     return (
-        f"{place}: the picture shows the sheet on the arc at {found}, and no rolls there; check "
+        f"{place}: the image shows the sheet on the arc at {found}, and no rolls there; check "
         "the stage's position, and whether the sheet is between the rolls"
     )
 
@@ -89,7 +89,7 @@ def _other_radius(
     by_run: Mapping[int, Sequence[Contact]],
     px_per_m: float,
 ) -> Iterator[str]:
-    """The rolls' distance from the clamp, against the arc's radius."""
+    """Return the rolls' distance from the clamp, against the arc's radius."""
     ratios = [
         contact.radius_m / sheets[session.runs[number].planned.configuration].arc_radius_m
         for number, contacts in by_run.items()
@@ -102,6 +102,6 @@ def _other_radius(
     found_m = float(np.median(ratios)) * radius_m
     if abs(found_m - radius_m) > SIGMAS * math.hypot(SETTING_SIGMA_M, CLAMP_SIGMA_PX / px_per_m):
         yield (
-            f"the rolls are {1e3 * found_m:.2f} mm from the clamp in the pictures, but sheet.toml "
+            f"the rolls are {1e3 * found_m:.2f} mm from the clamp in the images, but sheet.toml "
             f"has an arc of {1e3 * radius_m:g} mm; check radius_mm of the arc, and px_per_mm"
         )

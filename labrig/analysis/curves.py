@@ -15,7 +15,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, RunRecord, open_session
-from labrig.session.layout import NO_FRAME, Array
+from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
 from protocols.planning.schedule import Purpose
 
@@ -62,11 +62,11 @@ def measure_curves(
     workers: int = 1,
     extractor: str = BUILT_IN,
 ) -> list[ConditionCurves]:
-    """The curves of every run and voltage with frames; `workers` processes share the work.
+    """Return the curves of every run and voltage with frames; `workers` processes share the work.
 
     With more than one, a script that calls this must be importable (`if __name__ == "__main__"`).
     """
-    chosen_extractor(extractor)  # a name that there is not is said before any work
+    chosen_extractor(extractor)  # an unknown name fails before any work
     jobs = list(curve_jobs(session, optics, sheets, extractor))
     found: list[ConditionCurves] = []
     for done, curves in enumerate(_results(session, jobs, workers), start=1):
@@ -78,7 +78,7 @@ def measure_curves(
 
 
 def place_of(position_m: float | None) -> str:
-    """A position for people."""
+    """Return a position for people."""
     return "free" if position_m is None else f"{position_m * 1000:g} mm"
 
 
@@ -88,7 +88,7 @@ def curve_jobs(
     sheets: Mapping[str, SheetGeometry],
     extractor: str = BUILT_IN,
 ) -> Iterator[CurveJob]:
-    """One job for each run and voltage with frames, in the order of the runs."""
+    """Return one job for each run and voltage with frames, in the order of the runs."""
     for run in session.runs:
         if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
             continue
@@ -128,14 +128,14 @@ def _job(
 
 
 def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
-    """The mean of some pictures as 16 bit, full scale at 65535. Raises ValueError without any."""
+    """Return the mean of images as 16 bit, full scale at 65535. Raises ValueError without any."""
     total: FloatArray | None = None
     count = 0
     for image in images:
         total = image.astype(np.float64) if total is None else total + image
         count += 1
     if total is None:
-        raise ValueError("the mean of no pictures")
+        raise ValueError("the mean of no images")
     scaled: GreyImage = np.rint(total * (65535.0 / full_scale / count)).astype(np.uint16)
     return scaled
 
@@ -184,9 +184,9 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
 def _frame_by_frame(
     job: CurveJob, run: RunRecord, start: NeutralCurve | None
 ) -> tuple[dict[int, Curve], dict[int, str]]:
-    """Each reading's own curve, and for those without one the reason.
+    """Return each reading's own curve, and for those without one the reason.
 
-    Where neither the mean image nor the first frames show a sheet, the rest are not looked at.
+    Where neither the mean image nor the first frames show a sheet, the rest are left out.
     """
     extractor = chosen_extractor(job.extractor)
     found: dict[int, Curve] = {}

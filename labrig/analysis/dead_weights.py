@@ -21,7 +21,7 @@ def dead_weight_warnings(
     forces: Mapping[int, Sequence[ForceReading]],
     calibration: LoadCellCalibration,
 ) -> Iterator[str]:
-    """A sentence for each dead weight that the load cell read wrongly, less its reading at 0."""
+    """Return a sentence for each dead weight that the load cell, less its zero, read wrongly."""
     means = dict(_means(session, forces))
     zero_N, zero_sigma_N = means.get(0.0, (0.0, 0.0))
     for load_N, (read_N, read_sigma_N) in means.items():

@@ -27,7 +27,7 @@ class VoltageEdge:
 
 
 def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, VoltageEdge]:
-    """The run's steps by their number, as far as they were written.
+    """Return the run's steps by their number, as far as they were written.
 
     An edge lies between the last sample at the level before and the first one beyond it. Where in
     between is known better from the write's own time; so that stands, unless it lies clearly
@@ -63,7 +63,10 @@ def _edge(step: int, written: float, left: int | None) -> VoltageEdge:
 def _last_before(
     drive_V: FloatArray, written: float, jump_V: float, rate_hz: float, end: float
 ) -> int | None:
-    """Index of the last sample at the old level before the edge; None when there is no edge."""
+    """Return the index of the last sample at the old level before the edge.
+
+    None when there is no edge.
+    """
     settle, level = max(1, round(SETTLE_S * rate_hz)), max(3, round(LEVEL_S * rate_hz))
     search = max(2, round(SEARCH_S * rate_hz))
     at = int(np.floor(written))
@@ -89,6 +92,6 @@ def _last_before(
 
 
 def _start_of_old(gone: FloatArray, settled: int) -> int:
-    """From where on the samples up to `settled` lie at the old level without a break."""
+    """Return from where on the samples up to `settled` lie at the old level without a break."""
     off = np.flatnonzero(np.abs(gone[: max(settled, 0)]) > _LEFT)
     return int(off[-1]) + 1 if off.size else 0

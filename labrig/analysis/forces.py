@@ -37,7 +37,7 @@ class ForceReading:
 def measure_forces(
     run: RunRecord, calibration: LoadCellCalibration, *, rules: Rules | None = None
 ) -> tuple[ForceReading, ...]:
-    """Every reading that the run came to, from its raw samples.
+    """Return every reading that the run came to, from its raw samples.
 
     The sampling point is the planned delay after the edge, as found in the drive's read-back; the
     value there comes from the symmetric filter. A reading that is not valid carries all reasons:
@@ -70,7 +70,7 @@ class _ReadingMaker:
         self._written_V = {int(row["step"]): float(row["sheet_V"]) for row in run.writes}
 
     def reading(self, row: np.void) -> ForceReading:
-        """The reading that a row of the recorded table stands for."""
+        """Return the reading that a row of the recorded table stands for."""
         clock, zero_s = self._run.sample_clock, self._run.time_zero_s
         planned = self._run.planned.readings[int(row["index"])]
         edge = self._edges.get(planned.step)
@@ -125,7 +125,10 @@ class _ReadingMaker:
         return found.value, found.noise_factor
 
     def _scatter_N(self, first: int, last: int) -> float:
-        """Noise of one sample, from differences of neighbours: blind to the signal's own course."""
+        """Return the noise of one sample, from differences of neighbours.
+
+        Blind to the signal's own course.
+        """
         force = self._volts[self._force, first : last + 1]
         sigma_V = float(np.std(np.diff(force))) / np.sqrt(2) if force.size > 2 else float("nan")
         return sigma_V / abs(self._calibration.sensitivity_V_per_N)
@@ -146,6 +149,6 @@ class _ReadingMaker:
 
 
 def _once(reasons: list[str]) -> list[str]:
-    """Each reason once: what was noted while running is mostly found again."""
-    said = {part for reason in reasons[:1] for part in reason.split("; ")}
-    return reasons[:1] + [reason for reason in dict.fromkeys(reasons[1:]) if reason not in said]
+    """Return each reason once: what was noted while running is mostly found again."""
+    named = {part for reason in reasons[:1] for part in reason.split("; ")}
+    return reasons[:1] + [reason for reason in dict.fromkeys(reasons[1:]) if reason not in named]

@@ -12,7 +12,7 @@ _EXAMPLE = "position=25 or configuration=long,position=25"
 
 
 def held_out(texts: Sequence[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
-    """Pairs of configuration (empty: all of them) and position in m, each of which was measured."""
+    """Return pairs of configuration (empty: all) and position in m, each of which was measured."""
     return tuple(_checked(text, *_parsed(text), measurements) for text in texts)
 
 

@@ -20,7 +20,9 @@ def time_series(
     turn: int = 0,
     rate_hz: float = SERIES_HZ,
 ) -> TimeSeries:
-    """Means over blocks of samples, about `rate_hz` of them a second; their times are the middles.
+    """Return means over blocks of samples, about `rate_hz` of them a second.
+
+    Their times are the middles.
 
     A block with a lost sample is left out. A sheet that nothing touches has no force. `turn`
     counts runs at the same place.

@@ -1,4 +1,4 @@
-"""Measurements of several sessions of the same sheet, taken as one.
+"""Measurements of several sessions of the same sheet, as one.
 
 Every session is a mounting of its own, since the sheet and the load cell were set anew in between.
 """
@@ -19,7 +19,7 @@ SAME = 1e-9
 
 
 def together(parts: Sequence[tuple[Path, Measurements]]) -> Measurements:
-    """All of them; BadInputError where their sheets differ."""
+    """Return all of them; BadInputError where their sheets differ."""
     first_path, whole = parts[0]
     for path, one in parts[1:]:
         for name, sheet in one.sheets.items():
@@ -66,18 +66,18 @@ def _check_same(one: SheetGeometry | None, other: SheetGeometry, first: Path, se
             text = key.removesuffix("_m").replace("_", " ")
             raise BadInputError(
                 f"{second}: its {one.configuration} sheet has a {text} of {b * 1e3:g} mm, that of "
-                f"{first} {a * 1e3:g} mm; only sessions of the same sheet can be taken together."
+                f"{first} {a * 1e3:g} mm; only sessions of the same sheet can be analysed together."
             )
     if abs(one.arc_origin_rad - other.arc_origin_rad) > SAME:
         a, b = np.degrees([one.arc_origin_rad, other.arc_origin_rad])
         raise BadInputError(
             f"{second}: its arc begins at {b:g} degrees for the {one.configuration} sheet, that of "
-            f"{first} at {a:g}; only sessions of the same geometry can be taken together."
+            f"{first} at {a:g}; only sessions of the same geometry can be analysed together."
         )
     if not _same_rest(one, other):
         raise BadInputError(
             f"{second}: its initial curvature of the {one.configuration} sheet is not that of "
-            f"{first}; only sessions of the same sheet can be taken together."
+            f"{first}; only sessions of the same sheet can be analysed together."
         )
 
 

@@ -31,7 +31,9 @@ def all_commands() -> list[Command]:
     """Return all commands in their order; warn of each that is left out."""
     from drivers.plugins import PluginFolder, PluginWarning  # the drivers are slow to import
 
-    folder: PluginFolder[Command] = PluginFolder("command", PACKAGE, "COMMAND", GROUP, faults)
+    folder: PluginFolder[Command] = PluginFolder(
+        what="command", package=PACKAGE, constant="COMMAND", group=GROUP, faults=faults
+    )
     by_name: dict[str, Command] = {}
     for part in folder.parts().values():
         if part.part.name in by_name:

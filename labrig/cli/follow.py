@@ -16,9 +16,9 @@ from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
-from labrig.experiment.wiring import wire
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
 from protocols.execution.channels import FORCE_N

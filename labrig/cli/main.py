@@ -29,8 +29,8 @@ def main() -> None:
         sys.exit(ExitCode.NOT_READY)
     sys.unraisablehook = _ignore_unraisable
     code = run(sys.argv[1:])
-    if "labrig.session.disk" in sys.modules:
-        sys.modules["labrig.session.disk"].end_before_the_library_does(code)
+    if "labrig.session.recording.disk" in sys.modules:
+        sys.modules["labrig.session.recording.disk"].end_before_the_library_does(code)
     sys.exit(code)
 
 

@@ -63,7 +63,7 @@ Model = TypeVar("Model", bound=ClosedModel)
 
 
 def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """Return the content of a text file, or one sentence about why there is none.
+    """Return the content of a text file; BadInputError says why there is none.
 
     Only an ordinary file is opened: a pipe would be waited for, a device read without end.
     """
@@ -119,7 +119,7 @@ def parse_json(text: str, name: str) -> Any:
 
 
 def validate(model: type[Model], data: dict[str, Any], name: str) -> Model:
-    """Return the data as a model; all faults together in one BadInputError, a sentence each."""
+    """Return the data as a model; BadInputError has a sentence for each fault."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -148,7 +148,7 @@ def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:
 
 
 def _short(value: Any) -> str:
-    """Return a value as a person may want to see it: whole, but not a page of it."""
+    """Return a value for a message: whole, but not a page of it."""
     writer = reprlib.Repr()
     writer.maxstring = writer.maxother = writer.maxlong = 80
     return writer.repr(value)

@@ -108,7 +108,7 @@ def _model_of(settings: type, kind: str | None, base: type[SettingsModel]) -> ty
 
 
 def _doc(settings: type) -> str | None:
-    """The dataclass's docstring; none where the standard library has made one up."""
+    """Return the dataclass's docstring; None for the one the standard library makes."""
     doc = settings.__doc__
     return None if doc is None or doc.startswith(f"{settings.__name__}(") else doc
 
@@ -127,7 +127,7 @@ def _field(field: dataclasses.Field[Any]) -> Any:
 
 
 def _as_model(value: Any) -> Any:
-    """A default that is a dataclass itself, as its model."""
+    """Return a default that is a dataclass itself as its model."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         plain = {f.name: _as_model(getattr(value, f.name)) for f in dataclasses.fields(value)}
         return model_of(type(value)).model_construct(**plain)
@@ -142,7 +142,7 @@ def _annotation(wanted: Any, said: Mapping[str, Any]) -> Any:
 
 
 def _with_models(wanted: Any, items: Mapping[str, Any] | None) -> Any:
-    """The type with each dataclass in it replaced by its model, and bounds put on its items."""
+    """Replace each dataclass in a type by its model, and put bounds on its items."""
     if dataclasses.is_dataclass(wanted) and isinstance(wanted, type):
         return model_of(wanted)
     origin, parts = typing.get_origin(wanted), typing.get_args(wanted)
@@ -207,13 +207,13 @@ class OneOf:
         )
 
     def __get_pydantic_json_schema__(self, _schema: Any, handler: GetJsonSchemaHandler) -> Any:
-        """What of the key's schema is known now: any of the models."""
+        """Return the schema: any of the models."""
         every = [handler(model.__pydantic_core_schema__) for model in self.models().values()]
         return every[0] if len(every) == 1 else {"anyOf": every}
 
 
 def _wrong_kind(table: Mapping[str, Any], why: str) -> ValidationError:
-    """What is wrong with the key `kind` of a table."""
+    """Return the error of the key `kind` of a table."""
     details = InitErrorDetails(
         type=PydanticCustomError("wrong_kind", "{why}", {"why": why}),
         loc=("kind",),

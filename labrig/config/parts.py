@@ -70,7 +70,7 @@ _CAMERA_BY_KIND = by_kind("camera", _camera_models)
 
 
 def _camera_kind(table: Mapping[str, Any]) -> str:
-    """The kind that the table names, or the one that opens its source."""
+    """Return the kind that the table names, or the one that opens its source."""
     if "kind" in table:
         return _CAMERA_BY_KIND.choose(table)
     return cameras.kind_of_source(table.get("source"))

@@ -94,7 +94,7 @@ class RigConfig(ClosedModel):
     @model_validator(mode="before")
     @classmethod
     def _with_boards(cls, data: Any) -> Any:
-        """A file without a table of boards has the default one."""
+        """Add the default table of boards to a file that has none."""
         if not isinstance(data, dict) or any(data.get(name) is not None for name in cls.families):
             return data
         return {**data, DEFAULT: {}}

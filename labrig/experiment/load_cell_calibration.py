@@ -16,7 +16,7 @@ from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.rig import Rig, opened
 from labrig.files import discard, not_written
 
 LISTEN_S = 2.0  # to each weight
@@ -58,7 +58,9 @@ def weigh(
             volts.append(_listen(rig, load_N, tell))
             on_mean(load_N, volts[-1])
         range_V = rig.signals.ranges_V[list(rig.signals.channels).index("force")]
-        rig.operator.ask(Prompt("dead_weight", "Take every weight off the load cell.", load_N=0.0))
+        rig.operator.ask(
+            Prompt(kind="dead_weight", text="Take every weight off the load cell.", load_N=0.0)
+        )
     try:
         fit = fit_calibration(loads_N, volts)
     except CalibrationError as error:
@@ -77,7 +79,7 @@ def weigh(
 
 def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:
     what = f"Hang {1e3 * load_N:g} mN on the load cell" if load_N else "Take every weight off"
-    prompt = Prompt("dead_weight", f"{what} and wait until it is still.", load_N=load_N)
+    prompt = Prompt(kind="dead_weight", text=f"{what} and wait until it is still.", load_N=load_N)
     if not rig.operator.ask(prompt):
         raise StoppedError("stopped; no calibration was written.")
     row = list(rig.signals.channels).index("force")

@@ -15,9 +15,9 @@ from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, load_plan
-from labrig.experiment.rig import DRIVE, Rig, opened
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import DRIVE, Rig, opened
 from labrig.plausibility import calibration_age
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
@@ -30,7 +30,7 @@ _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
     from labrig.experiment.operator import NoOperator
-    from labrig.experiment.wiring import wire
+    from labrig.experiment.rig.wiring import wire
 
     plan = plan_of(rig, protocol, sheet)
     wired = wire(plan, NoOperator(lambda _text: None))
@@ -38,7 +38,7 @@ def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None
 
 
 def plan_of(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> Plan:
-    """A plan for what needs the rig but no particular experiment."""
+    """Return a plan for what needs the rig but no particular experiment."""
     return load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
 
 
@@ -60,10 +60,10 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
 
 
 def look(rig: Rig, plan: Plan) -> list[Check]:
-    """The checks that need the open devices."""
+    """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
-        checks += _camera(rig, rig.camera, plan)
+        checks += camera_checks(rig, rig.camera, plan)
     return checks
 
 
@@ -145,7 +145,8 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
     return [float(np.mean(part)) for part in np.array_split(values, parts)]
 
 
-def _camera(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
+    """Yield what a camera's images show: their size, their rate, and that they are not blank."""
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(

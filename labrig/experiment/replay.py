@@ -20,10 +20,10 @@ from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
-from labrig.experiment.channels import inputs_of
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import FORCE, Rig
-from labrig.experiment.wiring import sheet_drive
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import FORCE, Rig
+from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 
@@ -52,7 +52,7 @@ def replay_plan(session: RecordedSession) -> Plan:
 
 
 def _on_simulated_boards(rig: RigConfig) -> RigConfig:
-    """The recording is played through the default family, whichever boards it was made with."""
+    """Replace the boards by the default family, through which recordings are played."""
     tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
     if rig.boards_kind != DEFAULT:
         tables[DEFAULT]["sample_rate_hz"] = rig.boards.sample_rate_hz
@@ -69,7 +69,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
     inputs = _inputs(session, plan.rig)
     director = Director(session, inputs)
     settings = plan.rig.boards.settings()
-    server = NiDeviceServer(director, clock, devices=_models(settings), seed=None)
+    server = NiDeviceServer(director, clock, devices=_models(session, settings, inputs), seed=None)
     boards = plan.rig.family.connect(settings, clock, server.in_process_channel())
     camera = None
     if session.frame_shape is not None:
@@ -93,7 +93,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
 
 
 def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
-    """The channels as wired; a force that a meter has read needs a range that holds it."""
+    """Return the channels as wired; a force that a meter has read gets a range for it."""
     wired = inputs_of(rig)
     if session.resolved.get(FORCE_UNIT) != "N":
         return list(wired)
@@ -105,12 +105,16 @@ def _inputs(session: RecordedSession, rig: RigConfig) -> list[BoardInput]:
     ]
 
 
-def _models(settings: Any) -> dict[str, str]:
-    """Boards that stand in: a session names its devices, and its ranges, but not their models."""
-    drive, inputs = (channel.split("/")[0] for channel in (settings.drive, settings.force))
-    if drive == inputs:
-        return {drive: "PCIe-6363"}
-    return {drive: "PCI-6703", inputs: "PCI-6034E"}
+def _models(session: RecordedSession, settings: Any, inputs: list[BoardInput]) -> dict[str, str]:
+    """Return boards that stand in: a session names its devices and ranges, but not their models."""
+    from sim_hardware.ni.boards import input_board, output_board
+
+    drive, force = (channel.split("/")[0] for channel in (settings.drive, settings.force))
+    recorded = dict(zip(session.channels, session.ranges_V, strict=False))
+    ranges = [(each.range_V, recorded.get(each.name, each.range_V)) for each in inputs]
+    if drive == force:
+        return {drive: input_board(ranges, outputs=True)}
+    return {drive: output_board(), force: input_board(ranges, outputs=False)}
 
 
 class Director:

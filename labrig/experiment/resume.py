@@ -19,7 +19,7 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution import events as ev
 
@@ -207,8 +207,8 @@ def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.Fr
 def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:
     device_s = float(run.frame_column("device_time")[row])
     return Frame(
-        int(run.frame_column("number")[row]),
-        float(run.frame_column("time")[row]) + zero_s,
-        None if np.isnan(device_s) else device_s,
-        run.image(row),
+        number=int(run.frame_column("number")[row]),
+        time_s=float(run.frame_column("time")[row]) + zero_s,
+        device_time_s=None if np.isnan(device_s) else device_s,
+        image=run.image(row),
     )

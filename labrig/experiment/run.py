@@ -12,7 +12,8 @@ from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import look
 from labrig.experiment.resume import Resumption
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.parts_in_use import parts_in_use
+from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
@@ -162,6 +163,7 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
         frame_dtype="uint8" if camera is None else camera.dtype,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
         simulated=rig.config.is_simulated,
+        parts=parts_in_use(rig.config),
     )
 
 

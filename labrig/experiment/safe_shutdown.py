@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 
 from drivers.interfaces import DeviceError
 from drivers.safe_shutdown import DEVICE_S, SafetyReport, in_time, make_safe
-from labrig.experiment.rig import DRIVE, Rig
+from labrig.experiment.rig.rig import DRIVE, Rig
 from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
 

@@ -11,9 +11,9 @@ from drivers.guard import Guard, GuardSettings
 from drivers.interfaces import DeviceError, Interlock
 from drivers.safe_shutdown import SafetyReport
 from labrig.errors import NotReadyError
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.experiment.safety import output_place
-from labrig.session.guarded import forget_guard_report, guard_report_path
+from labrig.session.reading.guard_report import forget_guard_report, guard_report_path
 
 _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts when it is passed
 

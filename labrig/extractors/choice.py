@@ -15,7 +15,11 @@ from labrig.vision import NeutralCurve, Optics, StripGeometry
 
 BUILT_IN: Final = "intensity_fit"
 EXTRACTORS: Final[PluginFolder[CurveExtractor]] = PluginFolder(
-    "curve extractor", "labrig.extractors", "EXTRACTOR", "labrig.extractors", faults
+    what="curve extractor",
+    package="labrig.extractors",
+    constant="EXTRACTOR",
+    group="labrig.extractors",
+    faults=faults,
 )
 
 

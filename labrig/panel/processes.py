@@ -21,7 +21,8 @@ class Detached(TypedDict):
 def module_environment() -> dict[str, str]:
     """Return an environment in which a process finds our packages, wherever it is started."""
     path = os.pathsep.join(filter(None, [str(_ROOT), os.environ.get("PYTHONPATH")]))
-    return {**os.environ, "PYTHONPATH": path}
+    # PYTHONSAFEPATH: a module of that name in the folder it is started in hides none of ours.
+    return {**os.environ, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
 
 
 def detached() -> Detached:

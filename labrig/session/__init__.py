@@ -1,7 +1,6 @@
 """The session file: write, read, verify, recover, import, export."""
 
-from labrig.session.compare import compare_sessions
-from labrig.session.derived import (
+from labrig.session.derived.store import (
     drop_measurements,
     load_finding,
     load_measurements,
@@ -9,13 +8,14 @@ from labrig.session.derived import (
     store_measurements,
     stored_curve_extractor,
 )
-from labrig.session.exchange import export_session, import_session
-from labrig.session.recover import RecoverReport, recover
-from labrig.session.run_record import RunRecord
-from labrig.session.session import LoggedEvent, RecordedSession, open_session
+from labrig.session.reading.compare import compare_sessions
+from labrig.session.reading.run_record import RunRecord
+from labrig.session.reading.session import LoggedEvent, RecordedSession, open_session
+from labrig.session.recording.writer import SessionWriter, WriterError
+from labrig.session.repair.recover import RecoverReport, recover
+from labrig.session.repair.verify import verify
 from labrig.session.tables import read_tables, write_tables
-from labrig.session.verify import verify
-from labrig.session.writer import SessionWriter, WriterError
+from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
     "LoggedEvent",

@@ -290,7 +290,12 @@ class FakeCamera:
 
     def _frame(self, number: int) -> Frame:
         image = ((np.arange(24) * 9 + number) % 256).astype(np.uint8).reshape(self.frame_shape)
-        return Frame(number, self.start_s + (number + 1) * self.period_s, None, image)
+        return Frame(
+            number=number,
+            time_s=self.start_s + (number + 1) * self.period_s,
+            device_time_s=None,
+            image=image,
+        )
 
     def _is_wanted(self, time_s: float) -> bool:
         return self.all or any(low <= time_s <= high for low, high in self.wanted)

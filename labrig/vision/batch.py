@@ -37,7 +37,7 @@ class BatchOptions:
     sheet: Path | None = None
     configuration: str | None = None  # which table of the sheet.toml
     overlays: bool = True
-    look: SheetAppearance | None = None  # in place of what optics.json says
+    look: SheetAppearance | None = None  # in place of that in optics.json
     find: FindCurve = neutral_curve
 
 
@@ -60,7 +60,7 @@ def extract_curves(
     *,
     progress: Progress | None = None,
 ) -> BatchResult:
-    """Curves of all images and videos in `sources`, written into the folder `output`.
+    """Return curves of all images and videos in `sources`, written into the folder `output`.
 
     An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
@@ -83,7 +83,7 @@ def extract_curves(
 
 
 def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
-    """Name, image (None: unreadable) and curve of each image and frame, one after the other.
+    """Return name, image (None: unreadable) and curve of each image and frame, one after the other.
 
     Raises BadInputError at once when there is none, or two of the same name, or where a file that
     serves several is at fault.
@@ -124,7 +124,7 @@ def _refuse_twins(files: list[Path]) -> None:
 
 
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
-    """A fault in an image's own files costs that image; one in what serves several, the run."""
+    """Raise for a fault in a file of several images; one in an own file costs that image only."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
         ("optics.json", options.optics, load_optics),
         ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
@@ -155,7 +155,7 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
 
 
 def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    """What is known of an image from the files beside it, or those for all."""
+    """Return what is known of an image from the files beside it, or those for all."""
     optics = _beside(path, "optics.json", options.optics)
     sheet = _beside(path, "sheet.toml", options.sheet)
     if optics is None or sheet is None:
@@ -167,7 +167,7 @@ def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
 
 
 def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
-    """The file of a kind that an image uses; None where there is none."""
+    """Return the file of a kind that an image uses; None where there is none."""
     for candidate in (_own(path, kind), given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate

@@ -40,6 +40,14 @@ def strict_jit(function: Function) -> Function:
     return _compiled(function, frozenset())
 
 
+def brief_jit(function: Function) -> Function:
+    """Compile a function that runs for microseconds: as `strict_jit`, but it keeps the GIL.
+
+    To get the GIL back can take milliseconds while another thread computes.
+    """
+    return _compiled(function, frozenset(), nogil=False)
+
+
 def drop_stale(cache: Path, source: Path) -> bool:
     """Delete what was compiled from a file, if a file it depends on has changed since.
 
@@ -74,8 +82,8 @@ def sources(source: Path) -> set[Path]:
     return found | _named_tuples()
 
 
-def _compiled(function: Function, fastmath: frozenset[str]) -> Function:
-    options = {"nogil": True, "error_model": "numpy", "fastmath": set(fastmath)}
+def _compiled(function: Function, fastmath: frozenset[str], *, nogil: bool = True) -> Function:
+    options = {"nogil": nogil, "error_model": "numpy", "fastmath": set(fastmath)}
     made = numba.njit(cache=True, **options)(function)
     if made is not function:  # it is the function itself where numba is switched off
         source = Path(function.__code__.co_filename).resolve()

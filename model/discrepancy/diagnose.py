@@ -9,12 +9,18 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement as from_menu
-from model.discrepancy.prepare import FEWEST_SETUPS, Options, prepare, setups
+from model.discrepancy.prepare import Options, prepare, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
-from model.discrepancy.search.null_calibration import DEFAULT, null_gains, threshold
+from model.discrepancy.search.null_calibration import null_gains, threshold
 from model.discrepancy.search.signatures import forms, signatures
+from model.discrepancy.thresholds import (
+    COMPARISON_SIGMA,
+    EVIDENCE_THRESHOLD_LN,
+    FEWEST_SETUPS,
+    LEAST_IMPROVEMENT,
+)
 from model.discrepancy.verdict.finding import Finding
 from model.discrepancy.verdict.result import Diagnosis, Next
 from model.effects.catalogue import catalogue, effect
@@ -36,7 +42,7 @@ def diagnose(
     effects = _effects(options)
     say("searching", 0.2)
     enough = setups(ready) >= FEWEST_SETUPS
-    limit, limit_from = DEFAULT, "the built-in value"
+    limit, limit_from = EVIDENCE_THRESHOLD_LN, "the built-in value"
     if not enough:
         limit, limit_from = np.inf, "nothing is named: too few set-ups"
     outcome = search(ready.problem, ready.theta, effects, limit, options.most_effects, ready.found)
@@ -74,9 +80,9 @@ def next_measurement(
     fitted = search(ready.problem, ready.theta, [], np.inf).base
     pool = forms(candidates(fitted, chosen), {})
     lengths = signatures(fitted, pool, {}).detectability
-    sizes = [min(1.0, 8.0 / max(x, 1e-9)) for x in lengths]
+    sizes = [min(1.0, COMPARISON_SIGMA / max(x, 1e-9)) for x in lengths]
     found = from_menu(fitted, chosen, [dict(c.values) for c in pool], sizes)
-    if found is None or found.expected <= found.separation * 1.01:
+    if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
         raise ModelError(f"nothing on the menu would tell {' from '.join(between)}")
     return found
 

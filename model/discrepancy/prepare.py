@@ -6,6 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.thresholds import (
+    LONGEST_CURVE_RATIO,
+    SHORTEST_CURVE_RATIO,
+    STIFFNESS_PRIOR_LN,
+)
 from model.effects.catalogue import effect as effect_of
 from model.identification.base_model import BaseOptions, bases_of
 from model.identification.data.data_vector import DataVector, look
@@ -18,10 +23,6 @@ from model.identification.observations import Observed, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.sheet.sheet_model import SheetModel
-
-FEWEST_SETUPS = 4
-NEAR_LN_B = 0.07
-SHORTEST, LONGEST = 0.1, 1.5  # a curve's length over that of sheet and elongation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +95,7 @@ def _anchored(study: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
     """
     parts = []
     for scene, one in zip(study.scenes, bases.parts, strict=True):
-        near = {one.stiffness: (float(theta[one.stiffness]), NEAR_LN_B)}
+        near = {one.stiffness: (float(theta[one.stiffness]), STIFFNESS_PRIOR_LN)}
         parts.append(replace(one, prior=one.prior | near) if scene.has_curve.any() else one)
     return replace(bases, parts=tuple(parts))
 
@@ -106,7 +107,11 @@ def _check_curves(one: DataVector) -> None:
         if seen.curve is None:
             continue
         length = float(seen.curve.s_m[-1])
-        if not SHORTEST * one.sheet.free_length_m < length < LONGEST * whole:
+        if (
+            not SHORTEST_CURVE_RATIO * one.sheet.free_length_m
+            < length
+            < LONGEST_CURVE_RATIO * whole
+        ):
             raise ModelError(
                 f"the curve of condition {seen.name} is {length * 1e3:.3g} mm long, the sheet"
                 f" {whole * 1e3:.3g} mm; check that x, y and s are in mm"

@@ -23,7 +23,11 @@ def _faults(part: object) -> list[str]:
 
 
 FOLDER: PluginFolder[Effect] = PluginFolder(
-    "effect", "model.effects", "EFFECT", "labrig.effects", _faults
+    what="effect",
+    package="model.effects",
+    constant="EFFECT",
+    group="labrig.effects",
+    faults=_faults,
 )
 
 

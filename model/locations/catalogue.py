@@ -18,7 +18,11 @@ def _faults(part: object) -> list[str]:
 
 
 FOLDER: PluginFolder[Location] = PluginFolder(
-    "location of discrepancy", "model.locations", "LOCATION", "labrig.locations", _faults
+    what="location of discrepancy",
+    package="model.locations",
+    constant="LOCATION",
+    group="labrig.locations",
+    faults=_faults,
 )
 
 

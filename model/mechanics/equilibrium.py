@@ -239,8 +239,9 @@ class Equilibria:
         state = np.stack([self.nu, self.s_hat_m, self.phi_hat_rad], axis=1)
         good = self.status == SolverStatus.SOLVED
         _engine(engine).describe_many(
-            p.breaks_m, p.kappa, p.softness, rule(self.nodes), p.radius_m, p.angle_rad,
-            self.psi, state, good, s, to, out, lever, dx, dout,
+            breaks=p.breaks_m, kappa=p.kappa, soft=p.softness, rule=rule(self.nodes),
+            R=p.radius_m, angles=p.angle_rad, psi=self.psi, x=state, good=good, s=s, to=to,
+            out=out, lever=lever, dx=dx, dout=dout,
         )  # fmt: skip
         shapes = Shapes(
             s_m=np.asarray(s_m, dtype=float), x_m=out[:, :, 0], y_m=out[:, :, 1],
@@ -274,8 +275,9 @@ def solve(
     for again in range(_PASSES[accuracy]):
         if again:  # from what was found, nearer than the first pass was asked to come
             warm = status == SolverStatus.SOLVED
-        if _share(by.solve_many, workers, batch, nodes, warm, psi, state, status):
-            _share(by.rescue_many, workers, batch, nodes, psi, state, status)
+        found: dict[str, Any] = {"psi": psi, "x": state, "status": status}
+        if _share(by.solve_many, workers, batch, nodes, warm=warm, **found):
+            _share(by.rescue_many, workers, batch, nodes, **found)
             state[status != SolverStatus.SOLVED] = np.nan
     return Equilibria(
         problems=batch,
@@ -289,21 +291,23 @@ def solve(
 
 
 def _share(
-    engine: Callable[..., int], workers: int, batch: Problems, nodes: int, *arrays: Any
+    engine: Callable[..., int], workers: int, batch: Problems, nodes: int, **arrays: Any
 ) -> int:
     """Run the engine on slices of the batch, one thread each; returns how many are left."""
-    r, reach = rule(nodes), batch.reach_m * (1.0 + 1e-12)
+    same = {
+        "breaks": batch.breaks_m, "rule": rule(nodes), "R": batch.radius_m,
+        "reach": batch.reach_m * (1.0 + 1e-12),
+    }  # fmt: skip
     if workers <= 1 or len(batch) < 2 * LEAST_SHARE:
         return engine(
-            batch.breaks_m, batch.kappa, batch.softness, r, batch.radius_m, reach,
-            batch.angle_rad, *arrays,
-        )  # fmt: skip
+            kappa=batch.kappa, soft=batch.softness, angles=batch.angle_rad, **arrays, **same
+        )
 
     def part(rows: slice) -> int:
         soft = batch.softness if len(batch.softness) == 1 else batch.softness[rows]
         return engine(
-            batch.breaks_m, batch.kappa[rows], soft, r, batch.radius_m, reach,
-            batch.angle_rad[rows], *(a[rows] for a in arrays),
+            kappa=batch.kappa[rows], soft=soft, angles=batch.angle_rad[rows],
+            **{name: values[rows] for name, values in arrays.items()}, **same,
         )  # fmt: skip
 
     ends = np.linspace(0, len(batch), min(workers, len(batch) // LEAST_SHARE) + 1).astype(int)

@@ -187,48 +187,48 @@ def _follow(case: Case, u: Numbers, start: Case, r: Rule) -> tuple[Numbers, Numb
 
 
 def solve_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, reach: float,
     angles: Numbers, warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> int:  # fmt: skip
-    """As `_kernel.solve_many`."""
+    """As `kernel.solve_many`."""
     case = _case(breaks, kappa, soft, R, angles)
-    free, polar = _free(case, r)
+    free, polar = _free(case, rule)
     u = free.copy()
     share = 1.0 - max(0.0, 1.0 - breaks[-1] / R) ** 3
     u[:, -2] = 3.0 * (polar - angles) / share
     started = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * R * R, x[:, 1:2] / R], axis=1)
     u[warm] = started[warm]
-    u, done = _newton(case, u, r)
+    u, done = _newton(case, u, rule)
     sure = done & ((u[:, -1] * R <= breaks[-1]) | (np.abs(polar - angles) < 1.0))
     status[:] = np.where(sure & (u[:, -1] * R <= reach), SOLVED, FAILED)
-    _store(case, u, r, psi, x, np.arange(len(u)), status == SOLVED)
+    _store(case, u, rule, psi, x, np.arange(len(u)), status == SOLVED)
     return int(np.count_nonzero(status == FAILED))
 
 
 def rescue_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, reach: float,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, reach: float,
     angles: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> int:  # fmt: skip
-    """As `_kernel.rescue_many`."""
+    """As `kernel.rescue_many`."""
     for attempt in range(2):
         left = np.flatnonzero(status == FAILED if attempt == 0 else status != SOLVED)
         if not len(left):
             break
         case = _case(breaks, kappa, soft, R, angles).pick(left)
-        free, polar = _free(case, r)
+        free, polar = _free(case, rule)
         if attempt == 0:
-            v, done = _follow(case, free, replace(case, angle=polar), r)
+            v, done = _follow(case, free, replace(case, angle=polar), rule)
         else:
             straight = np.zeros_like(free)
             straight[:, -1] = 1.0001
             flat = replace(case, kappa=0.0 * case.kappa, angle=0.0 * case.angle)
             there = replace(flat, angle=case.angle)
-            v, one = _follow(there, straight, flat, r)
-            v, done = _follow(case, v, there, r)
+            v, one = _follow(there, straight, flat, rule)
+            v, done = _follow(case, v, there, rule)
             done &= one
         found = np.where(v[:, -1] * R <= reach, SOLVED, SLIPPED)
         status[left] = np.where(done, found, status[left])
-        _store(case, v, r, psi, x, left, done)
+        _store(case, v, rule, psi, x, left, done)
     return int(np.count_nonzero(status == FAILED))
 
 
@@ -297,27 +297,27 @@ def _tail(case: Case, x: Any, y: Any, phi: Any, top: Any, place: float, r: Rule)
 
 
 def describe_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, r: Rule, R: float, angles: Numbers,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, angles: Numbers,
     psi: Numbers, x: Numbers, good: Numbers, s: Numbers, to: Any,
     out: Numbers, lever: Numbers, dx: Numbers, dout: Numbers,
 ) -> None:  # fmt: skip
-    """As `_kernel.describe_many`; derivatives by a complex step along solution and parameter."""
+    """As `kernel.describe_many`; derivatives by a complex step along solution and parameter."""
     case = _case(breaks, kappa, soft, R, angles)
     u = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * R * R, x[:, 1:2] / R], axis=1)
     for k in np.flatnonzero(good).tolist():
         rows, places = np.array([k]), s[min(k, len(s) - 1)]
         one = case.pick(rows)
-        values, lever[k] = _points(one, u[rows], places, r)
+        values, lever[k] = _points(one, u[rows], places, rule)
         out[k] = values.T
         for q in range(dx.shape[1]):
             moved = _moved(one, to, min(k, len(to.kappa) - 1), q)
-            push = _residual(moved, u[rows].astype(complex), r).imag[0]
-            du = -np.linalg.solve(_jacobian(one, u[rows], r)[0], push)
+            push = _residual(moved, u[rows].astype(complex), rule).imag[0]
+            du = -np.linalg.solve(_jacobian(one, u[rows], rule)[0], push)
             v = u[rows] + 1j * du
-            shape = _points(moved, v, places, r)[0].imag / TINY
-            P, n = len(breaks) - 1, len(r.c)
+            shape = _points(moved, v, places, rule)[0].imag / TINY
+            P, n = len(breaks) - 1, len(rule.c)
             on = _loaded(
-                moved, v[:, :-2].reshape(1, P, n), v[:, -2] / moved.R**2, v[:, -1] * moved.R, r
+                moved, v[:, :-2].reshape(1, P, n), v[:, -2] / moved.R**2, v[:, -1] * moved.R, rule
             )
             dx[k, q] = [
                 (v[0, -2] / moved.R[0] ** 2).imag / TINY,

@@ -68,7 +68,15 @@ def tip_load(
     out = np.zeros((3, (len(breaks) - 1) * NODES + 1))
     first = min(1.0, STEP / max(bend * length, 1e-300))
     good, tip = grow(
-        breaks, kappa.on(breaks).coefficients, soft, rule(NODES), along, across, follows, first, out
+        breaks=breaks,
+        kappa=kappa.on(breaks).coefficients,
+        soft=soft,
+        rule=rule(NODES),
+        along=along,
+        across=across,
+        follows=follows,
+        first=first,
+        out=out,
     )
     if not good:
         raise ModelError("no equilibrium was found under this tip load: it is too large")

@@ -71,7 +71,7 @@ def _turn_over(run: PlannedRun) -> Prompt:
         "Turn the whole rig over about the sheet's long axis, unless it is turned over already; it "
         "stays so for this session. Turn it back afterwards."
     )
-    return Prompt("turn_over", text, run.configuration)
+    return Prompt(kind="turn_over", text=text, configuration=run.configuration)
 
 
 def _weigh(run: PlannedRun, load_N: float) -> Prompt:
@@ -81,12 +81,12 @@ def _weigh(run: PlannedRun, load_N: float) -> Prompt:
         if load_N
         else "Take every weight and the sheet off the load cell."
     )
-    return Prompt("dead_weight", text, run.configuration, load_N=load_N)
+    return Prompt(kind="dead_weight", text=text, configuration=run.configuration, load_N=load_N)
 
 
 def _mount(run: PlannedRun) -> Prompt:
     text = f"Mount the sheet in the configuration {run.configuration!r} in the clamp."
-    return Prompt("mount", text, run.configuration)
+    return Prompt(kind="mount", text=text, configuration=run.configuration)
 
 
 def _remount(run: PlannedRun) -> Prompt:
@@ -94,13 +94,18 @@ def _remount(run: PlannedRun) -> Prompt:
         f"Take the {run.configuration!r} sheet out of the clamp and mount it anew, as if for the "
         "first time."
     )
-    return Prompt("remount", text, run.configuration, run.position_m)
+    return Prompt(
+        kind="remount", text=text, configuration=run.configuration, position_m=run.position_m
+    )
 
 
 def _touch(run: PlannedRun) -> Prompt:
     text = "Put the sheet between the rolls of the load cell."
     return Prompt(
-        "touch", text, run.configuration, run.position_m if run.via_m is None else run.via_m
+        kind="touch",
+        text=text,
+        configuration=run.configuration,
+        position_m=run.position_m if run.via_m is None else run.via_m,
     )
 
 
@@ -111,8 +116,15 @@ def _free(run: PlannedRun) -> Prompt:
         else f"Lift the sheet out of the rolls and leave the load cell at "
         f"{run.position_m * 1e3:g} mm."
     )
-    return Prompt("free", text, run.configuration, run.position_m)
+    return Prompt(
+        kind="free", text=text, configuration=run.configuration, position_m=run.position_m
+    )
 
 
 def _moisten(run: PlannedRun) -> Prompt:
-    return Prompt("moisten", "Moisten the sheet.", run.configuration, run.position_m)
+    return Prompt(
+        kind="moisten",
+        text="Moisten the sheet.",
+        configuration=run.configuration,
+        position_m=run.position_m,
+    )

@@ -18,7 +18,7 @@ OPEN_TIMEOUT_MSEC, READ_TIMEOUT_MSEC = 53, 54
 
 
 class SimulatedCapture:
-    """What a driver uses of `cv2.VideoCapture`, on any clock.
+    """The part of `cv2.VideoCapture` that a driver uses, on any clock.
 
     `grab` waits for the next frame and only marks it; `retrieve` renders it, so frames that nobody
     wants cost nothing. A reader that comes late finds the last `CAP_PROP_BUFFERSIZE` frames (4), as

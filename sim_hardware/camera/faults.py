@@ -1,4 +1,4 @@
-"""What can go wrong with the simulated camera, by frame number."""
+"""The faults of the simulated camera, by frame number."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def from_frame(first: int) -> range:
 
 @dataclass(kw_only=True)
 class CameraFaults:
-    """Which frames suffer from what; may be changed while the camera runs.
+    """The faults of frames; may be changed while the camera runs.
 
     Any container of frame numbers will do: a set, a range, `from_frame(100)`. Frames are numbered
     from 0, in the order in which the camera takes them, lost ones too.
@@ -38,7 +38,7 @@ class CameraFaults:
     """The same by time: what, such as `drop`, and from when until when frames are taken so."""
 
     def strike(self, what: str, number: int, time_s: float) -> bool:
-        """Whether a frame suffers from this."""
+        """Return whether a frame suffers from this."""
         numbers: Container[int] = getattr(self, what)
         from_s, until_s = self.spans.get(what, (0.0, 0.0))
         return number in numbers or from_s <= time_s < until_s

@@ -40,7 +40,7 @@ class FrameStream:
         return self.time_of(number) + late
 
     def suffers(self, what: str, number: int) -> bool:
-        """Whether the frame has this fault."""
+        """Return whether the frame has this fault."""
         return self.faults.strike(what, number, self.time_of(number))
 
     def latest_at(self, when_s: float) -> int:

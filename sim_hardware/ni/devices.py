@@ -56,7 +56,7 @@ class Device:
         return self.board.ports[int(port.removeprefix("port"))]
 
     def has(self, channel: str) -> bool:
-        """Whether there is such a channel (`ai0`), whatever its type."""
+        """Return whether there is such a channel (`ai0`), whatever its type."""
         name = f"{self.name}/{channel}"
         digital = self.lines(output=False) + self.lines(output=True)
         return name in self.inputs() + self.outputs() + digital

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 @dataclass(kw_only=True)
 class Faults:
-    """What goes wrong; everything is off until it is set. Fields may be set at any time."""
+    """The faults of the server; all are off until they are set. Fields may be set at any time."""
 
     delay_s: float = 0.0  # every call takes this much longer
     hang: set[str] = field(default_factory=set)  # calls that never answer; "*": all
@@ -18,7 +18,7 @@ class Faults:
     stuck_outputs: set[str] = field(default_factory=set)  # confirm a write, and keep their volts
 
     def hangs(self, method: str) -> bool:
-        """Whether this call never answers."""
+        """Return whether this call never answers."""
         return method in self.hang or "*" in self.hang
 
     def loses_samples(self) -> bool:

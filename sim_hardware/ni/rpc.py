@@ -1,4 +1,4 @@
-"""What a handler may know of the call it answers, and the fields that messages share."""
+"""The call that a handler answers, and the fields that messages share."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Call(Protocol):
 
     @property
     def client(self) -> str:
-        """Who calls: one name for each connection."""
+        """The caller: one name for each connection."""
 
     def is_active(self) -> bool:
         """Return False once the caller has gone or cancelled."""

@@ -1,4 +1,4 @@
-"""What does not change from frame to frame: the jaws, the light, the reflections."""
+"""The constant parts of a frame: the jaws, the light, the reflections."""
 
 from __future__ import annotations
 

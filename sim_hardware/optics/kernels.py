@@ -27,7 +27,7 @@ class PixelBand(NamedTuple):
 
 
 class Layer(NamedTuple):
-    """Where bands are drawn, and which of its pixels they touch."""
+    """A layer on which bands are drawn, and its pixels that they touch."""
 
     pixels: Image  # (pixels, 5), see `draw_band`
     columns: int

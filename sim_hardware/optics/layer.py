@@ -1,4 +1,4 @@
-"""Where bands are drawn before they are laid over the image."""
+"""A layer on which bands are drawn before they are laid over the image."""
 
 from __future__ import annotations
 

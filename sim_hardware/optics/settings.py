@@ -1,4 +1,4 @@
-"""What the simulated camera looks at the sheet with: the table `[camera]` of a world."""
+"""The optics of the simulated camera: the table `[camera]` of a world."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class CameraNoise(_Closed):
 
 
 class Light(_Closed):
-    """How unevenly the scene is lit."""
+    """The unevenness of the light."""
 
     vignetting: float = Field(default=0.10, ge=0, lt=1)
     """Loss in the corners."""

@@ -16,7 +16,7 @@ _BITS_PER_BYTE = 10  # 8N1
 
 
 class InMemorySerial:
-    """What drivers use of pyserial's `Serial`, with a simulated device behind it.
+    """The part of pyserial's `Serial` that drivers use, with a simulated device behind it.
 
     Bytes take the time that the baud rate gives them; a reply begins when the command has arrived.
     Spoken to at another baud rate than its own the device understands nothing, and what it sends
@@ -157,6 +157,6 @@ class InMemorySerial:
             wake = min(end, now + _TICK_S)
             self._clock.sleep_until(min(wake, self._coming[0][0]) if self._coming else wake)
         count = count or (len(self._arrived) if size is None else size)
-        taken = bytes(self._arrived[:count])
+        data = bytes(self._arrived[:count])
         del self._arrived[:count]
-        return taken
+        return data

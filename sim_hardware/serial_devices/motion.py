@@ -1,4 +1,4 @@
-"""How a stage moves: constant acceleration, constant speed, constant deceleration."""
+"""The motion of a stage: constant acceleration, constant speed, constant deceleration."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ class Motion:
 
     def go(self, target: float, top_speed: float, acceleration: float) -> Motion:
         """Go on to a target and come to rest there."""
-        way = target - self._end
+        distance = target - self._end
         stopping = self._end_speed * abs(self._end_speed) / (2 * acceleration)
-        if self._end_speed * way < 0 or abs(stopping) > abs(way):
+        if self._end_speed * distance < 0 or abs(stopping) > abs(distance):
             return self.brake(acceleration)._from_rest(target, top_speed, acceleration)
         if abs(self._end_speed) > top_speed:
             self._change_speed(math.copysign(top_speed, self._end_speed), acceleration)
@@ -82,10 +82,10 @@ class Motion:
 
     def _from_rest(self, target: float, top_speed: float, acceleration: float) -> Motion:
         """Go to a target that lies ahead, from a speed at which one can still stop there."""
-        way = target - self._end
+        distance = target - self._end
         speed = abs(self._end_speed)
-        peak = min(top_speed, math.sqrt(acceleration * abs(way) + speed * speed / 2))
-        self._change_speed(math.copysign(peak, way), acceleration)
+        peak = min(top_speed, math.sqrt(acceleration * abs(distance) + speed * speed / 2))
+        self._change_speed(math.copysign(peak, distance), acceleration)
         cruise = abs(target - self._end) - peak * peak / (2 * acceleration)
         if cruise > 0:
             self._add(cruise / peak, 0.0)

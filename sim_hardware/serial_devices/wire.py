@@ -12,7 +12,7 @@ from sim_hardware.serial_devices.contract import SerialDevice
 
 @dataclass
 class SerialFaults:
-    """Which replies suffer from what; may be changed while the port is open.
+    """The faults of the cable, by reply; may be changed while the port is open.
 
     Replies are numbered from 0; any container of numbers will do: a set, a range.
     """

@@ -180,23 +180,23 @@ class SimulatedZaberStage:
         return "0"
 
     def _move(self, command: ZaberCommand) -> str:
-        way = command.words[1] if len(command.words) > 1 else ""
-        if way in ("min", "max") and len(command.words) == 2:
+        mode = command.words[1] if len(command.words) > 1 else ""
+        if mode in ("min", "max") and len(command.words) == 2:
             value = 0
-        elif way in ("abs", "rel", "vel"):
+        elif mode in ("abs", "rel", "vel"):
             value = _whole(command, 2)
         else:
             raise RejectedError("BADCOMMAND")
         if "WR" in self.axis.warnings:
             raise RejectedError("BADDATA")
         low, high = self.settings["limit.min"], self.settings["limit.max"]
-        if way == "vel":
+        if mode == "vel":
             if value == 0:
                 return self._stop(command)
             self._go(high if value > 0 else low, abs(value) / SPEED_UNIT)
             return "0"
         here = round(self.axis.counted)
-        target = {"min": low, "max": high, "abs": value, "rel": here + value}[way]
+        target = {"min": low, "max": high, "abs": value, "rel": here + value}[mode]
         if not low <= target <= high:
             raise RejectedError("BADDATA")
         self._go(target, self.settings.speed)

@@ -50,7 +50,7 @@ class Settings:
         return self._values[name]
 
     def is_device_only(self, name: str) -> bool:
-        """Whether the setting belongs to the device, not to its axis."""
+        """Return whether the setting belongs to the device, not to its axis."""
         return _TABLE[name].device_only
 
     def write(self, name: str, value: int) -> None:

@@ -43,7 +43,7 @@ class ZaberCommand:
 
 
 def _is_field(word: str, fields: int) -> bool:
-    """Whether a word belongs to the head; the third field, the id, may be `--`: do not reply."""
+    """Return whether a word belongs to the head; `--` as the third field, the id: do not reply."""
     return _NUMBER.fullmatch(word) is not None or (word == "--" and fields == 2)
 
 

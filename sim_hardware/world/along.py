@@ -1,4 +1,4 @@
-"""How a property of the sheet goes along it, relative to its value at the clamp."""
+"""The course of a property along the sheet, relative to its value at the clamp."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class CurveErrors:
         return math.hypot(self.white_m, self.smooth_m)
 
     def places(self, length_m: float) -> FloatArray:
-        """Where the points are along a curve so long."""
+        """Return where the points are along a curve so long."""
         return np.linspace(0.0, length_m, 1 + round(length_m / self.spacing_m))
 
     def smooth_factor(self, s_m: FloatArray) -> FloatArray:
@@ -55,7 +55,7 @@ class CurveNoise:
         return math.hypot(self.white_m, self._errors.smooth_m)
 
     def places(self, length_m: float) -> FloatArray:
-        """Where the points are along a curve so long."""
+        """Return where the points are along a curve so long."""
         s_m = self._errors.places(length_m)
         self._factor = self._errors.smooth_factor(s_m)
         return s_m

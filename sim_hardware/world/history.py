@@ -1,4 +1,4 @@
-"""What has happened to the sheet: its inner state on a fixed time grid, and at any time between.
+"""The sheet's history: its inner state on a fixed time grid, and at any time between.
 
 The grid does not know how reads are cut into pieces, so neither do the values: what is read at a
 time depends on that time and on what was written before it.
@@ -198,7 +198,7 @@ class History:
         return parts.reshape(drive.size, -1)
 
     def _crept(self, rows: FloatArray) -> FloatArray:
-        """How far each part has crept: the mean of its lags (n, PARTS)."""
+        """Return how far each part has crept: the mean of its lags (n, PARTS)."""
         if not self._creeps:
             return np.zeros((len(rows), PARTS))
         return np.asarray(rows[:, _COLUMNS:].reshape(len(rows), PARTS, _LAGS).mean(axis=2))

@@ -24,7 +24,7 @@ ELEMENTS = 3
 
 @dataclass
 class Slip:
-    """When the sheet slipped out of the rolls; it does not come back by itself."""
+    """The time at which the sheet slipped out of the rolls; it does not return by itself."""
 
     since_s: float = math.inf
 
@@ -76,7 +76,7 @@ class Stage:
         return dry_s
 
     def out(self, times: FloatArray, drive: FloatArray) -> npt.NDArray[np.bool_]:
-        """Where the sheet is out of the rolls, though they are there."""
+        """Return where the sheet is out of the rolls, though they are there."""
         return (times >= self.slip.since_s) | self.setup.slipped(drive)
 
     def moved(

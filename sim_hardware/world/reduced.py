@@ -153,7 +153,7 @@ class _TableMaker:
         return result
 
     def _times(self, number: int) -> dict[float, FloatArray]:
-        """When the readings at each voltage are taken: those at 0 V first, then turn by turn."""
+        """Return the times of the readings at each voltage: those at 0 V first, then in turns."""
         driven = [v for v in self._voltages if v != 0]
         start = number * _RUN_S + _SAMPLE_S
         turns = np.arange(self._readings, dtype=np.float64)

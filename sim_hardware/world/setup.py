@@ -175,7 +175,7 @@ class MountedSheet:
         return up, down
 
     def slipped(self, drive: FloatArray) -> npt.NDArray[np.bool_]:
-        """Where along these drives the sheet is out of the rolls."""
+        """Return where along these drives the sheet is out of the rolls."""
         if self.position_m is None:
             return np.zeros(drive.shape, dtype=bool)
         return self.held.slipped(drive)
@@ -214,7 +214,7 @@ class MountedSheet:
         return result
 
     def sliding_m(self, drive: FloatArray) -> FloatArray:
-        """Where along the sheet the rolls are."""
+        """Return where along the sheet the rolls are."""
         return np.asarray(self.held.contact(drive)[1])
 
     def arriving_N(self, *, moved_up: bool) -> FloatArray:
@@ -229,7 +229,7 @@ class MountedSheet:
         return np.concatenate(([0.0], felt))
 
     def first_slide(self, *, moved_up: bool) -> float:
-        """Which way along the sheet the rolls slid while they were being placed: 1 outward."""
+        """Return the direction in which the rolls slid along the sheet on the way: 1 outward."""
         if self.position_m is None or not self.held.reachable:
             return 0.0
         outward = math.sin(self.held.state(0.0).angle_rad - self.arc_rad)

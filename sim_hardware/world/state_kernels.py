@@ -1,4 +1,4 @@
-"""How the sheet's inner state moves in time, compiled. Import this where it is used.
+"""The sheet's inner state in time, compiled. Import this where it is used.
 
 The state: voltage across the sheet (V); moment relative to the settled one at +2 V, as the water
 would allow; how unevenly the water lies (1: as after a rest, 0: as under voltage); time spent
@@ -26,7 +26,7 @@ _HALF_V = 0.5
 
 
 class StateRules(NamedTuple):
-    """What the state's movement depends on."""
+    """The parameters of the state's movement."""
 
     rise_s: float
     build_up_s: float

@@ -1,4 +1,4 @@
-"""What the camera gets to see of the sheet."""
+"""The sheet and the rolls as the camera sees them."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def shape_of(moment: Moment, k: int) -> FloatArray:
 
 
 def contact_of(moment: Moment) -> tuple[float, float, float] | None:
-    """Where the rolls are, x and y in m, and which way they look; None: away."""
+    """Return where the rolls are, x and y in m, and which way they look; None: away."""
     setup = moment.stage.setup
     if setup.position_m is None:
         return None

@@ -73,13 +73,13 @@ class World:
 
     @property
     def configuration(self) -> str:
-        """What is mounted."""
+        """The configuration that is mounted."""
         with self._lock:
             return self._history.stage.setup.configuration
 
     @property
     def position_m(self) -> float | None:
-        """Where the load cell was put; None: away from the sheet."""
+        """The position of the load cell; None: away from the sheet."""
         with self._lock:
             return self._history.stage.setup.position_m
 

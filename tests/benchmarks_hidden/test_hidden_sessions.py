@@ -13,7 +13,7 @@ from benchmarks.hidden_effects import Case, Extras, Hidden, case, hidden_session
 from benchmarks.hidden_effects.recipe import RISE_S
 from benchmarks.hidden_effects.sessions import prepared
 from labrig.config import load_sheet
-from labrig.session.tables_in import read_tables
+from labrig.session.tables.read import read_tables
 from model import FitOptions, Measurements
 from model.identification.fit import Fit, fit
 from sim_hardware.world import Visit, timed_session

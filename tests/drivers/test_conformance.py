@@ -121,7 +121,7 @@ class Counting(CaptureCamera):
 
     def frames(self) -> list[Frame]:
         return [
-            Frame(number, frame.time_s, None, frame.image)
+            Frame(number=number, time_s=frame.time_s, device_time_s=None, image=frame.image)
             for number, frame in enumerate(super().frames())
         ]
 
@@ -131,7 +131,10 @@ class OneBuffer(CaptureCamera):
 
     def frames(self) -> list[Frame]:
         found = super().frames()
-        return [Frame(f.number, f.time_s, None, found[0].image) for f in found]
+        return [
+            Frame(number=f.number, time_s=f.time_s, device_time_s=None, image=found[0].image)
+            for f in found
+        ]
 
 
 class Dark(CaptureCamera):

@@ -332,6 +332,15 @@ def test_a_guard_that_cannot_reach_the_boards_refuses_to_start():
         Guard.start(GuardSettings(boards="ni", place=place.as_dict()))
 
 
+def test_a_module_of_the_users_named_drivers_does_not_keep_the_guard_from_starting(
+    remote, tmp_path, monkeypatch
+):
+    (tmp_path / "drivers.py").write_text("raise RuntimeError('not the drivers that are meant')")
+    monkeypatch.chdir(tmp_path)
+    guard = Guard.start(remote.settings)
+    guard.disarm()
+
+
 def test_disarming_while_energised_makes_the_guard_act(remote):
     """Nobody has confirmed 0 V, whatever the program believes."""
     guard = Guard.start(remote.settings)

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from labrig.config.templates import template_text, write_templates
-from labrig.experiment.networked_rig import served_rig
+from labrig.experiment.rig.networked_rig import served_rig
 
 PROTOCOL = """
 moisten = false

@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 
 from labrig.cli.follow import RunDisplay
-from labrig.session import open_session, writer
-from labrig.session.journal import Journal
+from labrig.session import open_session
+from labrig.session.recording import writer
+from labrig.session.recording.journal import Journal
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, Outcome, OutputState, ReadingTaken
 from sim_hardware.world import World

@@ -13,7 +13,7 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.session import open_session
-from labrig.session.guarded import read_guard_report
+from labrig.session.reading.guard_report import read_guard_report
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, children, serving
 from tests.end_to_end.small_rig import labrig

@@ -69,6 +69,7 @@ def test_a_replay_of_it_has_the_same_signals(rig_6211: Path, tmp_path: Path) -> 
     session = run_rig(rig_6211)
     assert labrig("replay", session, "-o", tmp_path / "again.h5") == 0
     with open_session(session) as first, open_session(tmp_path / "again.h5") as again:
+        assert first.ranges_V == again.ranges_V
         for channel in first.channels:
             np.testing.assert_array_equal(
                 first.runs[0].signal_V(channel), again.runs[0].signal_V(channel)

@@ -14,9 +14,9 @@ from drivers.interfaces import DeviceError
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
-from labrig.experiment.rig import Rig, opened
+from labrig.experiment.rig.rig import Rig, opened
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.safe_shutdown import safe_shutdown
-from labrig.experiment.wiring import wire
 from tests.end_to_end.small_rig import make_rig
 
 SCRIPT = """
@@ -24,9 +24,9 @@ import atexit, os, sys
 from pathlib import Path
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
-from labrig.experiment.rig import opened
+from labrig.experiment.rig.rig import opened
 from labrig.experiment.safe_shutdown import safe_shutdown
-from labrig.experiment.wiring import wire
+from labrig.experiment.rig.wiring import wire
 
 rig = wire(plan_of(Path(sys.argv[1])), NoOperator(print))
 held = [opened(rig)]

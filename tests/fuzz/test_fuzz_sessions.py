@@ -13,9 +13,10 @@ import h5py
 import numpy as np
 import pytest
 
-from labrig.session import layout, store_measurements
-from labrig.session.create import put_text
-from labrig.session.journal import journal_path
+from labrig.session import store_measurements
+from labrig.session.format import layout
+from labrig.session.recording.create import put_text
+from labrig.session.recording.journal import journal_path
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told
 from tests.labrig.session.measured import measurements

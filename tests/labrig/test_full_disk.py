@@ -13,8 +13,9 @@ import pytest
 from labrig.cli.main import run
 from labrig.errors import BadInputError, LabrigError
 from labrig.files import write_text
-from labrig.session import disk, load_measurements, verify
-from labrig.session.derived import store_finding
+from labrig.session import load_measurements, verify
+from labrig.session.derived.store import store_finding
+from labrig.session.recording import disk
 from tests.labrig.report_data import measure, session
 
 _SAYS = "file write failed: errno = 28, error message = 'No space left on device'"

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from labrig.experiment.preflight import _camera
+from labrig.experiment.preflight import camera_checks
 
 
 class Bursting:
@@ -35,7 +35,7 @@ class Bursting:
 def rate(camera: Bursting) -> tuple[bool, str]:
     clock = SimpleNamespace(now=lambda: 0.0, sleep_until=lambda _time: None)
     plan = SimpleNamespace(optics=None, schedule=SimpleNamespace(frame_rate_hz=25.0))
-    found = {c.name: c for c in _camera(SimpleNamespace(clock=clock), camera, plan)}
+    found = {c.name: c for c in camera_checks(SimpleNamespace(clock=clock), camera, plan)}
     assert found["camera sees something"].ok
     return found["camera rate"].ok, found["camera rate"].found
 

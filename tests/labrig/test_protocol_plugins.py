@@ -11,7 +11,7 @@ from labrig.cli.main import run
 from labrig.config import PROTOCOLS, parse_protocol
 from labrig.config.schema import schemas
 from labrig.panel.core.configuration_files import kind_of
-from labrig.session.setup import present_versions
+from labrig.session.format.setup import present_versions
 
 FLASH = '''
 """One short pulse."""

@@ -292,7 +292,7 @@ def test_the_rig_is_turned_over_once_before_everything_else(rig):
 def test_a_manual_stages_questions_are_told_once_when_it_shares_the_operator(rig):
     recorded = RecordedOperator(rig.operator, rig.clock, rig.events.append)
     object.__setattr__(rig.devices, "operator", recorded)
-    rig.stage.move_to = lambda p: recorded.ask(Prompt("move", "Move it.", position_m=p))
+    rig.stage.move_to = lambda p: recorded.ask(Prompt(kind="move", text="Move it.", position_m=p))
     rig.stage.position = lambda: None
     ends_well(rig)
     assert [e.prompt.kind for e in rig.of_kind(OperatorAsked)] == [

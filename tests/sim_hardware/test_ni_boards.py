@@ -14,7 +14,7 @@ from nidaqmx.constants import AcquisitionType, BusType, ProductCategory, Termina
 from nidaqmx.errors import DaqError, RpcError
 
 from sim_hardware.ni import LoopbackWires, board_models
-from sim_hardware.ni.boards import FOLDER, board_model, faults
+from sim_hardware.ni.boards import FOLDER, board_model, faults, input_board, output_board
 from sim_hardware.ni.boards.contract import (
     AnalogInputs,
     AnalogOutputs,
@@ -56,6 +56,14 @@ def test_a_board_is_found_by_its_product_type_and_an_unknown_one_is_answered_wit
     assert board_model("USB-6211").analog_in.channels == 16
     with pytest.raises(UnknownPartError, match=r"no simulated board 'usb-6212'.*'USB-6211'"):
         board_model("usb-6212")
+
+
+def test_a_board_is_found_by_what_it_can() -> None:
+    assert output_board() == "PCI-6703"
+    assert input_board([(0.05, 0.05), (5.0, 5.0)], outputs=False) == "PCI-6034E"
+    assert input_board([(0.05, 0.2), (5.0, 5.0)], outputs=True) == "USB-6211"
+    assert input_board([(0.05, 0.1), (5.0, 5.0)], outputs=True) == "PCIe-6363"
+    assert input_board([(0.05, 0.123)], outputs=False) == "PCI-6034E"  # the next best
 
 
 @pytest.mark.parametrize(

@@ -496,22 +496,22 @@ def test_a_record_that_cannot_be_written_is_refused_in_words(tmp_path: Path) -> 
 def test_the_person_does_what_is_asked() -> None:
     world, clock = quiet_world()
     person = SimulatedOperator(world)
-    assert person.ask(Prompt("mount", "", configuration="short"))
+    assert person.ask(Prompt(kind="mount", text="", configuration="short"))
     assert world.configuration == "short"
-    assert person.ask(Prompt("move", "", position_m=0.01))
+    assert person.ask(Prompt(kind="move", text="", position_m=0.01))
     assert world.position_m == 0.01
-    assert person.ask(Prompt("remount", ""))
+    assert person.ask(Prompt(kind="remount", text=""))
     assert world.position_m == 0.01
-    assert person.ask(Prompt("free", ""))
+    assert person.ask(Prompt(kind="free", text=""))
     assert world.position_m is None
-    assert person.ask(Prompt("dead_weight", "", load_N=0.02))
+    assert person.ask(Prompt(kind="dead_weight", text="", load_N=0.02))
     assert world.true_force_N(clock.now()) == 0.02
-    assert person.ask(Prompt("dead_weight", ""))
+    assert person.ask(Prompt(kind="dead_weight", text=""))
     assert world.true_force_N(clock.now()) == 0.0
-    assert person.ask(Prompt("moisten", ""))
-    assert person.ask(Prompt("confirm", ""))
+    assert person.ask(Prompt(kind="moisten", text=""))
+    assert person.ask(Prompt(kind="confirm", text=""))
     with pytest.raises(ValueError, match="juggle"):
-        person.ask(Prompt("juggle", ""))
+        person.ask(Prompt(kind="juggle", text=""))
 
 
 def test_a_rig_turned_over_is_a_world_whose_weight_pulls_the_other_way() -> None:
@@ -521,7 +521,7 @@ def test_a_rig_turned_over_is_a_world_whose_weight_pulls_the_other_way() -> None
         for load in (0.01, -0.01, 0.01)
     )
     for _ in range(2):  # one that is turned over already stays so
-        assert SimulatedOperator(over).ask(Prompt("turn_over", ""))
+        assert SimulatedOperator(over).ask(Prompt(kind="turn_over", text=""))
     shapes = [world.true_shape(clock.now()) for world in (up, down, over)]
     assert np.max(np.abs(shapes[0] - shapes[1])) > 1e-4
     np.testing.assert_array_equal(shapes[2], shapes[1])

@@ -191,7 +191,7 @@ class NiSignalInput:
         self._reader.verify_array_shape = False  # ours fits; the check asks the server each time
 
     def _check_answers(self) -> None:
-        """What the board says of itself is believed no further than it can be true."""
+        """Refuse a rate or a range that cannot be true."""
         rate_fits = 0.5 < self._rate_hz / self._asked_hz < 2.0
         if not rate_fits or not all(0.0 < volts < 1e3 for volts in self._ranges):
             raise DeviceError(

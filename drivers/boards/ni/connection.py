@@ -92,7 +92,7 @@ class NiConnection:
             )
 
     def create_task(self, name: str) -> Any:
-        """A new nidaqmx.Task; raises DeviceReservedError when somebody holds one of that name.
+        """Make a nidaqmx.Task; DeviceReservedError when somebody holds one of that name.
 
         A server hands out a task by its name to whoever asks, silently: two programs would share
         one output. So an existing one is refused here.
@@ -121,7 +121,7 @@ class NiConnection:
             return task
 
     def attach_task(self, name: str) -> Any | None:
-        """The task of that name that another process made, or None when there is none."""
+        """Return the task of that name that another process made; None when there is none."""
         from nidaqmx import Task
         from nidaqmx.errors import RpcError
         from nidaqmx.grpc_session_options import SessionInitializationBehavior as Behavior

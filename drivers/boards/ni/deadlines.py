@@ -31,7 +31,7 @@ def deadline_s(method: str, request: object) -> float:
     return base + max(0.0, *waits)  # a wait "for ever" is -1: it gets the base only
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _CallDetails(grpc.ClientCallDetails):  # type: ignore[misc] # grpc is untyped
     method: str
     timeout: float | None
@@ -51,18 +51,18 @@ class DeadlineInterceptor(grpc.UnaryUnaryClientInterceptor):  # type: ignore[mis
         details = client_call_details
         if details.timeout is None:
             details = _CallDetails(
-                details.method,
-                deadline_s(details.method, request),
-                details.metadata,
-                details.credentials,
-                details.wait_for_ready,
-                details.compression,
+                method=details.method,
+                timeout=deadline_s(details.method, request),
+                metadata=details.metadata,
+                credentials=details.credentials,
+                wait_for_ready=details.wait_for_ready,
+                compression=details.compression,
             )
         return continuation(details, request)
 
 
 def channel_to(target: str) -> Any:
-    """A gRPC channel to host:port with our deadlines and a TCP connection of its own."""
+    """Open a gRPC channel to host:port with our deadlines and a TCP connection of its own."""
     options = [
         ("grpc.max_receive_message_length", 256 * 2**20),  # 4 MB hold 0.5 M samples only
         ("grpc.max_send_message_length", 256 * 2**20),
@@ -73,5 +73,5 @@ def channel_to(target: str) -> Any:
 
 
 def with_deadlines(channel: Any) -> Any:
-    """The same channel, every call of which ends in time."""
+    """Return the same channel, every call of which ends in time."""
     return grpc.intercept_channel(channel, DeadlineInterceptor())

@@ -84,7 +84,7 @@ _MEANINGS = {
 
 
 def daq_error(doing: str, code: int, message: str, devices: Sequence[str] | None) -> DeviceError:
-    """The error for an NI-DAQmx status code. `devices`: what is there, where that is known."""
+    """Return the error for an NI-DAQmx status code. `devices`: those found, where known."""
     meaning = _MEANINGS.get(code)
     if meaning is None:
         words = " ".join(message.partition("Status Code")[0].split()) or "no description"
@@ -97,7 +97,7 @@ def daq_error(doing: str, code: int, message: str, devices: Sequence[str] | None
 
 
 def rpc_error(doing: str, where: str, code_name: str, description: str) -> DeviceError:
-    """The error for a gRPC status (its name, such as UNAVAILABLE)."""
+    """Return the error for a gRPC status (its name, such as UNAVAILABLE)."""
     if code_name == "UNAVAILABLE":
         return DeviceNotFoundError(
             f"{doing} failed: no connection to {where}; start the server there, and check the "

@@ -38,7 +38,7 @@ def load_cell(
     from labrig.experiment.load_cell_calibration import weigh, write_calibration
     from labrig.experiment.operator import ConsoleOperator, NoOperator
     from labrig.experiment.preflight import plan_of
-    from labrig.experiment.wiring import wire
+    from labrig.experiment.rig.wiring import wire
 
     if len(set(weight_mN)) < 2 or len(weight_mN) < 3:
         raise BadInputError(

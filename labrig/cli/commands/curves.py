@@ -142,7 +142,7 @@ def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) 
     from labrig.analysis import measure
     from labrig.cli.screen import progress
     from labrig.session import open_session
-    from labrig.session.tables_out import write_curves
+    from labrig.session.tables.write import write_curves
 
     with open_session(path) as session, progress("curves") as advance:
         measurements = measure(session, advance, extractor=extractor)

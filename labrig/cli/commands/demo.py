@@ -89,7 +89,7 @@ def _run(rig: Path, protocol: Path, sheet: Path, session: Path) -> None:
 
 def _real_clock(folder: Path) -> None:
     from labrig.config.templates import template_text, write_templates
-    from labrig.experiment.networked_rig import served_rig
+    from labrig.experiment.rig.networked_rig import served_rig
     from labrig.report.tables.overview import overview
     from labrig.session import open_session
 

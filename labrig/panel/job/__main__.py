@@ -60,6 +60,6 @@ def main() -> int:
 
 if __name__ == "__main__":
     ended = main()
-    if "labrig.session.disk" in sys.modules:
-        sys.modules["labrig.session.disk"].end_before_the_library_does(ended)
+    if "labrig.session.recording.disk" in sys.modules:
+        sys.modules["labrig.session.recording.disk"].end_before_the_library_does(ended)
     sys.exit(ended)

@@ -9,7 +9,7 @@ from drivers.interfaces import Camera, Clock, DeviceError
 from labrig.errors import BadInputError, ExitCode, NotReadyError
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
-from labrig.experiment.wiring import wire
+from labrig.experiment.rig.wiring import wire
 from labrig.panel.job.host import Host
 from labrig.panel.live.frames import raw_picture
 

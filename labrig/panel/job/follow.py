@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drivers.interfaces import Frame
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.rig import Rig
 from labrig.panel.job.preview import Preview
 from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frames import raw_picture

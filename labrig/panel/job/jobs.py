@@ -18,7 +18,7 @@ from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.live.packing import BrokenConnectionError, Header
 from labrig.panel.live.strip_chart import strip_from
 from labrig.panel.processes import detached, module_environment
-from labrig.session.guarded import GuardReport, forget_guard_report, read_guard_report
+from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
 
 POLL_S = 0.3
 START_S = 30.0  # a busy computer imports slowly

@@ -8,7 +8,7 @@ from labrig.errors import ExitCode
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
 from labrig.experiment.preflight import preflight
-from labrig.experiment.wiring import wire
+from labrig.experiment.rig.wiring import wire
 from labrig.panel.job.host import Host
 
 

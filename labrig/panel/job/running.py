@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.errors import BadInputError, NotReadyError
-from labrig.experiment.networked_rig import at_addresses, served_rig
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
-from labrig.experiment.rig import Rig
+from labrig.experiment.rig.networked_rig import at_addresses, served_rig
+from labrig.experiment.rig.rig import Rig
+from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
-from labrig.experiment.wiring import wire
 from labrig.panel.job.follow import Follower
 from labrig.panel.job.host import Host
 from labrig.panel.job.operator import PageOperator

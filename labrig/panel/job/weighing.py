@@ -11,7 +11,7 @@ from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.load_cell_calibration import weigh, write_calibration
 from labrig.experiment.preflight import plan_of
-from labrig.experiment.wiring import wire
+from labrig.experiment.rig.wiring import wire
 from labrig.panel.job.host import Host
 from labrig.panel.job.operator import PageOperator
 from labrig.panel.job.registry import hidden_folder

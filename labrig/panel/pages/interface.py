@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from drivers.plugins import PluginFolder
+from drivers.plugins import Part, PluginFolder
 from labrig.panel.pages.conformance import faults
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ EVERYWHERE: frozenset[Mode] = frozenset({"rig", "sessions", "replay"})
 NOWHERE: frozenset[Mode] = frozenset()
 STATIC = Path(__file__).parents[1] / "static"
 OWN_SCRIPTS = STATIC / "js" / "pages"
+_ADDRESS = re.compile(r"[a-z0-9][a-z0-9_-]*")
 GENERIC_SCRIPT = "/static/js/data_page.js"
 
 
@@ -58,10 +60,29 @@ def own_script(name: str) -> Path:
     return OWN_SCRIPTS / f"{name}.js"
 
 
-def ordered() -> dict[str, PanelPage]:
-    """Return all pages by address, in the order of the menu."""
-    parts = {name.replace("_", "-"): part.part for name, part in PAGES.parts().items()}
-    return dict(sorted(parts.items(), key=lambda item: (item[1].order, item[0])))
+def address_of(name: str) -> str:
+    """Return a page's address: its name with hyphens."""
+    return name.replace("_", "-")
+
+
+def ordered() -> dict[str, Part[PanelPage]]:
+    """Return all pages by address, in the order of the menu. Of one address the first stays."""
+    found: dict[str, Part[PanelPage]] = {}
+    for name, part in PAGES.parts().items():
+        if _ADDRESS.fullmatch(name):
+            found.setdefault(address_of(name), part)
+    return dict(sorted(found.items(), key=lambda item: (item[1].part.order, item[0])))
+
+
+def left_out() -> list[str]:
+    """Return a sentence for each page whose name is no address of its own."""
+    pages = ordered()
+    return [
+        f"the page of the panel '{name}' of {part.distribution} is left out: its name must be small"
+        " letters, digits, hyphens and underscores, and no other page's"
+        for name, part in PAGES.parts().items()
+        if pages.get(address_of(name)) is not part
+    ]
 
 
 def script_address(address: str, page: PanelPage) -> str:
@@ -75,7 +96,7 @@ def script_address(address: str, page: PanelPage) -> str:
 
 def listing(mode: Mode) -> dict[str, Any]:
     """Return the menu, all pages, and the one to begin with, for `GET /api/status`."""
-    pages = ordered()
+    pages = {address: part.part for address, part in ordered().items()}
     first = [address for address, page in pages.items() if mode in page.opens]
     return {
         "pages": [

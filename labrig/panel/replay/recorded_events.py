@@ -26,10 +26,10 @@ def events_of(session: RecordedSession) -> list[ev.Event]:
 
 
 def _logged(session: RecordedSession) -> Iterator[ev.Event]:
-    prompt = Prompt("confirm", "")
+    prompt = Prompt(kind="confirm", text="")
     for line in session.events:
         if line.kind == "asked":
-            prompt = Prompt(line.subject, line.text)
+            prompt = Prompt(kind=line.subject, text=line.text)
         way = _LINES.get(line.kind)
         if way is not None:
             yield way(session, line, prompt)
@@ -136,7 +136,7 @@ def _reading(
     at, offset_s = int(row["frame"]), float(row["frame_offset_s"])
     frame = None
     if 0 <= at < len(numbers):
-        frame = Frame(int(numbers[at]), sample_s, None, _NO_IMAGE)
+        frame = Frame(number=int(numbers[at]), time_s=sample_s, device_time_s=None, image=_NO_IMAGE)
     return ev.ReadingTaken(
         time_s=sample_s + planned.half_window_s,  # it was not known before its window was over
         run=run.planned.index,

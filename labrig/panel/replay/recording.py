@@ -13,7 +13,7 @@ from drivers.interfaces import Frame
 from drivers.load_cell import LoadCell
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
-from labrig.experiment.rig import DRIVE
+from labrig.experiment.rig.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
 from labrig.panel.live.frames import raw_picture
 from labrig.panel.live.messages import MessageEncoder, plan_message
@@ -140,7 +140,7 @@ class Recording:
         at_s, run_index, row = self._frames[at]
         run = self._session.runs[run_index]
         number = int(run.frame_column("number")[row])
-        frame = Frame(number, at_s, None, run.image(row))
+        frame = Frame(number=number, time_s=at_s, device_time_s=None, image=run.image(row))
         return raw_picture(frame, at_s, run.planned, self._voltage_at(run, at_s))
 
     def _voltage_at(self, run: RunRecord, at_s: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,11 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.responses import FileResponse, JSONResponse
 
-from drivers.plugins import OWN
+from drivers.plugins import OWN, PluginWarning
 from labrig.errors import LabrigError
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
-from labrig.panel.pages.interface import PAGES, STATIC, PanelPage
+from labrig.panel.pages.interface import STATIC, PanelPage, left_out, ordered
 
 # by ending: what a page may consist of; all else of its folder is not served
 MEDIA_TYPES = {
@@ -28,13 +29,15 @@ MEDIA_TYPES = {
 def add_page_routes(app: FastAPI) -> None:
     """Add the routes of all pages. Called once, when the server starts."""
     folders: dict[str, Path] = {}
-    for name, part in PAGES.parts().items():
-        address, page = name.replace("_", "-"), part.part
+    for sentence in left_out():
+        warnings.warn(sentence, PluginWarning, stacklevel=2)
+    for address, part in ordered().items():
+        page = part.part
         if page.router is not None:
             prefix = "" if part.distribution == OWN else f"/api/pages/{address}"
             app.include_router(page.router, prefix=prefix)
         if page.data is not None:
-            app.get(f"/api/pages/{address}")(_data_route(name, page))
+            app.get(f"/api/pages/{address}")(_data_route(address, page))
         if page.script is not None and not page.script.is_relative_to(STATIC):
             folders[address] = page.script.parent.resolve()
 
@@ -59,7 +62,7 @@ def _file(folders: dict[str, Path], address: str, path: str) -> Path:
     return file
 
 
-def _data_route(name: str, page: PanelPage) -> Callable[[Here], Any]:
+def _data_route(address: str, page: PanelPage) -> Callable[[Here], Any]:
     ask = page.data
     assert ask is not None  # noqa: S101 - checked by the caller
 
@@ -70,6 +73,6 @@ def _data_route(name: str, page: PanelPage) -> Callable[[Here], Any]:
             raise
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything
             why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
-            return JSONResponse({"error": f"the page {name} has no data: {why}."}, 500)
+            return JSONResponse({"error": f"the page {address} has no data: {why}."}, 500)
 
     return data

@@ -14,7 +14,7 @@ from labrig.report.page.page import render_page, write_page
 from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
-from model.discrepancy.verdict.messages import CLEARLY
+from model.discrepancy.thresholds import REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import Diagnosis
 
 # title, name of the gap, decimals
@@ -78,7 +78,7 @@ def _worth_a_card(found: Diagnosis, key: str) -> bool:
     before, after = (getattr(g, key) for g in (found.held_out.before, found.held_out.after))
     in_time = key in {own for _, own, _ in IN_TIME}
     measured = bool(np.isfinite(getattr(found.fitted.before, key)))
-    return measured and (not in_time or before > CLEARLY * after)
+    return measured and (not in_time or before > REPORTED_GAP_RATIO * after)
 
 
 def _gap_line(found: Diagnosis, part: str, key: str, decimals: int) -> tuple[str, str, str]:

@@ -38,7 +38,7 @@ class CalibrationBoard:
             )
 
     def opencv(self) -> Any:
-        """OpenCV's object for a ChArUco board; lengths in mm."""
+        """Return OpenCV's object for a ChArUco board; lengths in mm."""
         import cv2
 
         words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_250)
@@ -47,12 +47,12 @@ class CalibrationBoard:
         )
 
     def corners_mm(self) -> FloatArray:
-        """The inner corners (n, 2), row by row, x to the right and y down."""
+        """Return the inner corners (n, 2), row by row, x to the right and y down."""
         v, u = np.mgrid[1 : self.rows, 1 : self.columns]
         return np.stack([u.ravel(), v.ravel()], axis=1) * self.square_mm
 
     def image(self, px_per_mm: int = 20) -> npt.NDArray[np.uint8]:
-        """The board as pixels, for looking and for tests; without a margin."""
+        """Return the board as pixels, for looking and for tests; without a margin."""
         size = (
             round(self.columns * self.square_mm * px_per_mm),
             round(self.rows * self.square_mm * px_per_mm),
@@ -66,7 +66,7 @@ class CalibrationBoard:
 
 
 def write_board_pdf(path: Path, board: CalibrationBoard) -> None:
-    """One page with the board at its true size, and a ruler to check the printer's scale."""
+    """Write one page with the board at its true size, and a ruler to check the printer's scale."""
     from matplotlib.backends.backend_pdf import FigureCanvasPdf
     from matplotlib.figure import Figure
 

@@ -107,7 +107,10 @@ def calibrate_ruler(
     reading_sigma_px: float = 0.7,
     date: dt.date | None = None,
 ) -> Calibration:
-    """Scale from two points of a ruler in the sheet's plane, each read to `reading_sigma_px`."""
+    """Return the scale from two points of a ruler in the sheet's plane.
+
+    Each is read to `reading_sigma_px`.
+    """
     _inside(clamp_px, "clamp_px", image_size)
     length = math.dist(first_px, second_px)
     if distance_mm <= 0 or length < 20:
@@ -168,7 +171,7 @@ def _lens_from_views(
 def _fit_plane(
     mm: FloatArray, px: FloatArray, camera: FloatArray, known: FloatArray, lens_sigma: FloatArray
 ) -> _PlaneFit:
-    """The board's plane to undistorted pixels, and k1 and k2 as they are best in that plane.
+    """Return the board's plane to undistorted pixels, and k1 and k2 as they are best in that plane.
 
     `lens_sigma` (2,): how far k1 and k2 may be from the known ones; k2 is never known well.
     """
@@ -206,7 +209,7 @@ def _fit_plane(
 def _scale_share(
     p: FloatArray, typical: FloatArray, covariance: FloatArray, mm: FloatArray
 ) -> float:
-    """Relative uncertainty of the scale in the board's middle, from the fit's covariance."""
+    """Return the scale's relative uncertainty in the board's middle, from the fit's covariance."""
     middle = mm.mean(axis=0)
 
     def log_scale(q: FloatArray) -> float:
@@ -220,13 +223,13 @@ def _scale_share(
 
 
 def project(homography: FloatArray, points: FloatArray) -> FloatArray:
-    """A homography on points (n, 2)."""
+    """Return a homography on points (n, 2)."""
     lifted = points @ homography[:, :2].T + homography[:, 2]
     return np.asarray(lifted[:, :2] / lifted[:, 2:])
 
 
 def plane_jacobian(homography: FloatArray, point: FloatArray) -> FloatArray:
-    """(2, 2): pixels per unit of the plane at a point."""
+    """Return (2, 2): pixels per unit of the plane at a point."""
     step = 1e-4
     ends = project(homography, point + step * np.array([[1, 0], [-1, 0], [0, 1], [0, -1.0]]))
     return np.stack([ends[0] - ends[1], ends[2] - ends[3]], axis=1) / (2 * step)

@@ -17,7 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 def find_corners(
     image: npt.NDArray[Any], board: CalibrationBoard, name: str
 ) -> tuple[FloatArray, FloatArray]:
-    """Corners in the board's mm (n, 2) and in the image's pixels (n, 2)."""
+    """Return corners in the board's mm (n, 2) and in the image's pixels (n, 2)."""
     grey = _eight_bit(image, name)
     found = _charuco(grey, board) if board.marker_mm > 0 else _checkerboard(grey, board)
     if found is None or len(found[0]) < BOARD_CORNERS_MIN:
@@ -75,7 +75,7 @@ def _sharpened(
 
     spacing = np.hypot(*(pixels[:, None] - pixels[None]).transpose(2, 0, 1))
     spacing[spacing == 0] = np.inf
-    # a window that reached the markers would be pulled by them
+    # a window that reached the markers would be biased by them
     margin = 0.5 * (board.square_mm - board.marker_mm) / board.square_mm
     half = int(np.clip(np.median(spacing.min(axis=1)) * margin * 0.8, 2, 9))
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-4)

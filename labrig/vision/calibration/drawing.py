@@ -1,4 +1,4 @@
-"""A calibration to look at: the world's grid drawn over the canvas it was made from."""
+"""Drawing of a calibration: the world's grid over the image it was made from."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _STEP_MM = 1.0
 
 
 def write_calibration_image(path: Path, image: npt.NDArray[Any], optics: Optics) -> None:
-    """A line every 10 mm through the lens as it is, the world's axes, and the clamp's end.
+    """Draw a line every 10 mm through the lens as it is, the world's axes, and the clamp's end.
 
     Where the lines run along the board's squares, scale, axes and distortion are right.
     """

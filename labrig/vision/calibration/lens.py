@@ -13,14 +13,14 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def distort(points_px: FloatArray, camera: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """Ideal pixels (n, 2) -> the pixels where the lens shows them."""
+    """Return ideal pixels (n, 2) -> the pixels where the lens shows them."""
     focal, centre = _intrinsics(camera)
     bent, _ = _bend((points_px - centre) / focal, _eight(coefficients))
     return bent * focal + centre
 
 
 def undistort(points_px: FloatArray, camera: FloatArray, coefficients: FloatArray) -> FloatArray:
-    """Raw pixels (n, 2) -> ideal pixels, to 1e-9 of the focal length."""
+    """Return raw pixels (n, 2) -> ideal pixels, to 1e-9 of the focal length."""
     focal, centre = _intrinsics(camera)
     k = _eight(coefficients)
     wanted = (points_px - centre) / focal
@@ -47,7 +47,7 @@ def _eight(coefficients: FloatArray) -> FloatArray:
 
 
 def _bend(point: FloatArray, k: FloatArray) -> tuple[FloatArray, tuple[FloatArray, ...]]:
-    """The lens on normalised points (n, 2), and the four entries of its Jacobian."""
+    """Return the lens on normalised points (n, 2), and the four entries of its Jacobian."""
     k1, k2, p1, p2, k3, k4, k5, k6 = k
     x, y = point[:, 0], point[:, 1]
     r2 = x * x + y * y

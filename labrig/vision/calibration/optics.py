@@ -90,14 +90,14 @@ class Optics(ClosedModel):
 
     @classmethod
     def from_json(cls, text: str, name: str = "optics.json") -> Self:
-        """The text of an optics.json; `name` is the file's name for the errors."""
+        """Return the text of an optics.json; `name` is the file's name for the errors."""
         data = parse_json(text, name)
         if not isinstance(data, dict):
             raise BadInputError(f"{name}: must hold one JSON object with px_per_mm and clamp_px.")
         return validate(cls, data, name)
 
     def to_json(self) -> str:
-        """The text for an optics.json, without the entries that are not known."""
+        """Return the text for an optics.json, without the entries that are not known."""
         data: dict[str, Any] = self.model_dump(exclude_none=True)
         return json.dumps(data, indent=1) + "\n"
 
@@ -120,21 +120,21 @@ class Optics(ClosedModel):
         return float(u), float(v)
 
     def undistorted(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Raw pixels (n, 2) -> where an ideal lens had shown them (n, 2)."""
+        """Return raw pixels (n, 2) -> where an ideal lens had shown them (n, 2)."""
         points = np.asarray(pixels, dtype=float).reshape(-1, 2)
         if not self.has_lens:
             return points
         return undistort(points, np.array(self.camera_matrix), np.array(self.distortion))
 
     def distorted(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Ideal pixels (n, 2) -> raw pixels (n, 2)."""
+        """Return ideal pixels (n, 2) -> raw pixels (n, 2)."""
         points = np.asarray(pixels, dtype=float).reshape(-1, 2)
         if not self.has_lens:
             return points
         return distort(points, np.array(self.camera_matrix), np.array(self.distortion))
 
     def world_to_pixel(self, points_m: npt.ArrayLike) -> FloatArray:
-        """World points (n, 2) in m -> raw pixels (n, 2)."""
+        """Return World points (n, 2) in m -> raw pixels (n, 2)."""
         points = np.asarray(points_m, dtype=float).reshape(-1, 2)
         if self.homography is not None:
             return self.distorted(_project(np.array(self.homography), points * 1000))
@@ -142,16 +142,16 @@ class Optics(ClosedModel):
         return self.distorted(flipped @ self._rotation().T + self.origin_undistorted_px)
 
     def pixel_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Raw pixels (n, 2) -> world points (n, 2) in m."""
+        """Return raw pixels (n, 2) -> world points (n, 2) in m."""
         return self.undistorted_to_world(self.undistorted(pixels))
 
     def clamp_m(self) -> FloatArray:
-        """Where the sheet leaves the clamp, world, shape (2,)."""
+        """Return where the sheet leaves the clamp, world, shape (2,)."""
         where: FloatArray = self.pixel_to_world([self.clamp_px])[0]
         return where
 
     def vanishing_px(self, size: tuple[int, int]) -> FloatArray:
-        """Where lines square to the sheet's plane meet, an undistorted pixel, shape (2,).
+        """Return where lines square to the sheet's plane meet, an undistorted pixel, shape (2,).
 
         `size`: columns and rows of the image, whose middle it is where nothing else is known.
         """
@@ -166,7 +166,7 @@ class Optics(ClosedModel):
         return np.asarray(there[:2] / there[2], dtype=np.float64)
 
     def undistorted_to_world(self, pixels: npt.ArrayLike) -> FloatArray:
-        """Pixels of an ideal lens (n, 2) -> world points (n, 2) in m."""
+        """Return pixels of an ideal lens (n, 2) -> world points (n, 2) in m."""
         ideal = np.asarray(pixels, dtype=float).reshape(-1, 2)
         if self.homography is not None:
             back = np.linalg.inv(np.array(self.homography))

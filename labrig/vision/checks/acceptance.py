@@ -1,4 +1,4 @@
-"""Is this really the sheet? Every reason to say no, as a sentence, and what deserves a warning."""
+"""Whether a fitted curve is the sheet: reasons to refuse it, and warnings, as sentences."""
 
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ def check_curve(
     followed: bool = False,
     beside: bool = True,
 ) -> Verdict:
-    """All tests of a fitted curve.
+    """Return all tests of a fitted curve.
 
-    `followed`: from the image before, whose end and surroundings were looked at. `beside`: look
-    at what lies beside the curve.
+    `followed`: from the image before, whose end and surroundings were checked. `beside`: check
+    what lies beside the curve.
     """
     covered = float(fit.used[2:-2].mean())
     residual = smooth_residual_px(fit)
@@ -86,7 +86,7 @@ def check_curve(
 
 
 def smooth_residual_px(fit: CurveFit) -> float:
-    """RMS distance between the curve and the sheet as measured in pieces of 15 pixels."""
+    """Return RMS distance between the curve and the sheet as measured in pieces of 15 pixels."""
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
     box = np.ones(15)
@@ -192,7 +192,7 @@ def _broken(join: GapJoin, sheet_end: SheetEnd) -> str:
 
 
 def _start_beside(fit: CurveFit, context: FitContext) -> tuple[float, float, float]:
-    """Offset and angle of what is seen, led on to the clamp, and their chi square there."""
+    """Return offset and angle of what is seen, led on to the clamp, and their chi square there."""
     beside, covariance = seen_start(fit, context)
     clamp = np.diag(context.prior**2 + np.array([0.0, CLAMP_KINK_SIGMA_RAD**2]))
     chi2 = beside @ np.linalg.solve(covariance + clamp, beside)
@@ -200,12 +200,12 @@ def _start_beside(fit: CurveFit, context: FitContext) -> tuple[float, float, flo
 
 
 def _share(used: BoolArray, in_view: BoolArray, part: slice) -> float:
-    """Of what can be seen there, how much looks like the sheet; 1 where all is hidden."""
+    """Return of what can be seen there, how much looks like the sheet; 1 where all is hidden."""
     return float(used[part].sum() / in_view[part].sum()) if in_view[part].any() else 1.0
 
 
 def _further(sheet_end: SheetEnd, fit: CurveFit, context: FitContext, allowed: float) -> SheetEnd:
-    """The end as it is seen, or that the sheet goes on far beyond where it should end."""
+    """Return the end as it is seen, or that the sheet continues far beyond where it should end."""
     if sheet_end.at_least or (
         sheet_end.beyond_px is not None and abs(sheet_end.beyond_px) > allowed
     ):
@@ -215,7 +215,7 @@ def _further(sheet_end: SheetEnd, fit: CurveFit, context: FitContext, allowed: f
 
 
 def _shows(fit: CurveFit, context: FitContext, start: int) -> bool:
-    """Whether something of the sheet's brightness leaves the clamp, though of another width."""
+    """Return whether something of the sheet's brightness, but not its width, leaves the clamp."""
     contrast = context.sign * fit.contrast
     usual = float(np.median(contrast[fit.used])) if fit.used.any() else np.inf
     return bool(np.mean(contrast[2:start] > 0.4 * usual) > 0.75)

@@ -31,7 +31,7 @@ EXTRA_WIDTHS_PX = (1.0, 2.0, 3.0, 4.5, 6.0, 8.0)
 
 
 def excess_width_px(fit: CurveFit, context: FitContext) -> FloatArray:
-    """(nodes,) visible width beyond that of a band of the sheet's thickness, 0 where usual."""
+    """Return (nodes,) the visible width beyond that of the sheet's thickness, 0 where usual."""
     blur, wider = _sharper_section(fit, context)
     half = np.append(fit.section.half_width, fit.section.half_width[-1])
     reach = np.full(len(half), round(2 * float(half.max()) + 10))
@@ -48,14 +48,17 @@ def excess_width_px(fit: CurveFit, context: FitContext) -> FloatArray:
 
 
 def something_lies_along(excess_px: FloatArray, fit: CurveFit) -> bool:
-    """Whether the sheet looks much wider in one place only: a wire beside it, not its own face."""
+    """Return whether the sheet looks much wider in one place only.
+
+    A wire beside it, not its own face.
+    """
     thickness = 2 * float(fit.section.half_width[0])
     much = max(EXCESS_WIDTH_LOCAL_MAX_PX, thickness)
     return bool(excess_px.max() > much and np.median(excess_px) < 1.0)
 
 
 def corrupted_cells(excess_px: FloatArray) -> BoolArray:
-    """(cells,) where something lies along the sheet, with what it may have pulled beside."""
+    """Return (cells,) where something lies along the sheet, with what it may have biased beside."""
     wide = (excess_px[1:] > EXCESS_WIDTH_CORRUPTED_PX) | (
         excess_px[:-1] > EXCESS_WIDTH_CORRUPTED_PX
     )
@@ -63,7 +66,7 @@ def corrupted_cells(excess_px: FloatArray) -> BoolArray:
 
 
 def _sharper_section(fit: CurveFit, context: FitContext) -> tuple[float, float]:
-    """The blur, and how much wider than it is thick the whole sheet is, when that fits better.
+    """Return the blur, and the excess width of the whole sheet where that fits better.
 
     A wide band with sharp edges and a thin one with much blur differ in their flanks only.
     """
@@ -94,7 +97,7 @@ def _residual_squares(fit: CurveFit, context: FitContext, section: CrossSection)
 
 
 def _visible_widths(section: CrossSection, blur: float) -> FloatArray:
-    """(cells,) full width at half height of a blurred band with its face."""
+    """Return (cells,) full width at half height of a blurred band with its face."""
     look = np.round(
         np.stack([section.half_width, np.abs(section.side_face) * (section.side_face_share > 0)]), 1
     )

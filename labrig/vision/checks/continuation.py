@@ -1,7 +1,7 @@
-"""Whether the sheet goes on beyond its stated end: the image walked along from there.
+"""Whether the sheet continues beyond its stated end: the image is followed from there.
 
 A scale that is too small, or a length that is too short, puts the stated end on the middle of the
-sheet, and perhaps under a roll. So the walk follows what is there by small steps, through what may
+sheet, and perhaps under a roll. So the path follows what is there by small steps, through what may
 hide the sheet, until there is plain background.
 """
 
@@ -26,7 +26,10 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
-    """How far beyond the stated end the sheet is seen; 0 where it ends, or nothing can tell."""
+    """Return how far beyond the stated end the sheet is seen.
+
+    0 where it ends, or nothing can tell.
+    """
     shape, section = fit.shape, fit.section
     last = np.flatnonzero(fit.used)[-40:]
     if len(last) < 10:
@@ -41,7 +44,7 @@ def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
     ends = context.nodes_px(shape)[-5:]
     du, dv = ends[-1] - ends[0]
 
-    def walked(bias_px: float) -> float:
+    def length_seen(bias_px: float) -> float:
         seen = profile_beyond(
             context.image.grey,
             context.image.smooth,
@@ -59,12 +62,12 @@ def visible_continuation_px(fit: CurveFit, context: FitContext) -> float:
         )
         return _sheet_seen(seen[:, 0] / peak, (seen[:, 1] - ground) / contrast)
 
-    # what crosses the end pulls a walk along it
-    return max(walked(1.0), walked(0.0))
+    # what crosses the end may lead the path along itself
+    return max(length_seen(1.0), length_seen(0.0))
 
 
 def _sheet_seen(ratio: FloatArray, flank: FloatArray) -> float:
-    """The last place that looks like the sheet before a run of background."""
+    """Return the last place that looks like the sheet before a run of background."""
     ratio, flank = _steady(ratio), _steady(flank)
     sheet = np.abs(ratio - 1) < CONTRAST_DEVIATION_MAX_RATIO
     plain = (np.abs(ratio) < CONTRAST_DEVIATION_MAX_RATIO) & (
@@ -85,6 +88,6 @@ def _sheet_seen(ratio: FloatArray, flank: FloatArray) -> float:
 
 
 def _steady(values: FloatArray) -> FloatArray:
-    """The median of three neighbours: one pixel's noise is no sheet and no end."""
+    """Return the median of three neighbours: one pixel's noise is no sheet and no end."""
     padded = np.pad(values, 1, mode="edge")
     return np.asarray(np.median([padded[:-2], padded[1:-1], padded[2:]], axis=0))

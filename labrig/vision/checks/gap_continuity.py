@@ -1,8 +1,8 @@
-"""Whether what is seen beyond a hidden stretch goes on from what is seen before it.
+"""Whether what is seen beyond a hidden stretch continues from what is seen before it.
 
 A line that happens to leave a roll where the sheet does is led into by a sharp turn that nobody
-sees. So each stretch is compared with what the sheet before it foretells, whose curvature may go on
-to change as it does there, and with what a force behind a roll may add.
+sees. So each stretch is compared with the prediction from the sheet before it, whose curvature may
+continue to change as it does there, and with what a force behind a roll may add.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class GapJoin:
 
 
 def worst_join(fit: CurveFit, context: FitContext) -> GapJoin:
-    """The least likely of a curve's joins."""
+    """Return the least likely of a curve's joins."""
     shape, step = fit.shape, fit.shape.basis.step_px
     seen = np.flatnonzero(fit.used & ~holes(fit, context))
     gaps = np.flatnonzero(np.diff(seen) * step > GAP_LENGTH_MIN_PX)
@@ -63,7 +63,7 @@ def worst_join(fit: CurveFit, context: FitContext) -> GapJoin:
 
 
 def holes(fit: CurveFit, context: FitContext) -> BoolArray:
-    """(cells,) where there is surely nothing like the sheet, whatever is seen around it."""
+    """Return (cells,) where nothing like the sheet is, whatever is seen around it."""
     residual_squares, size = (around(fit.cells[:, q], LOCAL_CELLS) for q in (10, 11))
     size = np.maximum(size, 1e-9)
     there = context.sign * (fit.contrast + residual_squares / size)
@@ -78,7 +78,7 @@ def holes(fit: CurveFit, context: FitContext) -> BoolArray:
 
 
 def _join(fit: CurveFit, context: FitContext, modes: FloatArray, until: int, again: int) -> GapJoin:
-    """The join of what is seen up to the cell `until` with what comes into sight at `again`."""
+    """Return the join of the cells seen up to `until` with those that are seen from `again` on."""
     shape, basis = fit.shape, fit.shape.basis
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / sigma**2, 0.0)[:until]
@@ -105,7 +105,7 @@ def _join(fit: CurveFit, context: FitContext, modes: FloatArray, until: int, aga
 
 
 def _pushed(shape: CurveShape, until: int, again: int) -> FloatArray:
-    """(3,) how far a force where the sheet is hidden may lead place, direction and curvature aside.
+    """Return (3,) the change of place, direction and curvature by a force in the hidden stretch.
 
     A force bends a sheet in proportion to the distance from it, so it ends a slope of curvature.
     """

@@ -21,19 +21,24 @@ SECOND_IMAGE_OFFSETS_PX = (1.5, 2.5, 3.5, 4.5, 6.0)  # from the sheet to a secon
 
 
 def lateral_bias_px(fit: CurveFit, context: FitContext) -> FloatArray:
-    """(nodes,) how far what lies beside the sheet may have pulled the curve; 0: nothing is seen."""
+    """Return (nodes,) how far what lies beside the sheet may have pulled the curve.
+
+    0: nothing is seen.
+    """
     used = fit.used
     starts = np.arange(0, len(used), PIECE_CELLS)
     squares = np.add.reduceat(np.where(used, fit.cells[:, 5], 0.0), starts)
     counts = np.add.reduceat(np.where(used, fit.cells[:, 6], 0.0), starts)
     level = np.sqrt(squares / np.maximum(counts, 1.0))
     share = np.add.reduceat(used.astype(float), starts) / PIECE_CELLS
-    asked = (level > BIAS_RESIDUAL_MIN_RATIO * context.image.noise) & (share > BIAS_USED_SHARE_MIN)
-    if not asked.any():
+    doubtful = (level > BIAS_RESIDUAL_MIN_RATIO * context.image.noise) & (
+        share > BIAS_USED_SHARE_MIN
+    )
+    if not doubtful.any():
         return np.zeros(len(used) + 1)
     pixels = pixels_beside(fit.shape, context, fit.section.reach)
     pull = np.zeros(len(starts))
-    for i in np.flatnonzero(asked):
+    for i in np.flatnonzero(doubtful):
         cells = slice(int(starts[i]), min(int(starts[i]) + PIECE_CELLS, len(used)))
         pull[i] = _bias_px(fit, cells, pixels)
     middles = starts + PIECE_CELLS / 2
@@ -43,7 +48,10 @@ def lateral_bias_px(fit: CurveFit, context: FitContext) -> FloatArray:
 def _bias_px(
     fit: CurveFit, cells: slice, pixels: tuple[FloatArray, FloatArray, npt.NDArray[np.int64]]
 ) -> float:
-    """How far the likeliest second image beside some cells pulls them; 0 where there is none."""
+    """Return how far the likeliest second image beside some cells pulls them.
+
+    0 where there is none.
+    """
     value, distance, first = pixels
     part = slice(int(first[cells.start]), int(first[cells.stop]))
     kept = np.repeat(fit.used[cells], np.diff(first[cells.start : cells.stop + 1]))
@@ -75,7 +83,7 @@ def _bias_px(
 def _bands(
     fit: CurveFit, cells: slice, distance: FloatArray, first: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The sheet's band at distances from its middle, its slope, and its change with blur."""
+    """Return the sheet's band at distances from its middle, its slope, and its change with blur."""
     section = fit.section
     own = first[cells.start : cells.stop + 1] - first[cells.start]
     return templates(

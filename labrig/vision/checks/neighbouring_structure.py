@@ -17,7 +17,9 @@ EDGE_DISTANCES_PX = (4.0, 9.0)
 
 
 def straightened(fit: CurveFit, context: FitContext, across: FloatArray) -> FloatArray:
-    """(nodes, offsets) intensities at distances `across` (pixels) from the curve; NaN outside.
+    """Return (nodes, offsets) intensities at distances `across` (pixels) from the curve.
+
+    NaN outside.
 
     Of every third node, which is enough for medians.
     """
@@ -42,7 +44,7 @@ def straightened(fit: CurveFit, context: FitContext, across: FloatArray) -> Floa
 
 
 def runs_beside_opposite(fit: CurveFit, context: FitContext) -> bool:
-    """Whether a stronger band of the opposite sign accompanies the curve.
+    """Return whether a stronger band of the opposite sign accompanies the curve.
 
     A bright sheet's dark flank looks like a thin dark sheet to a filter, and the other way round.
     """
@@ -66,7 +68,9 @@ def runs_beside_opposite(fit: CurveFit, context: FitContext) -> bool:
 
 
 def is_an_edge(fit: CurveFit, context: FitContext) -> bool:
-    """Whether one side of the curve is as bright as the curve itself: the edge of something wide.
+    """Return whether one side of the curve is as bright as the curve itself.
+
+    The edge of something wide.
 
     The side face of a silhouette is that too, but not as wide.
     """

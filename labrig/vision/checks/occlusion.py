@@ -1,6 +1,6 @@
 """Stretches of a curve that cannot be the sheet, because a sheet hides what is behind it.
 
-Before another ground its own grey goes on; where that is the ground's, too, the sheet disappears.
+Before another ground its own grey continues; where that is the ground's, too, the sheet disappears.
 What shows there instead, such as a wire, is as much brighter or darker as that ground is.
 """
 
@@ -22,11 +22,11 @@ from labrig.vision.thresholds import (
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-STRETCH_END_CELLS = 12  # cells of a stretch that say what it looks like beside a gap
+STRETCH_END_CELLS = 12  # cells of a stretch that give its greys beside a gap
 
 
 def see_through_cells(fit: CurveFit) -> BoolArray:
-    """(cells,) of stretches between two gaps whose grey changes with the ground."""
+    """Return (cells,) of stretches between two gaps whose grey changes with the ground."""
     see_through = np.zeros(len(fit.used), dtype=bool)
     stretches = _stretches(fit.used)
     if len(stretches) < 3:
@@ -39,7 +39,7 @@ def see_through_cells(fit: CurveFit) -> BoolArray:
 
 
 def _stretches(used: BoolArray) -> list[slice]:
-    """Where a curve is seen, without small holes."""
+    """Return where a curve is seen, without small holes."""
     at = np.flatnonzero(used)
     if not len(at):
         return []
@@ -49,7 +49,10 @@ def _stretches(used: BoolArray) -> list[slice]:
 
 
 def _step(fit: CurveFit, before: slice, after: slice) -> tuple[float, float, float]:
-    """How ground and sheet change over a gap, in units of the contrast; the latter under shade."""
+    """Return how ground and sheet change over a gap, in units of the contrast.
+
+    The latter under shade.
+    """
     contrast = fit.usual_contrast
     one = _greys(fit, slice(max(before.start, before.stop - STRETCH_END_CELLS), before.stop))
     other = _greys(fit, slice(after.start, min(after.stop, after.start + STRETCH_END_CELLS)))
@@ -58,13 +61,13 @@ def _step(fit: CurveFit, before: slice, after: slice) -> tuple[float, float, flo
 
 
 def _greys(fit: CurveFit, part: slice) -> FloatArray:
-    """(2,) of ground and sheet."""
+    """Return (2,) of ground and sheet."""
     ground = fit.cells[part, 1][fit.used[part]]
     contrast = fit.contrast[part][fit.used[part]]
     return np.array([np.median(ground), np.median(ground + contrast)])
 
 
 def _is_seen_through(ground: float, sheet: float, shaded: float) -> bool:
-    """Whether a ground shows through; a shadow's edge, which darkens both, does not."""
+    """Return whether a ground shows through; a shadow's edge, which darkens both, does not."""
     through = abs(ground) > GROUND_CHANGE_MIN_RATIO and sheet / ground > SEE_THROUGH_MIN_RATIO
     return through and abs(sheet - shaded) > SHADE_DIFFERENCE_MIN_RATIO * abs(ground)

@@ -2,7 +2,7 @@
 
 A frayed strip, or one that looks much thicker in one place, is not drawn as the fit's band has it:
 there cells are left out, and a smooth curve bridges them, or misses them by more than their noise.
-Whatever the reason, the image says something else there, and the curve's band must hold that.
+Whatever the reason, the image differs there, and the credible band must hold that.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from labrig.vision.thresholds import (
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-PIECE_HALF_CELLS = 5  # to each side: what cells say together
-MEAN_HALF_CELLS = 25  # to each side: where it is asked whether that is more than noise
+PIECE_HALF_CELLS = 5  # to each side, whose offsets are averaged
+MEAN_HALF_CELLS = 25  # to each side, over which chi square is averaged
 UNCLEAR_HALF_CELLS = 12  # to each side, of unclear ones
 
 
 def offset_px(fit: CurveFit, context: FitContext) -> FloatArray:
-    """(nodes,) how far beside the curve the image shows the sheet; 0: where the curve is."""
+    """Return (nodes,) how far beside the curve the image shows the sheet; 0: where the curve is."""
     beside = np.where(fit.used, _of_used(fit), 0.0)
     # by cells the share of pixels is uneven
     unclear = ~fit.used & (around(fit.present, 2) > 5 * OFFSET_PRESENT_SHARE_MIN)
@@ -43,7 +43,7 @@ def offset_px(fit: CurveFit, context: FitContext) -> FloatArray:
 
 
 def _of_used(fit: CurveFit) -> FloatArray:
-    """(cells,) what cells say together, and RMS around, where that is clearly more than noise."""
+    """Return (cells,) the mean offset of neighbouring cells, where it is clearly above noise."""
     offset, sigma = fit.offsets_px
     weight = np.where(fit.used, 1 / np.maximum(sigma, 1e-6) ** 2, 0.0)
     total = np.maximum(around(weight, PIECE_HALF_CELLS), 1e-9)
@@ -56,7 +56,7 @@ def _of_used(fit: CurveFit) -> FloatArray:
 
 
 def _of_unclear(fit: CurveFit, context: FitContext, unclear: BoolArray) -> FloatArray:
-    """(cells,) the middle of what looks like the sheet, but not as the fit's band has it."""
+    """Return (cells,) the middle of what looks like the sheet, but not as the fit's band has it."""
     half = float(fit.section.half_width.max())
     reach = np.full(len(fit.used) + 1, round(2 * half + 10))
     offset, height, width = (each[1:] for each in ridge_points(fit.shape, context, reach))

@@ -21,7 +21,7 @@ class SheetEnd:
 
     beyond_px: float | None  # positive: the sheet is longer than stated
     sigma_px: float = math.inf
-    at_least: bool = False  # no end is seen: the sheet goes on for at least `beyond_px`
+    at_least: bool = False  # no end is seen: the sheet continues for at least `beyond_px`
     out_of_sight: bool = False  # the sheet is seen up to where the image or a roll ends
 
 
@@ -44,7 +44,7 @@ def find_sheet_end(fit: CurveFit, context: FitContext) -> SheetEnd:
     step = np.clip(0.5 + (places[:, None] - at[seen][None, :]) / (2.5 * blur), 0, 1)
     cost = np.minimum(((ratio[seen] - step) / noise) ** 2, 9.0).sum(axis=1)
     best = int(np.argmin(cost))
-    # a step must explain more than a sheet that goes on, or one that ended long before, does
+    # a step must explain more than a sheet that continues, or one that ended long before, does
     plain = min(cost[0], cost[-1])
     if best in (0, len(cost) - 1) or plain - cost[best] < 12:
         return SheetEnd(None)
@@ -54,7 +54,7 @@ def find_sheet_end(fit: CurveFit, context: FitContext) -> SheetEnd:
 
 
 def missing_end_px(fit: CurveFit) -> float:
-    """Length at the end on which there is plain background where the sheet should be.
+    """Return length at the end on which there is plain background where the sheet should be.
 
     0 where something is there that may hide it: what hides a sheet differs from its background.
     """
@@ -75,7 +75,7 @@ def missing_end_px(fit: CurveFit) -> float:
 
 
 def missing_start_px(fit: CurveFit, context: FitContext) -> float:
-    """Length at the clamp on which there is plain background where the sheet should be.
+    """Return length at the clamp on which there is plain background where the sheet should be.
 
     0 where something is there that may hide it, or hardly any of it is missing.
     """
@@ -83,7 +83,7 @@ def missing_start_px(fit: CurveFit, context: FitContext) -> float:
     there = np.flatnonzero(fit.used)
     if len(there) < 20:
         return 0.0
-    # the clamp's blurred edge, and what a neighbour that is seen may reach, say nothing
+    # the clamp's blurred edge, and what a neighbour that is seen may reach, are no evidence
     missing = np.arange(edge, there[0] - 2)
     missing = missing[fit.in_view[missing]]
     if (
@@ -109,7 +109,7 @@ def _roughness(ratio: FloatArray) -> float:
 
 
 def _contrast_along(fit: CurveFit, context: FitContext, at: FloatArray) -> FloatArray:
-    """Core minus flanks at distances `at` from the end, in units of the sheet's contrast."""
+    """Return core minus flanks at distances `at` from the end, in units of the sheet's contrast."""
     import cv2
 
     shape, section = fit.shape, fit.section

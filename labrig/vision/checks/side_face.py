@@ -38,7 +38,7 @@ BoolArray = npt.NDArray[np.bool_]
 # to begin with: the sheet's width over the far edge's distance, and the face's grey over the
 # edge's; a faint guess gains something with any face, a strong one only near the truth
 SIDE_FACE_GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0.025, 0.8))
-GUESS_PRIOR_PROBABILITY = 0.2  # the odds of each guess before the image is looked at
+GUESS_PRIOR_PROBABILITY = 0.2  # the odds of each guess before the image is checked
 DEPTH_RATIO_MIN, DEPTH_RATIO_MAX = 1e-4, 0.12
 FACE_RATIO_MIN, FACE_RATIO_MAX = 0.02, 1.0
 SIDE_FACE_WIDTH_MAX_PX = 24.0
@@ -47,9 +47,7 @@ BIAS_SIGMA_FACTOR = 2.0  # widths and greys of one pull are hard to tell apart
 PIECE_CELLS = 24
 EVALUATIONS_MAX = 130
 SHIFT_MAX_PX = 6.0  # from the middle of edge and face to the edge's own
-LINEAR_RANGE_PX = (
-    0.25  # so far a displacement, or another blur, has the effect that its derivative says
-)
+LINEAR_RANGE_PX = 0.25  # so far a displacement, or another blur, has the effect of its derivative
 BLUR_MIN_PX = 0.5
 
 
@@ -64,7 +62,7 @@ class SideFace:
     elongation_half: float  # half the elongation's visible thickness, which nobody knows
 
     def widths(self, shape: CurveShape) -> FloatArray:
-        """(cells,) visible width, to the side of its sign."""
+        """Return (cells,) visible width, to the side of its sign."""
         x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
         phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
         towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
@@ -73,7 +71,7 @@ class SideFace:
         )
 
     def on(self, section: CrossSection, shape: CurveShape) -> CrossSection:
-        """A band with this face."""
+        """Return a band with this face."""
         looking = section.with_look(self.blur, self.elongation_half)
         return replace(looking, side_face=self.widths(shape), side_face_share=self.share)
 
@@ -101,7 +99,10 @@ class SideFaceSearch:
         self.guessed: tuple[list[SideFace], list[float]] = ([], [])  # and what each gains
 
     def first(self) -> SideFace | None:
-        """The likeliest face beside the curve without one; None where that explains as much."""
+        """Return the likeliest face beside the curve without one.
+
+        None where that explains as much.
+        """
         shown = [*SIDE_FACE_GUESSES, *self._beside_thin_elongation()]
         guesses = [self._guess(depth, self._allowed(share)) for depth, share in shown]
         gains = [float(self._gains(self.seen, side_face).sum()) for side_face in guesses]
@@ -114,7 +115,7 @@ class SideFaceSearch:
         return self._accepted(self.seen, self._refined(self.seen, guesses[best]))
 
     def again(self, fit: CurveFit, side_face: SideFace) -> SideFace | None:
-        """The likeliest face beside the curve that was fitted with the last one."""
+        """Return the likeliest face beside the curve that was fitted with the last one."""
         seen = _PixelsBeside(fit, self.context, self.seen.reach, on_edge=True)
         return self._accepted(seen, self._refined(seen, side_face))
 
@@ -147,7 +148,7 @@ class SideFaceSearch:
         return None
 
     def _may_be_local(self, gains: FloatArray) -> bool:
-        """Whether something beside the sheet in one place would explain (pieces,) gains, too.
+        """Return whether something in one place beside the sheet explains (pieces,) gains too.
 
         It is strong there, and it is not only an elongation, whose width nobody knows, that is
         indifferent.
@@ -157,7 +158,10 @@ class SideFaceSearch:
         return float(gains.sum()) > LOCAL_STRUCTURE_GAIN_MIN and not indifferent
 
     def _possible_bias_px(self, faces: Sequence[SideFace], gains: Sequence[float]) -> float:
-        """How far faces that are not believed may have pulled the curve: RMS, by their odds."""
+        """Return how far faces that are not believed may have pulled the curve.
+
+        RMS, by their odds.
+        """
         odds = GUESS_PRIOR_PROBABILITY * np.exp(0.5 * np.minimum(gains, 2 * SIDE_FACE_GAIN_MIN))
         pulls = [
             self.seen.lateral_bias_px(side_face.on(self.plain, self.seen.shape))
@@ -168,7 +172,7 @@ class SideFaceSearch:
         return doubt if doubt > SIDE_FACE_BIAS_MIN_PX else 0.0
 
     def _beside_thin_elongation(self) -> list[tuple[float, float]]:
-        """The faces that would be there were an elongation no thicker than the sheet, or half so.
+        """Return the faces that an elongation as thick as the sheet, or half so, would show.
 
         As dark as the edge they change nothing of how it looks: only the free sheet can tell.
         """
@@ -186,7 +190,7 @@ class SideFaceSearch:
         return 1.0 if self.silhouette else min(share, self.most_share)
 
     def _guess(self, depth: float, share: float) -> SideFace:
-        """A face, with the blur and the elongation's width that are left beside it."""
+        """Return a face, with the blur and the elongation's width that are left beside it."""
         section, centre = self.plain, (float(self.centre[0]), float(self.centre[1]))
         side_face = SideFace(depth=depth, share=share, centre=centre, blur=1.0, elongation_half=1.0)
         wide = np.abs(side_face.widths(self.seen.shape))
@@ -205,7 +209,7 @@ class SideFaceSearch:
         return replace(side_face, blur=blur, elongation_half=half)
 
     def _refined(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace:
-        """The likeliest face, from a guess."""
+        """Return the likeliest face, from a guess."""
         start = np.array(
             [
                 np.log(side_face.depth),
@@ -277,7 +281,7 @@ class SideFaceSearch:
         )
 
     def _gains(self, seen: _PixelsBeside, side_face: SideFace) -> FloatArray:
-        """(pieces,) what a face explains, twice the log-likelihood."""
+        """Return (pieces,) what a face explains, twice the log-likelihood."""
         return self.nothing - self._residual_squares(
             seen, side_face.on(self.plain, seen.shape), tuned=True
         )
@@ -285,7 +289,7 @@ class SideFaceSearch:
     def _residual_squares(
         self, seen: _PixelsBeside, section: CrossSection, *, tuned: bool = False
     ) -> FloatArray:
-        """(pieces,) squared residuals over the noise's, each piece displaced a little.
+        """Return (pieces,) squared residuals over the noise's, each piece displaced a little.
 
         `tuned`: also with the blur, and an elongation's width, that suit the band best.
         """
@@ -315,14 +319,14 @@ class _PixelsBeside:
         self.pixels = pixels_beside(fit.shape, context, reach)
 
     def pixels_for(self, section: CrossSection) -> Pixels:
-        """With distances from the edge's middle, where a curve runs in that of edge and face."""
+        """Return the pixels with distances from the edge's middle, where the curve may not run."""
         if self.on_edge or section.side_face_share == 0:
             return self.pixels
         value, distance, first = self.pixels
         return value, distance + np.repeat(self.lateral_bias_px(section), np.diff(first)), first
 
     def lateral_bias_px(self, section: CrossSection) -> FloatArray:
-        """(cells,) from the edge's middle to that of edge and face."""
+        """Return (cells,) from the edge's middle to that of edge and face."""
         thick, grey = 2 * section.half_width, section.side_face_share * np.abs(section.side_face)
         middle = (
             np.sign(section.side_face)
@@ -335,7 +339,10 @@ class _PixelsBeside:
 
 
 def _cells_to_explain(fit: CurveFit) -> BoolArray:
-    """(cells,) what tells of a face: also a free sheet that looks wide, where there is little."""
+    """Return (cells,) what tells of a face.
+
+    Also a free sheet that looks wide, where there is little.
+    """
     section = fit.section
     free = ~section.elongation & fit.in_view
     if section.corrupted is not None:
@@ -346,19 +353,19 @@ def _cells_to_explain(fit: CurveFit) -> BoolArray:
 
 
 def _step(pull: Any, information: Any) -> FloatArray:
-    """The best small step along a derivative."""
+    """Return the best small step along a derivative."""
     return np.asarray(
         np.clip(pull / np.maximum(information, 1e-9), -LINEAR_RANGE_PX, LINEAR_RANGE_PX)
     )
 
 
 def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:
-    """What squared residuals lose by a small step."""
+    """Return what squared residuals lose by a small step."""
     return np.asarray(2 * step * pull - step**2 * information)
 
 
 def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:
-    """Second moment of a band and a face beside it about the middle of both, less the band's own.
+    """Return the second moment of a sheet and its face about their middle, less the sheet's own.
 
     That is thick^3 / 12 over the grey of both.
     """
@@ -374,7 +381,10 @@ def _lowest(
     used: slice,
     evaluations: int,
 ) -> FloatArray:
-    """The parameters of least cost by a simplex from `start`; only those `used` are moved."""
+    """Return the parameters of least cost by a simplex from `start`.
+
+    Only those `used` are moved.
+    """
     from scipy import optimize
 
     def whole(part: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The neutral curve: what goes in beside the image, what comes out, and its parametrisation."""
+"""The neutral curve, the strip's geometry and the curve's parametrisation."""
 
 from labrig.vision.curve.neutral import FindCurve, NeutralCurve, StripGeometry, smallness
 

@@ -31,7 +31,7 @@ class BackgroundLine:
     half_px: float  # further beside it nothing of it is seen
 
     def runs_with(self, curve: FloatArray, reach: float) -> bool:
-        """Whether it lies on a curve (n, 2) for longer than a crossing takes.
+        """Return whether it lies on a curve (n, 2) for longer than a crossing takes.
 
         A crossing is a gap in the curve; what runs with it pulls it aside.
         """
@@ -41,7 +41,7 @@ class BackgroundLine:
         )
 
     def length_beside_px(self, curve: FloatArray, reach: float) -> float:
-        """Of what is seen of it further than `reach` from a curve (n, 2)."""
+        """Return of what is seen of it further than `reach` from a curve (n, 2)."""
         return self._length_px((self._gaps(curve) > reach) & self.seen)
 
     def _length_px(self, part: BoolArray) -> float:
@@ -49,16 +49,18 @@ class BackgroundLine:
         return float(steps[part[1:]].sum())
 
     def begins_at(self, clamp: FloatArray, least_px: float) -> bool:
-        """Whether it passes the clamp (2,) and hardly goes on behind it, as the sheet does."""
+        """Return whether it passes the clamp (2,) and hardly continues behind it, as a sheet."""
         gap = np.hypot(*(self.path - clamp).T)
         at = int(gap.argmin())
         behind = [np.hypot(*(self.path[end] - self.path[at])) for end in (0, -1)]
         return bool(gap[at] < LINE_MATCH_MAX_PX + self.half_px and min(behind) < least_px)
 
     def is_all_of(self, curve: FloatArray, reach: float) -> bool:
-        """Whether a whole curve (n, 2) lies on it, and both end together: as a straight sheet does.
+        """Return whether a whole curve (n, 2) lies on it, and both end together.
 
-        Behind the clamp it may go on, as the joint between two jaws does.
+        As a straight sheet does.
+
+        Behind the clamp it may continue, as the joint between two jaws does.
         """
         ends = self.path[[0, -1]] - curve[-1]
         gap = curve[::4, None] - self.path[None]
@@ -68,7 +70,7 @@ class BackgroundLine:
         )
 
     def ends_with(self, curve: FloatArray) -> bool:
-        """Whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
+        """Return whether it is seen up to the end of a curve (n, 2), and not straight on beyond.
 
         That is what the last part of the sheet looks like where it is straight.
         """
@@ -84,7 +86,7 @@ class BackgroundLine:
         return bool(reaches and along[straight_on].max(initial=0.0) < LINE_END_SIGMA_PX)
 
     def shows_at(self, place: FloatArray) -> bool:
-        """Whether it is seen at a place (2,)."""
+        """Return whether it is seen at a place (2,)."""
         return bool(np.hypot(*(self.path - place).T).min() < LINE_MATCH_MAX_PX + self.half_px)
 
     def _gaps(self, curve: FloatArray) -> FloatArray:
@@ -93,7 +95,7 @@ class BackgroundLine:
 
 
 def hidden_by(wires: Sequence[BackgroundLine], shape: tuple[int, int]) -> MaskArray:
-    """(rows, columns): not 0 where a wire is seen."""
+    """Return (rows, columns): not 0 where a wire is seen."""
     import cv2
 
     mask = np.zeros(shape, np.uint8)

@@ -1,4 +1,4 @@
-"""What goes in beside the image, and what comes out: the strip's geometry, the neutral curve."""
+"""The strip's geometry, which goes in with an image, and the neutral curve, which comes out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ USUAL_LENGTHS_M = (0.04, 0.06)  # length of a strip
 
 
 def smallness(length_m: float) -> float:
-    """How many times smaller than a usual strip it is, and so bends the more; 1: none.
+    """Return how many times smaller than a usual strip it is, and so bends the more; 1: none.
 
     From near it looks alike, and so does a larger one from afar.
     """
@@ -29,12 +29,12 @@ def smallness(length_m: float) -> float:
 
 @dataclass(frozen=True)
 class StripGeometry:
-    """What is known of the sheet before the image is looked at."""
+    """The sheet's lengths, known before the image is read."""
 
     free_length_m: float
     elongation_m: float = 0.0  # rigid and straight, beyond the free length
     thickness_m: float = 0.21e-3
-    thickness_known: bool = True  # else `thickness_m` is a guess, and the image is asked
+    thickness_known: bool = True  # else `thickness_m` is a guess, and the image is measured
 
     def __post_init__(self) -> None:
         if not 0 < self.free_length_m < 10:
@@ -99,7 +99,7 @@ class NeutralCurve:
     thickness_m: float = 0.0
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
-    # how far what touches the sheet on one side may have pulled the curve, by point
+    # how far what touches the sheet on one side may have biased the curve, by point
     lateral_bias_px: FloatArray = field(default_factory=_nothing)
     side_face_px: FloatArray = field(
         default_factory=_nothing
@@ -108,7 +108,7 @@ class NeutralCurve:
     wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
 
     def as_curve(self) -> Curve:
-        """The same as the model takes it."""
+        """Return the same as the model takes it."""
         return Curve(
             s_m=self.s_m,
             x_m=self.x_m,

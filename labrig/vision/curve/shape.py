@@ -57,11 +57,11 @@ class CurveShape:
     k: FloatArray
 
     def moved(self, parameters: FloatArray) -> CurveShape:
-        """The curve with other parameters."""
+        """Return the curve with other parameters."""
         return make_shape(self.basis, self.start, self.heading, parameters)
 
     def slid(self, by: float) -> CurveShape:
-        """The same line in the plane with its start `by` further along it."""
+        """Return the same line in the plane with its start `by` further along it."""
         basis, heading = self.basis, self.heading
         turn = float(self.parameters[1])
         wanted = np.interp(basis.s + by, basis.s, self.phi) - heading - turn
@@ -72,13 +72,13 @@ class CurveShape:
         return make_shape(basis, self.start + by * along, heading, parameters)
 
     def normal_modes(self) -> FloatArray:
-        """(nodes, parameters): displacement along the normal for each parameter."""
+        """Return (nodes, parameters): displacement along the normal for each parameter."""
         return _normal_modes(self.basis.angle, self.phi, self.heading, self.basis.step_px)
 
 
 @jit
 def _normal_modes(angle: FloatArray, phi: FloatArray, heading: float, step: float) -> FloatArray:
-    """dr/dp = int n dphi/dp ds, so along the normal: n(s) . int n A ds, by trapezia."""
+    """Return dr/dp = int n dphi/dp ds, so along the normal: n(s) . int n A ds, by trapezia."""
     nodes, coefficients = angle.shape
     modes = np.empty((nodes, 2 + coefficients))
     east, north = np.zeros(1 + coefficients), np.zeros(1 + coefficients)
@@ -130,7 +130,7 @@ def _integral(nodes: FloatArray, middles: FloatArray, sixth: float) -> FloatArra
 def make_basis(
     free_px: float, total_px: float, coefficients: int, longest_step_px: float = 1.0
 ) -> ShapeBasis:
-    """The basis for a sheet of `free_px` and a straight rest up to `total_px`."""
+    """Return the basis for a sheet of `free_px` and a straight rest up to `total_px`."""
     from scipy.interpolate import BSpline
 
     cells = max(16, math.ceil(total_px / min(1.0, longest_step_px)))
@@ -169,12 +169,12 @@ def _penalty(slope: object, knots: FloatArray) -> FloatArray:
 
 
 def coefficients_for(free_px: float) -> int:
-    """About twenty for a long sheet; fewer where pieces would be shorter than about 6 pixels."""
+    """Return about twenty for a long sheet, fewer where pieces were shorter than about 6 pixels."""
     return int(np.clip(round(free_px / 7) + 3, 5, 21))
 
 
 def fit_angles(basis: ShapeBasis, phi: FloatArray, weight: FloatArray, smooth: float) -> FloatArray:
-    """Coefficients whose angle follows `phi` (nodes,), counted from the clamp's angle."""
+    """Return coefficients whose angle follows `phi` (nodes,), counted from the clamp's angle."""
     a = basis.angle
     normal = (a * weight[:, None]).T @ a + smooth * basis.penalty
     ridge = 1e-9 * np.trace(normal) / len(normal) * np.eye(len(normal))

@@ -1,4 +1,4 @@
-"""How smooth a sheet's curvature is: nobody knows beforehand, so the image is asked.
+"""How smooth a sheet's curvature is: it is not known beforehand, so the image decides.
 
 Two kinds of priors, each of eight strengths: a curvature that wanders, int (dk/ds)^2 ds (the
 minimum variation curve's), and one whose slope does, int (d2k/ds2)^2 ds. The second is what gels
@@ -24,7 +24,7 @@ PRIOR_PROBABILITY_MIN = 1e-4  # an answer less likely than this is left out
 
 
 def smooth_priors(first_form: FloatArray, second_form: FloatArray, length: float) -> FloatArray:
-    """(16, n, n) information of each prior on the curvature's n coefficients.
+    """Return (16, n, n) information of each prior on the curvature's n coefficients.
 
     `first_form`, `second_form` (n, n): int (dk/ds)^2 ds and int (d2k/ds2)^2 ds as quadratic
     forms, of a sheet of this length. Weakly its curvature itself is of usual size, so that priors
@@ -38,14 +38,14 @@ def smooth_priors(first_form: FloatArray, second_form: FloatArray, length: float
 
 
 def log_weights(priors: FloatArray) -> FloatArray:
-    """(kinds,) half the logarithm of each prior's determinant."""
+    """Return (kinds,) half the logarithm of each prior's determinant."""
     return np.asarray(0.5 * np.linalg.slogdet(priors)[1])
 
 
 def averaged(
     normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
 ) -> FloatArray:
-    """The parameters' mean over all priors.
+    """Return the parameters' mean over all priors.
 
     `normal @ parameters = pull` are the equations of the data; priors are on all parameters but the
     first two, which have theirs in `normal`.
@@ -57,7 +57,10 @@ def averaged(
 def covariance(
     normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
 ) -> FloatArray:
-    """The parameters' covariance about that mean: each answer's own, and how much they differ."""
+    """Return the parameters' covariance about that mean.
+
+    Each answer's own, and how much they differ.
+    """
     answers, odds, factors = _answers(normal, pull, priors, log_weight)
     likely = odds > PRIOR_PROBABILITY_MIN
     off = answers[likely] - odds @ answers
@@ -70,7 +73,7 @@ def covariance(
 def _answers(
     normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Each prior's parameters, its odds, and Cholesky's factor of its equations."""
+    """Return each prior's parameters, its odds, and Cholesky's factor of its equations."""
     kinds, size = len(priors), len(pull)
     factors, answers = np.zeros((kinds, size, size)), np.zeros((kinds, size))
     evidence = log_weight.copy()

@@ -77,7 +77,7 @@ class CurveSearch(Refiner):
         return None
 
     def _shape_of(self, curve: NeutralCurve) -> CurveShape:
-        """A reported curve as a shape to start from."""
+        """Return a reported curve as a shape to start from."""
         ppm, heading = self.optics.px_per_m, self.optics.clamp_angle_rad
         parameters = curve.parameters.copy()
         parameters[0] *= ppm
@@ -102,16 +102,16 @@ class CurveSearch(Refiner):
         return best
 
     def _is_the_sheet_itself(self, best: CurveCandidate) -> bool:
-        """Whether what looks like a wire along the best curve can only be the sheet's own end.
+        """Return whether the wire along the best curve can only be the sheet's own end.
 
-        Its end is seen where the sheet's should be, and nothing goes on there.
+        Its end is seen where the sheet's should be, and nothing continues there.
         """
         nodes, reach = best.context.nodes_px(best.fit.shape), best.fit.section.reach
         along = [wire for wire in self.wires if wire.runs_with(nodes, reach)]
         return best.confirmed and all(wire.ends_with(nodes) for wire in along)
 
     def _best_of_searches(self, known: CurveCandidate | None = None) -> CurveCandidate | None:
-        """The best of a quick search, and of a broader one where none passes.
+        """Return the best of a quick search, and of a broader one where none passes.
 
         `known`: of a search before wires were hidden; it may be right but for those.
         """
@@ -126,12 +126,15 @@ class CurveSearch(Refiner):
             found += self._candidates(width=800, hasty=False)
         best = max(found, key=lambda c: c.rank, default=None)
         if known is not None and best is not None and best.verdict.why:
-            # its reason says more than that of a path beside the wires
+            # its reason explains more than that of a path beside the wires
             return known if known.verdict.why else found[0]
         return best
 
     def _leaves_out_lines(self, best: CurveCandidate) -> bool:
-        """Whether there are more wires where the sheet may be; their pixels are not used then."""
+        """Return whether there are more wires where the sheet may be.
+
+        Their pixels are not used then.
+        """
         sign, nodes = best.context.sign, best.context.nodes_px(best.fit.shape)
         reach, clamp = best.fit.section.reach, np.array(self.optics.clamp_px)
         scale = self.ridges.scale
@@ -164,7 +167,10 @@ class CurveSearch(Refiner):
             self.mask = self.roll_mask
 
     def _candidates(self, *, width: int, hasty: bool) -> list[CurveCandidate]:
-        """A curve for each polarity that is possible; `hasty`: leave out the unlikely one."""
+        """Return a curve for each polarity that is possible.
+
+        `hasty`: leave out the unlikely one.
+        """
         wide = self.strip.elongation_m > 0 or not hasty
         ridges = ridge_maps(self.image, self.thickness_px, wide=wide)
         if self.wires:
@@ -188,7 +194,7 @@ class CurveSearch(Refiner):
     def _rivals(
         self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float
     ) -> list[CurveCandidate]:
-        """Other ways the sheet may go on, where a wire may have been taken for its end."""
+        """Return other paths that the sheet may take where a wire may have been followed."""
         for share in (0.7, 0.45):
             tail = trace.path[round(share * len(trace.path)) :]
             with ridges.without(tail, 1.5 + 0.5 * self.thickness_px):
@@ -201,7 +207,7 @@ class CurveSearch(Refiner):
         return []
 
     def _likely_signs(self, ridges: RidgeMaps, signs: list[float]) -> list[float]:
-        """The polarities worth tracing, from a short search at the clamp."""
+        """Return the polarities worth tracing, from a short search at the clamp."""
         short = [
             trace_from_clamp(ridges, self.optics, self.strip, s, share=0.35, width=40)
             for s in signs

@@ -50,8 +50,8 @@ def neutral_curve(
     """Return the neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
 
     `start`: the curve of an image shortly before; it is followed, which is several times faster,
-    and left for a search from the clamp where that does not lead to a curve that passes the
-    self-check. What cannot be measured comes back with `ok` False and the reason, never raised.
+    and given up for a search from the clamp where its curve fails the self-check. What cannot be
+    measured comes back with `ok` False and the reason, never raised.
     """
     try:
         grey_image = read_grey_image(image, optics)
@@ -136,6 +136,6 @@ def _bridged(search: CurveSearch, found: CurveCandidate, excess: FloatArray) -> 
             return replace(curve, warnings=(*curve.warnings, message))
     return NeutralCurve(
         ok=False,
-        why="something lies along the sheet and cannot be told from it, such as a wire; "
+        why="something lies along the sheet and cannot be separated from it, such as a wire; "
         "take it away, or mask it in the image.",
     )

@@ -36,22 +36,22 @@ LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the image
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurveCandidate:
-    """A fitted curve and what the self-check says of it."""
+    """A fitted curve and its verdict."""
 
     fit: CurveFit
     context: FitContext
     sheet_end: SheetEnd
     verdict: Verdict
-    wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) told from it
+    wider_px: float = 0.0  # than it is thick: out of focus, or a face not (well) separated from it
     between_edges: bool = False  # of a thick strip, whatever light falls on it
 
     @property
     def confirmed(self) -> bool:
-        """Whether it passes, goes on behind what hides it, and its end is seen where it should."""
-        sheet_end, sure = self.sheet_end, not self.verdict.join.doubtful
+        """Whether it passes, continues behind what hides it, and ends where it should."""
+        sheet_end, continuous = self.sheet_end, not self.verdict.join.doubtful
         return (
             not self.verdict.why
-            and sure
+            and continuous
             and sheet_end.beyond_px is not None
             and not sheet_end.at_least
         )
@@ -78,7 +78,7 @@ class Refiner:
         self.mask = roll_mask(optics, image.grey.shape)
 
     def context(self, sign: float) -> FitContext:
-        """How the image is looked at for a sheet of this brightness against the background."""
+        """Return the fit context for a sheet of this brightness against the background."""
         optics = self.optics
         return FitContext(
             image=self.image,
@@ -90,17 +90,17 @@ class Refiner:
         )
 
     def beyond(self) -> npt.NDArray[np.bool_]:
-        """(cells,) whether they are the elongation."""
+        """Return (cells,) whether they are the elongation."""
         middle = 0.5 * (self.basis.s[1:] + self.basis.s[:-1])
         return np.asarray(middle > self.basis.free_px)
 
     def refine(self, trace: Trace, sign: float) -> CurveCandidate:
-        """From a traced path to a judged curve."""
+        """Return from a traced path to a judged curve."""
         shape = shape_through(trace, self.optics, self.basis, self.context(sign).spectral)
         return self.improved(shape, sign)
 
     def improved(self, shape: CurveShape, sign: float) -> CurveCandidate:
-        """The curve near a first one, looked for again where parts of it were lost."""
+        """Return the curve near a first one, looked for again where parts of it were lost."""
         context = self.context(sign)
         half = self._elongation_half_width(shape, context)
         shape = fit_points(shape, context, half_width=half)
@@ -121,7 +121,7 @@ class Refiner:
         return self.led_by_edges(self._anchored(self._faced(best)))
 
     def led_by_edges(self, found: CurveCandidate) -> CurveCandidate:
-        """The curve between the edges of a thick strip, instead of in the middle of its light."""
+        """Return the curve midway between a thick strip's edges, not in the middle of its light."""
         fit, context = found.fit, found.context
         if self.image.full_resolution is None or found.verdict.why:
             return found
@@ -136,7 +136,7 @@ class Refiner:
         return replace(found, fit=fit, verdict=verdict, between_edges=True)
 
     def _without_strangers(self, found: CurveCandidate) -> CurveCandidate:
-        """The curve without what was taken for the sheet where that cannot be seen."""
+        """Return the curve without stretches that cannot be the sheet."""
         see_through = see_through_cells(found.fit)
         if not see_through.any():
             return found
@@ -144,16 +144,16 @@ class Refiner:
         return self.judged(fit_intensities(found.fit.shape, found.context, section), found.context)
 
     def _faced(self, plain: CurveCandidate) -> CurveCandidate:
-        """The curve with the side face taken off, where one is seen."""
+        """Return the curve with the side face separated, where one is seen."""
         # a thicker sheet looks like one with a face as dark as its edge
         separable = self.strip.thickness_known or self.optics.look != SheetAppearance.AUTO
         if plain.verdict.covered < 0.5 or not separable:
             return plain
         search = SideFaceSearch(plain.fit, plain.context)
         found, side_face = plain, search.first()
-        for turn in range(SIDE_FACE_ROUNDS):  # the curve moves when the face is taken off
+        for turn in range(SIDE_FACE_ROUNDS):  # the curve moves when the face is separated
             if side_face is None:
-                # where the face led the curve, a band alone explains as much
+                # where the face led the curve, a sheet without one explains as much
                 wider_px = float(np.hypot(search.wider_px, 2 * search.possible_bias_px))
                 return replace(plain, wider_px=wider_px)
             section = side_face.on(found.fit.section, found.fit.shape)
@@ -165,7 +165,7 @@ class Refiner:
         return replace(found, wider_px=2 * search.possible_bias_px)
 
     def judged(self, fit: CurveFit, context: FitContext) -> CurveCandidate:
-        """A fit with its end and what the self-check says of it."""
+        """Return a fit with its end and its verdict."""
         sheet_end = find_sheet_end(fit, context)
         return CurveCandidate(
             fit=fit,
@@ -175,7 +175,7 @@ class Refiner:
         )
 
     def _anchored(self, found: CurveCandidate) -> CurveCandidate:
-        """Move the start along the clamped sheet to where its end says that it is.
+        """Move the start along the clamped sheet to the place that its visible end implies.
 
         The clamp's place is known to a pixel only, the length much better.
         """
@@ -188,12 +188,15 @@ class Refiner:
         fit = fit_intensities(
             moved, found.context, found.fit.section, rounds=3, contrast=found.fit.usual_contrast
         )
-        # its end and what lies beside it were looked at: the line is the same
+        # its end and its surroundings were checked: the line is the same
         verdict = check_curve(fit, found.context, found.sheet_end, followed=True, beside=False)
         return replace(found, fit=fit, verdict=verdict)
 
     def _elongation_half_width(self, shape: CurveShape, context: FitContext) -> float:
-        """Half the elongation's visible width, from its height's halves; the sheet's if none."""
+        """Return half the elongation's visible width, from its height's halves.
+
+        The sheet's if none.
+        """
         if self.strip.elongation_m == 0:
             return self.thickness_px / 2
         beyond = self.basis.s > self.basis.free_px
@@ -202,6 +205,6 @@ class Refiner:
         seen = beyond & np.isfinite(width)
         if not seen.any():
             return self.thickness_px / 2
-        # the blur of lens and smoothing makes a thin band look about 2.7 pixels wide
+        # the blur of lens and smoothing makes a thin sheet look about 2.7 pixels wide
         full = float(np.median(width[seen]))
         return 0.5 * max(float(np.sqrt(max(full**2 - 2.7**2, 0.0))), self.thickness_px)

@@ -48,6 +48,6 @@ def second_sheet_contrast(search: CurveSearch, found: CurveCandidate) -> float:
 
 
 def _distance(candidate: CurveCandidate, nodes: FloatArray) -> FloatArray:
-    """(nodes,) distance in the image, point by point along both curves."""
+    """Return (nodes,) distance in the image, point by point along both curves."""
     gap = candidate.context.nodes_px(candidate.fit.shape) - nodes
     return np.asarray(np.hypot(gap[:, 0], gap[:, 1]))

@@ -32,7 +32,7 @@ class FitContext:
     mask: MaskArray  # (rows, columns): not 0 where rolls hide the view
 
     def nodes_px(self, shape: CurveShape) -> FloatArray:
-        """The curve's nodes in the image (nodes, 2)."""
+        """Return the curve's nodes in the image (nodes, 2)."""
         plane = np.stack([shape.x, shape.y], axis=1)
         return self.optics.world_to_pixel(plane / self.optics.px_per_m)
 
@@ -57,18 +57,18 @@ class CrossSection:
         return float(self.half_width.max()) + side_face + 3 * self.blur + 2.5
 
     def is_close_to(self, other: CrossSection, within: float) -> bool:
-        """Whether blur and widths differ by no more than `within`."""
+        """Return whether blur and widths differ by no more than `within`."""
         wider = float(np.abs(self.half_width - other.half_width).max())
         return max(wider, abs(self.blur - other.blur)) <= within
 
     def with_look(self, blur: float, elongation_half_width: float) -> CrossSection:
-        """With another look."""
+        """Return it with another blur and elongation width."""
         half = np.where(self.elongation, elongation_half_width, self.half_width)
         return replace(self, half_width=half, blur=blur)
 
 
 def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
-    """Where the rolls named in the optics hide the view."""
+    """Return where the rolls named in the optics hide the view."""
     import cv2
 
     mask = np.zeros(shape, np.uint8)
@@ -88,7 +88,7 @@ def look(
 
 
 def pixels_beside(shape: CurveShape, context: FitContext, reach: float) -> Pixels:
-    """The pixels within `reach` beside a curve: see cross_section.collect."""
+    """Return the pixels within `reach` beside a curve: see cross_section.collect."""
     from labrig.vision.fit.cross_section import collect
 
     nodes = context.nodes_px(shape)
@@ -108,7 +108,7 @@ def pixels_beside(shape: CurveShape, context: FitContext, reach: float) -> Pixel
 
 
 def measured(pixels: Pixels, section: CrossSection, noise: float, used: BoolArray) -> FloatArray:
-    """cross_section.measure's table of these pixels."""
+    """Return the table of `cross_section.measure` for these pixels."""
     from labrig.vision.fit.cross_section import measure
 
     return measure(

@@ -1,6 +1,6 @@
-"""The pixels beside a curve, and what they say of it: the kernels of the intensity fit.
+"""The pixels beside a curve and the cross-section fitted to them: kernels of the intensity fit.
 
-Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P the band
+Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P a band
 of the sheet's thickness blurred by the lens, and beside it the sheet's side face where one is seen,
 grey by a share of the band; b, a, c are slow along the sheet (solved in windows). A shift of the
 curve by +delta changes the pixel by -(a + c P') delta; b, a, c and what they could imitate of a
@@ -31,7 +31,7 @@ _TOTAL = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in _AT])
 
 @jit
 def normal(x: float) -> tuple[float, float]:
-    """The standard normal distribution's integral up to x, and its density there."""
+    """Return the standard normal distribution's integral up to x, and its density there."""
     if x <= -_REACH:
         return 0.0, 0.0
     if x >= _REACH:
@@ -62,7 +62,7 @@ def collect(
     pixel_size: float,
     mask: MaskArray,
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Intensities (pixels,), distances (pixels,) and the first pixel of each cell (cells + 1,).
+    """Return intensities and distances (pixels,) and the first pixel of each cell (cells + 1,).
 
     A cell lies between the normals of two neighbouring nodes, so each pixel belongs to one.
     `plane` (rows, columns, 2): every pixel's place in the sheet's plane; `node_u`, `node_v`: the
@@ -107,7 +107,7 @@ def collect(
 
 @jit
 def window_sums(sums: FloatArray, half: int) -> FloatArray:
-    """Moving sums over `2 half + 1` cells of (cells, columns)."""
+    """Return moving sums over `2 half + 1` cells of (cells, columns)."""
     cells, columns = sums.shape
     running = np.zeros((cells + 1, columns))
     for i in range(cells):
@@ -163,7 +163,7 @@ def templates(
     side_face: FloatArray,
     side_face_share: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """P, P' and the derivative for the look (blur or half width) of each pixel, face included.
+    """Return P, P' and the derivative for blur or half width of each pixel, face included.
 
     `side_face` (cells,): the side face's width in pixels beside the band, negative: below it.
     """
@@ -247,14 +247,15 @@ def measure(
     side_face: FloatArray,
     side_face_share: float,
 ) -> FloatArray:
-    """Per cell (cells, 12) what the pixels say.
+    """Return (cells, 12) sums and solutions of each cell's pixels.
 
     Columns: contrast c, background b, slope a, sum g^2, sum g res, sum res^2, sum of weights,
     sum h res, sum h^2, mean intensity, sum p res, sum p^2. g is the derivative of a pixel with
     respect to a shift, what b, a and c could imitate projected out; h the same for the blur, or,
     where `widen` is not 0, for the half width; p is P without its mean in the cell. The sums are
-    weighted but for those with p, which say what is there whether it fits or not. `noise` is one
-    pixel's, the scale of the robust weights; `half_width`, `used`, `widen`, `side_face`: (cells,).
+    weighted but for those with p, which hold for any content, also what does not fit. `noise` is
+    one pixel's, the scale of the robust weights; `half_width`, `used`, `widen` and `side_face` are
+    (cells,).
     """
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))

@@ -2,7 +2,7 @@
 
 Both are Gauss-Newton on the curve's parameters, with a prior that curvature is smooth and with the
 clamp's calibration as one on the first two parameters. For points a weak penalty
-int (dk/ds)^2 ds / q is enough; with the intensities the image says how smooth it is.
+int (dk/ds)^2 ds / q is enough; with the intensities the image decides how smooth it is.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ NEIGHBOUR_CELLS = 12
 
 
 def spectral_of(optics: Optics, strip: StripGeometry) -> float:
-    """How much a strip's curvature changes along it, as assumed: q in 1/px^3."""
+    """Return how much a strip's curvature changes along it, as assumed: q in 1/px^3."""
     return SPECTRAL_PER_M3 * (smallness(strip.length_m) / optics.px_per_m) ** 3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurveFit:
-    """A fitted curve, with what each cell said about it."""
+    """A fitted curve, with the measurements of each cell."""
 
     shape: CurveShape
     section: CrossSection
@@ -94,7 +94,7 @@ class CurveFit:
 
 
 def seen_start(fit: CurveFit, context: FitContext) -> tuple[FloatArray, FloatArray]:
-    """(2,) offset and angle of the start as the sheet alone has them, and their covariance (2, 2).
+    """Return (2,) the sheet's own offset and angle at the start, and their covariance (2, 2).
 
     That is without the clamp's calibration.
     """
@@ -108,12 +108,12 @@ def seen_start(fit: CurveFit, context: FitContext) -> tuple[FloatArray, FloatArr
 
 
 def spread(rows: FloatArray, covariance: FloatArray) -> FloatArray:
-    """(n,) standard deviation of rows (n, parameters) of what has a covariance."""
+    """Return (n,) standard deviation of rows (n, parameters) of what has a covariance."""
     return np.asarray(np.sqrt(((rows @ covariance) * rows).sum(axis=1)))
 
 
 def penalised(normal: FloatArray, shape: CurveShape, spectral: float) -> FloatArray:
-    """An information matrix with the smoothness prior added."""
+    """Return an information matrix with the smoothness prior added."""
     full = normal.copy()
     full[2:, 2:] += shape.basis.penalty / spectral
     # a constant curvature costs nothing; a curve that is nowhere seen must not make this singular
@@ -122,14 +122,14 @@ def penalised(normal: FloatArray, shape: CurveShape, spectral: float) -> FloatAr
 
 
 def solved(full: FloatArray, pull: FloatArray) -> FloatArray:
-    """The parameters."""
+    """Return the parameters."""
     return np.asarray(np.linalg.solve(full, pull), dtype=np.float64)
 
 
 def information(
     shape: CurveShape, modes: FloatArray, offset: FloatArray, weight: FloatArray, prior: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """The normal matrix and right-hand side for the parameters themselves.
+    """Return the normal matrix and right-hand side for the parameters themselves.
 
     Of sum weight (offset - modes (p - p_now))^2 + (p_0, p_1)^2 / prior^2.
     """
@@ -172,7 +172,10 @@ def fit_points(
 def ridge_points(
     shape: CurveShape, context: FitContext, reach: npt.NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Offset, height and width of the ridge beside each node; see ridge_points.ridge_offsets."""
+    """Return offset, height and width of the ridge beside each node.
+
+    See ridge_points.ridge_offsets.
+    """
     from labrig.vision.search.ridge_points import ridge_offsets
 
     centre = context.nodes_px(shape)
@@ -211,7 +214,7 @@ def fit_intensities(
     contrast: float | None = None,
     converged_px: float = CONVERGED_STEP_PX,
 ) -> CurveFit:
-    """Fit the image's own intensities beside the curve, and the band's look with it.
+    """Fit the image's own intensities beside the curve, with blur and widths.
 
     `contrast`: of the sheet, where it is known from before. `converged_px`: the last step's size.
     """
@@ -251,19 +254,19 @@ def _iteration(
     shape: CurveShape, context: FitContext, section: CrossSection, noise: float, used: BoolArray
 ) -> CurveFit:
     # far from all that is used, contrast and background come from the doubtful cells themselves
-    asked = used | ~_grown(used, WINDOW_CELLS)
-    cells, present = look(shape, context, section, noise, asked)
+    measured_cells = used | ~_grown(used, WINDOW_CELLS)
+    cells, present = look(shape, context, section, noise, measured_cells)
     used = usable_cells(cells, present, context, section, noise)
     level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
     # Tukey's weights shrink the residuals of pure noise by 6 %
-    # and no lens draws a band just as the template has it
+    # and no lens draws a sheet just as the template has it
     contrast = float(np.median(np.abs(cells[used, 0]))) if used.any() else 0.0
     noise = max(level * 1.06, 0.3 * context.image.noise, _likeness(context, section) * contrast)
     return _moved(shape, context, section, cells, present, used, noise)
 
 
 def led_by(fit: CurveFit, context: FitContext, beside: FloatArray, sigma: float) -> CurveFit:
-    """The curve moved to where something else than intensities says that it is.
+    """Return the curve moved to a place measured otherwise than by intensities.
 
     `beside` (cells,): how far beside the curve; `sigma`: of each cell; both in pixels.
     """
@@ -282,7 +285,7 @@ def _moved(
     used: BoolArray,
     noise: float,
 ) -> CurveFit:
-    """The curve moved by what its cells say of their distance from it."""
+    """Return the curve moved by the distances of its cells from it."""
     weight = np.where(used, cells[:, 3], 0.0) / noise**2
     offset = np.clip(cells[:, 4] / np.maximum(cells[:, 3], 1e-12), -1.5, 1.5)
     modes = shape.normal_modes()
@@ -305,7 +308,7 @@ def _moved(
 
 
 def _likeness(context: FitContext, section: CrossSection) -> float:
-    """How well any band is like the template, as a share of its contrast.
+    """Return how well a sheet matches the template, as a share of its contrast.
 
     The wider a sheet shows, the more is seen of its frayed edges and its face's texture.
     """
@@ -316,7 +319,10 @@ def _likeness(context: FitContext, section: CrossSection) -> float:
 def usable_cells(
     cells: FloatArray, present: FloatArray, context: FitContext, section: CrossSection, noise: float
 ) -> BoolArray:
-    """Where the sheet is really seen: contrast of the usual sign and size, pixels that fit."""
+    """Return where the sheet is really seen.
+
+    Contrast of the usual sign and size, pixels that fit.
+    """
     there = present > PRESENT_SHARE_MIN
     if section.corrupted is not None:
         there &= ~section.corrupted
@@ -332,7 +338,7 @@ def usable_cells(
     there &= contrast > CELL_CONTRAST_MIN_SIGMAS * noise
     if there.sum() < 10:
         return there
-    # what does not look like a band here, such as a roll's rim, would only pull the curve
+    # what does not look like a sheet here, such as a roll's rim, would only pull the curve
     residual_squares = around(cells[:, 5], 2) / np.maximum(around(cells[:, 6], 2), 1.0)
     usual = max(float(np.median(residual_squares[there])), 1e-12)
     see_through = residual_squares > np.maximum(
@@ -343,7 +349,7 @@ def usable_cells(
 
 
 def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
-    """Without odd ones in a gap beside what hides the sheet: they are what is left of that."""
+    """Return the cells without isolated ones in a gap: they are remains of what hides the sheet."""
     beside = _grown(present < UNHIDDEN_SHARE_MIN, 2)
     company = around(good.astype(float), NEIGHBOUR_CELLS)
     of = around(np.ones(len(good)), NEIGHBOUR_CELLS)
@@ -351,7 +357,7 @@ def _in_company(good: BoolArray, present: FloatArray) -> BoolArray:
 
 
 def around(values: npt.NDArray[Any], half: int) -> FloatArray:
-    """Sums over `half` cells to each side."""
+    """Return sums over `half` cells to each side."""
     # "same" would be as long as the box where that is longer
     return np.convolve(values, np.ones(2 * half + 1))[half : half + len(values)]
 

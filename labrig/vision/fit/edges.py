@@ -1,8 +1,8 @@
 """The middle between a thick strip's edges, which light and shade across it do not move.
 
-The fit's band takes a strip's two halves for equally bright; where light falls on one of them more
+The fit's cross-section has two equally bright halves; where light falls on one of them more
 the middle of the light lies beside that of the strip. Its edges are where the image changes most,
-however bright each half is: they are looked for in the camera's own pixels, which show them apart.
+however bright each half is: they are searched in the camera's own pixels, which show them apart.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ STEP_RATIO, REACH_RATIO = 0.04, 1.3
 NEAREST_RATIO, FARTHEST_RATIO = 0.25, 1.0
 SMOOTHING_RATIO = 0.08
 SPREAD_MIN_RATIO = 0.005
-MEAN_HALF_BLOCKS = 4  # blocks to each side that say together where the middle is
+MEAN_HALF_BLOCKS = 4  # blocks to each side whose mean gives the middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Middle:
 
 
 def middle_of_edges(fit: CurveFit, context: FitContext) -> Middle | None:
-    """The edges' middle beside a fitted curve; None where hardly both edges are seen."""
+    """Return the edges' middle beside a fitted curve; None where hardly both edges are seen."""
     thick_px = 2 * np.append(fit.section.half_width, fit.section.half_width[-1])
     many = max(1, round(float(thick_px[0]) / fit.shape.basis.step_px))
     blocks = len(fit.used) // many
@@ -60,13 +60,13 @@ def middle_of_edges(fit: CurveFit, context: FitContext) -> Middle | None:
     few, smooth = _smoothed(beside)
     spread = max(1.48 * float(np.median(np.abs(beside - smooth))), SPREAD_MIN_RATIO * thick_px[0])
     cells = np.arange(len(fit.used)) + 0.5
-    # neighbours are frayed alike: every third block says something of its own
+    # neighbours are frayed alike: every third block is independent
     sigma = spread * float(np.sqrt(3 * many))
     return Middle(np.interp(cells, at[good], few), sigma)
 
 
 def _straightened(fit: CurveFit, context: FitContext, thick_px: FloatArray) -> FloatArray:
-    """(nodes, places across) the camera's grey along the curve, NaN outside."""
+    """Return (nodes, places across) the camera's grey along the curve, NaN outside."""
     import cv2
 
     shape, image = fit.shape, context.image
@@ -92,7 +92,7 @@ def _places() -> FloatArray:
 
 
 def _edges(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(blocks,) places of the steepest rise below the curve and of the steepest fall above it.
+    """Return (blocks,) places of the steepest rise below the curve and steepest fall above it.
 
     NaN where there is none.
     """
@@ -111,7 +111,7 @@ def _edges(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _steepest(slope: FloatArray, low: float, high: float) -> FloatArray:
-    """(blocks,) place of the highest peak between two places, to a part of a step."""
+    """Return (blocks,) place of the highest peak between two places, to a part of a step."""
     places = _places()
     part = (places >= low) & (places <= high)
     part &= np.abs(places) < REACH_RATIO - 4 * SMOOTHING_RATIO
@@ -127,7 +127,7 @@ def _steepest(slope: FloatArray, low: float, high: float) -> FloatArray:
 
 
 def _smoothed(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Medians of few, as threads are odd ones, and means of some of these."""
+    """Return medians of few, as threads are outliers, and means of some of these."""
     windows = np.lib.stride_tricks.sliding_window_view
     few = np.median(windows(np.pad(values, 2, mode="reflect"), 5), axis=1)
     return few, windows(

@@ -1,4 +1,4 @@
-"""How thick a sheet looks, where nobody has said how thick it is."""
+"""The visible thickness of a sheet whose thickness is not stated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ WIDTH_REACH_PX = 30
 
 
 def visible_thickness_m(image: GreyImage, optics: Optics, strip: StripGeometry) -> float:
-    """The thickness that the likeliest path from the clamp shows; the guess, where none is seen."""
+    """Return the thickness that the likeliest path from the clamp shows.
+
+    The guess, where none is seen.
+    """
     guess_px = strip.thickness_m * optics.px_per_m
     free_px, total_px = strip.free_length_m * optics.px_per_m, strip.length_m * optics.px_per_m
     ridges = ridge_maps(image, guess_px, wide=True)

@@ -22,7 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def downscaling_factor(thickness_px: float) -> int:
-    """How many times an image is reduced for a strip of this thickness."""
+    """Return how many times an image is reduced for a strip of this thickness."""
     return (
         round(thickness_px / DOWNSCALED_THICKNESS_PX)
         if thickness_px > FULL_RESOLUTION_THICKNESS_MAX_PX
@@ -31,7 +31,7 @@ def downscaling_factor(thickness_px: float) -> int:
 
 
 def downscaled_image(image: GreyImage, by: int) -> GreyImage:
-    """The means of squares of pixels."""
+    """Return the means of squares of pixels."""
     import cv2
 
     rows, columns = (each // by for each in image.grey.shape)
@@ -42,7 +42,7 @@ def downscaled_image(image: GreyImage, by: int) -> GreyImage:
 
 
 def downscaled_optics(optics: Optics, by: int) -> Optics:
-    """What a camera with pixels `by` times as large has for a calibration."""
+    """Return what a camera with pixels `by` times as large has for a calibration."""
     small = np.array([[1 / by, 0, 0.5 / by - 0.5], [0, 1 / by, 0.5 / by - 0.5], [0, 0, 1.0]])
 
     def point(place: tuple[float, float]) -> tuple[float, float]:
@@ -69,12 +69,15 @@ def downscaled_optics(optics: Optics, by: int) -> Optics:
 
 
 def scaled_places(places: FloatArray, by: float) -> FloatArray:
-    """Pixels (..., 2) in an image `by` times as large: a pixel's centre is an integer in both."""
+    """Return pixels (..., 2) in an image `by` times as large.
+
+    A pixel's centre is an integer in both.
+    """
     return np.asarray((places + 0.5) * by - 0.5)
 
 
 def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
-    """A curve whose lengths in pixels are those of an image `by` times as large."""
+    """Return a curve whose lengths in pixels are those of an image `by` times as large."""
     return replace(
         curve,
         points_px=scaled_places(curve.points_px, by),
@@ -92,7 +95,7 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
 
 
 def in_camera_pixels(curve: NeutralCurve, by: int) -> NeutralCurve:
-    """A curve found in a downscaled image, for who knows the whole one only."""
+    """Return a curve found in a downscaled image, for who knows the whole one only."""
     note = f"pixels here are those of the image downscaled {by} times"
 
     def noted(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Images and the little files beside them, read; one curve's results, written."""
+"""Read images and the files beside them; write the results of a curve."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ class _Strip(ClosedModel):
 
 
 def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
-    """The strip of a sheet.toml, which may be as little as `free_length_mm = 50`.
+    """Return the strip of a sheet.toml, which may be as little as `free_length_mm = 50`.
 
-    Where it states no thickness, that is taken from the image.
+    Where it states no thickness, the image decides.
     """
     data = parse_toml(read_text(path), str(path))
     data.pop("arc", None)
     table = data if "free_length_mm" in data else _chosen(data, configuration, path)
     known = {key: value for key, value in table.items() if key in _Strip.model_fields}
-    odd = [key for key in table if key not in Sheet.model_fields]
-    strip = validate(_Strip, known | {key: table[key] for key in odd}, str(path))
+    unused = [key for key in table if key not in Sheet.model_fields]
+    strip = validate(_Strip, known | {key: table[key] for key in unused}, str(path))
     free_m, elongation_m = strip.free_length_mm / 1000, strip.elongation_mm / 1000
     if strip.thickness_mm is None:
         guess_m = min(StripGeometry.thickness_m, 0.1 * free_m)
@@ -59,12 +59,12 @@ def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict
         return dict(tables[configuration])
     if not tables:
         raise BadInputError(f"{path}: free_length_mm is missing; it is required.")
-    asked = f"there is no [{configuration}]" if configuration else "it holds several configurations"
-    raise BadInputError(f"{path}: {asked}; choose one of {', '.join(sorted(tables))}.")
+    why = f"there is no [{configuration}]" if configuration else "it holds several configurations"
+    raise BadInputError(f"{path}: {why}; choose one of {', '.join(sorted(tables))}.")
 
 
 def read_image(path: Path) -> npt.NDArray[Any]:
-    """An image as it is stored: 8 or 16 bit, grey or colour."""
+    """Return an image as it is stored: 8 or 16 bit, grey or colour."""
     import cv2
 
     try:
@@ -78,7 +78,7 @@ def read_image(path: Path) -> npt.NDArray[Any]:
 
 
 def read_video(path: Path) -> Iterator[npt.NDArray[Any]]:
-    """The frames of a video."""
+    """Return the frames of a video."""
     import cv2
 
     video = cv2.VideoCapture(str(path))
@@ -95,7 +95,7 @@ def read_video(path: Path) -> Iterator[npt.NDArray[Any]]:
 
 
 def curve_json(curve: NeutralCurve) -> dict[str, Any]:
-    """One curve as the JSON object that `labrig curves` writes."""
+    """Return one curve as the JSON object that `labrig curves` writes."""
 
     def rounded(values: npt.NDArray[np.float64], digits: int) -> list[Any]:
         out: list[Any] = np.round(values, digits).tolist()
@@ -123,7 +123,7 @@ def write_json(path: Path, curve: NeutralCurve) -> None:
 
 
 def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
-    """All curves in one CSV."""
+    """Write all curves into one CSV."""
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow(COLUMNS)
@@ -135,7 +135,7 @@ def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
 
 
 def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
-    """The image, enlarged, with the curve on it: red where seen, yellow where not."""
+    """Write the image, enlarged, with the curve on it: red where seen, yellow where not."""
     import cv2
 
     zoom = max(2, round(OVERLAY_WIDTH_MIN_PX / image.shape[1]))

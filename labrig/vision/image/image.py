@@ -108,7 +108,7 @@ def _full_scale(image: npt.NDArray[Any], optics: Optics) -> float:
 
 
 def pixel_noise(grey: MapArray, full_scale: float) -> float:
-    """One pixel's noise, from second differences in rows and columns (blind to ramps and edges).
+    """Return one pixel's noise, from second differences, which are blind to ramps and edges.
 
     At least a third of an 8-bit level, so that a flawless synthetic image has a scale too.
     """
@@ -120,7 +120,10 @@ def pixel_noise(grey: MapArray, full_scale: float) -> float:
 
 @lru_cache(maxsize=8)
 def plane_map(optics: Optics, shape: tuple[int, int]) -> MapArray:
-    """(rows, columns, 2): each pixel's place in the sheet's plane, world times px_per_m, y up."""
+    """Return (rows, columns, 2).
+
+    Each pixel's place in the sheet's plane, world times px_per_m, y up.
+    """
     rows, columns = shape
     if not optics.has_lens and optics.homography is None:
         return _affine(optics, shape)

@@ -1,6 +1,6 @@
 """Beam search: the likeliest path of a thin band from the clamp, through gaps and past crossings.
 
-A state is a place, a direction and a bend; each step adds what the ridge maps say along it. Only
+A state is a place, a direction and a bend; each step adds the ridge maps' score along it. Only
 bends near the last one are tried, so a path is what a sheet can do; the straight rest of a short
 sheet has no bend at all. Runs in raw pixels (u right, v down).
 """
@@ -34,7 +34,7 @@ def ridge_score(
     layers: int,
     half: float,
 ) -> float:
-    """How much the place looks like a band's ridge in direction (c, s): -0.3 .. 1.
+    """Return how much the place looks like a band's ridge in direction (c, s): -0.3 .. 1.
 
     `maps` (layers, 5, rows, columns): second derivatives uu, uv, vv and the slope's u, v parts,
     in units of their noise. A step edge bends as well as a ridge does, but it slopes too.
@@ -67,7 +67,7 @@ def _step_along(
     layers: int,
     half: float,
 ) -> tuple[float, float, float]:
-    """One step from a direction (cos, sin): where it ends, and how ridge-like it was."""
+    """Return one step from a direction (cos, sin): where it ends, and how ridge-like it was."""
     gain = 0.0
     for q in range(SAMPLES_PER_STEP):
         part = turn * (q + 0.5) / SAMPLES_PER_STEP
@@ -124,7 +124,7 @@ def _expand(
     most_turn: float,
     half: float,
 ) -> int:
-    """All children of the living states; their number."""
+    """Return all children of the living states; their number."""
     count = 0
     cost = 0.002 if straight else 0.01
     for a in range(alive):
@@ -162,9 +162,9 @@ def _expand(
 def _select(
     child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float
 ) -> IntArray:
-    """The best children, few of one place, direction and bend, so that the beam stays broad."""
+    """Return the best children, few of one place, direction and bend: the beam stays broad."""
     score = child[:count, SCORE].copy()
-    # hardly more than the beam's width is ever taken: sort those, and all only if they are too few
+    # hardly more than the beam's width is ever chosen: sort those, and all only if they are too few
     enough = 2 * width
     if count > 2 * enough:
         least = np.partition(score, count - enough)[count - enough]
@@ -179,7 +179,7 @@ def _select(
 def _spread(
     child: FloatArray, child_bend: IntArray, order: IntArray, width: int, fine: float
 ) -> IntArray:
-    """The first of `order`, at most two of one kind."""
+    """Return the first of `order`, at most two of one kind."""
     taken = np.zeros(8192, dtype=np.int8)
     chosen = np.empty(width, dtype=np.int64)
     kept = 0
@@ -216,7 +216,7 @@ def search(
     width: int,
     half: float,
 ) -> tuple[FloatArray, FloatArray, float]:
-    """The best path: nodes (steps + 1, 2), the score of each step (steps,), and their mean.
+    """Return the best path: nodes (steps + 1, 2), the score of each step (steps,), and their mean.
 
     `spread` (n, 2): offsets along the normal and angles at which paths may start. `most_bend` in
     quanta a step, `most_turn` in rad from the start; `width` states are kept after each step. From

@@ -24,7 +24,7 @@ def ridge_offsets(
     reach: IntArray,
     sign: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Offset of the ridge nearest to each point, its height and its full width at half height.
+    """Return the offset of the ridge nearest to each point, its height and full width at half.
 
     In steps of (along_u, along_v), looked for within `reach` (points,) steps. The offset is the
     middle between the two places at half height, so thin and thick bands are measured alike; NaN

@@ -66,7 +66,7 @@ class RidgeMaps:
             pixels[:, near] = kept
 
     def raw(self, places: FloatArray) -> FloatArray:
-        """Raw pixels of places (..., 2) in the maps."""
+        """Return raw pixels of places (..., 2) in the maps."""
         return (places + 0.5) * self.scale - 0.5
 
     def hide(self, mask: MaskArray) -> None:
@@ -77,7 +77,7 @@ class RidgeMaps:
 
 
 def ridge_maps(image: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMaps:
-    """Second derivatives and slopes in units of their noise, at the sheet's width and wider."""
+    """Return second derivatives and slopes over their noise, at the sheet's width and wider."""
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
@@ -128,7 +128,9 @@ def trace_from_clamp(
     offsets: tuple[float, ...] = (-2, -1, 0, 1, 2),
     width: int = 120,
 ) -> Trace | None:
-    """The likeliest sheet from the clamp on; None when every path leaves what a sheet can do.
+    """Return the likeliest sheet from the clamp on.
+
+    None when every path leaves what a sheet can do.
 
     `share` of the length is traced, with `width` states kept, from `offsets` beside the clamp in
     units of its uncertainty.
@@ -176,7 +178,7 @@ def trace_from_clamp(
 
 
 def _clamp_direction(optics: Optics) -> tuple[float, float]:
-    """Angle of the clamped sheet in the raw image (u right, v down), and the scale there."""
+    """Return angle of the clamped sheet in the raw image (u right, v down), and the scale there."""
     start = optics.clamp_m()
     a = optics.clamp_angle_rad
     step_m = 10 / optics.px_per_m
@@ -186,7 +188,7 @@ def _clamp_direction(optics: Optics) -> tuple[float, float]:
 
 
 def shape_through(trace: Trace, optics: Optics, basis: ShapeBasis, spectral: float) -> CurveShape:
-    """A smooth curve that follows a traced path."""
+    """Return a smooth curve that follows a traced path."""
     nodes = optics.pixel_to_world(trace.path) * optics.px_per_m
     start = optics.clamp_m() * optics.px_per_m
     chord = np.diff(nodes, axis=0)

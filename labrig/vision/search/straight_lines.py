@@ -23,15 +23,14 @@ MapArray = npt.NDArray[np.float32]
 BoolArray = npt.NDArray[np.bool_]
 
 RING_INSETS_PX = (3, 8, 13)  # of the rings on which wires are looked for, from the border
-OUTSIDE_DISTANCE_PX = (
-    4.0  # from what is used beside a curve to where another thing is seen; in the maps
-)
+# from what is used beside a curve to where another thing is seen; in the maps
+OUTSIDE_DISTANCE_PX = 4.0
 WIDTH_REACH_PX = 8
 FLANK_MARGIN_PX = 1.2  # beyond half its width at half height: the blurred flank
 
 
 def find_wires(image: GreyImage, ridges: RidgeMaps, sign: float) -> list[BackgroundLine]:
-    """The straight ridges of a sign that reach the image's border."""
+    """Return the straight ridges of a sign that reach the image's border."""
     maps = ridges.maps[:1]
     found: list[BackgroundLine] = []
     for entry in (
@@ -52,9 +51,9 @@ def find_branches(
     seen: BoolArray,
     apart: float,
 ) -> list[BackgroundLine]:
-    """The straight ridges that leave a curve (n, 2): that are seen `apart` from it.
+    """Return the straight ridges that leave a curve (n, 2): that are seen `apart` from it.
 
-    A sheet does not branch: a line that runs with the curve and goes on where that bends away is
+    A sheet does not branch: a line that runs with the curve and continues where that bends away is
     no part of it, wherever its ends are. `seen` (n - 1,): where the curve looks like a sheet.
     """
     maps = ridges.maps[:1]
@@ -75,7 +74,7 @@ def find_branches(
 def _wire(
     image: GreyImage, ridges: RidgeMaps, line: tuple[FloatArray, BoolArray] | None, sign: float
 ) -> list[BackgroundLine]:
-    """The wire of a line in the ridge maps; none where it is an edge."""
+    """Return the wire of a line in the ridge maps; none where it is an edge."""
     if line is None:
         return []
     path = ridges.raw(line[0])
@@ -84,7 +83,7 @@ def _wire(
 
 
 def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
-    """Where ridges come in: u, v, inward angle and inset."""
+    """Return where ridges come in: u, v, inward angle and inset."""
     rows, columns = layer.shape[1:]
     right, bottom = columns - 1 - inset, rows - 1 - inset
     across, down = np.arange(inset, right), np.arange(inset, bottom)
@@ -101,7 +100,7 @@ def _from_border(layer: MapArray, sign: float, inset: int) -> list[FloatArray]:
 def _from_curve(
     ridges: RidgeMaps, sign: float, curve: FloatArray, beside: float
 ) -> list[FloatArray]:
-    """Where ridges cross the lines `beside` a curve: u, v and the angle away from it."""
+    """Return where ridges cross the lines `beside` a curve: u, v and the angle away from it."""
     ahead = np.gradient(curve, axis=0)
     normal = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
     normal *= beside / np.hypot(ahead[:, 0], ahead[:, 1])[:, None]
@@ -123,7 +122,10 @@ def _from_curve(
 
 
 def _from_gaps(ridges: RidgeMaps, curve: FloatArray, seen: BoolArray) -> list[FloatArray]:
-    """Where gaps in a curve begin and end: u, v and the angle of what is seen, into the gap."""
+    """Return where gaps in a curve begin and end.
+
+    U, v and the angle of what is seen, into the gap.
+    """
     ends = np.flatnonzero(np.diff(seen.astype(int)))[1:-1] + 1  # the clamp and the sheet's own end
     found = []
     for end in ends:
@@ -138,13 +140,13 @@ def _from_gaps(ridges: RidgeMaps, curve: FloatArray, seen: BoolArray) -> list[Fl
 
 
 def _turned(found: FloatArray, to: FloatArray) -> FloatArray:
-    """Entries turned round where they would not lead to the side of `to` (n, 2)."""
+    """Return entries turned round where they would not lead to the side of `to` (n, 2)."""
     back = np.cos(found[:, 2]) * to[:, 0] + np.sin(found[:, 2]) * to[:, 1] < 0
     return found + np.outer(back, [0.0, 0.0, math.pi])
 
 
 def _half_width(image: GreyImage, path: FloatArray, sign: float, scale: int) -> float | None:
-    """Half of what is seen of it across; None for an edge, which has no other side."""
+    """Return half of what is seen of it across; None for an edge, which has no other side."""
     from labrig.vision.search.ridge_points import ridge_offsets
 
     ahead = np.gradient(path, axis=0)

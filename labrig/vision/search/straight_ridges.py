@@ -33,7 +33,7 @@ PIECE_STEPS = 10
 
 @jit
 def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[FloatArray, FloatArray]:
-    """How much a ridge the places are in whichever direction, and that direction."""
+    """Return how much a ridge the places are in whichever direction, and that direction."""
     bend, angle = np.empty(len(u)), np.empty(len(u))
     for i in range(len(u)):
         m = layer[:, v[i], u[i]]
@@ -46,7 +46,7 @@ def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[Floa
 
 
 def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArray:
-    """(n, 3) where ridges cross a closed ring of places, strongest first: u, v and angle."""
+    """Return (n, 3) where ridges cross a closed ring of places, strongest first: u, v and angle."""
     bend, angle = _bends(layer, sign, u, v)
     peaks = np.flatnonzero(bend > RIDGE_BEND_MIN_SIGMAS)
     around = peaks[:, None] + np.arange(-4, 5)
@@ -58,7 +58,9 @@ def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArra
 def followed(
     maps: MapArray, sign: float, u: float, v: float, angle: float, inset: float, gap_px: float
 ) -> tuple[FloatArray, BoolArray] | None:
-    """(n, 2) the line at (u, v) in about this direction to where it is last seen; (n,) where it is.
+    """Return (n, 2) the line at (u, v) in about this direction to where it is last seen.
+
+    (n,) where it is.
 
     It begins `inset` before that place and may be hidden for `gap_px`. None when there is none of
     the least length.
@@ -97,7 +99,7 @@ def followed(
 def _on(
     u: float, v: float, angle: float, t: FloatArray, beside: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Places at distances along a line, and beside it."""
+    """Return places at distances along a line, and beside it."""
     c, s = math.cos(angle), math.sin(angle)
     return u + c * t - s * beside, v + s * t + c * beside
 
@@ -113,7 +115,7 @@ def _direction(
     back: float,
     length: float,
 ) -> tuple[float, float]:
-    """The turn from `angle` under which it looks most like a ridge, and how much.
+    """Return the turn from `angle` under which it looks most like a ridge, and how much.
 
     From `back` before (u, v) on, for `length`.
     """
@@ -136,7 +138,7 @@ def _direction(
 def _beside(
     maps: MapArray, sign: float, u: FloatArray, v: FloatArray, angle: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Where the ridge is beside each place, pixels to its left, and its score."""
+    """Return where the ridge is beside each place, pixels to its left, and its score."""
     offset, weight = np.zeros(len(u)), np.zeros(len(u))
     c, s = math.cos(angle), math.sin(angle)
     score = np.empty(2 * CORRIDOR_PX + 1)
@@ -162,7 +164,7 @@ def _beside(
 def _parabola(
     terms: FloatArray, offset: FloatArray, weight: FloatArray, line: FloatArray
 ) -> FloatArray:
-    """The line through most of the offsets."""
+    """Return the line through most of the offsets."""
     for _ in range(3):
         miss = (offset - terms @ line) / 2.5
         robust = weight * np.maximum(0.0, 1 - miss**2) ** 2
@@ -172,7 +174,7 @@ def _parabola(
 
 
 def _last_seen(seen: BoolArray, gap_px: float) -> int:
-    """Number of steps up to the last one that is seen without too long a gap before."""
+    """Return the number of steps up to the last one that is seen without too long a gap before."""
     at = np.flatnonzero(seen)
     if not len(at):
         return 0

@@ -1,7 +1,8 @@
 """Where the rolls touch the sheet, from the image alone: a check on the stage's position.
 
-Two ways, and the better one is told: the rolls themselves where they are seen; else the place
-where the curve crosses the arc, for the sheet always runs between the rolls and they are on it.
+Two methods, of which the better one is reported: the rolls themselves where they are seen; else
+the place where the curve crosses the arc, for the sheet always runs between the rolls, which are on
+it.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ def contact_from_image(
     *,
     expected_m: float | None = None,
 ) -> Contact | None:
-    """The contact that `image`, whose neutral curve is `curve`, shows.
+    """Return the contact that `image`, whose neutral curve is `curve`, shows.
 
     None without a curve, or with one that does not come as far as the arc. Angles on the arc are
     counted about the place where the curve begins, which is the clamp as the image shows it.
@@ -62,7 +63,7 @@ def contact_from_image(
 
 
 def _named(optics: Optics, crossing: Contact) -> tuple[Roll, Roll] | None:
-    """The two rolls that the optics name, where they are beside the curve near the arc."""
+    """Return the two rolls that the optics name, where they are beside the curve near the arc."""
     if optics.rolls_px is None or len(optics.rolls_px) != 2:
         return None
     table = np.array(optics.rolls_px)
@@ -88,14 +89,14 @@ class _RollSeat:
         self.angles = np.unwrap(np.arctan2(np.gradient(curve.y_m), np.gradient(curve.x_m)))
 
     def crossings(self) -> list[float]:
-        """Fractional indices at which the curve crosses the arc's circle, the last one first."""
+        """Return the fractional indices where the curve crosses the arc's circle, last first."""
         curve = self.curve
         away = np.hypot(curve.x_m - curve.x_m[0], curve.y_m - curve.y_m[0]) - self.radius_m
         at = np.flatnonzero((away[:-1] < 0) != (away[1:] < 0))[::-1]
         return [float(i + away[i] / (away[i] - away[i + 1])) for i in at]
 
     def between(self, rolls: tuple[Roll, Roll]) -> Contact:
-        """The contact of two rolls: their middle, and the curve's point nearest to it."""
+        """Return the contact of two rolls: their middle, and the curve's point nearest to it."""
         first, second = rolls
         apart = math.hypot(second.x_m - first.x_m, second.y_m - first.y_m)
         share = 0.5 + 0.5 * (first.radius_m - second.radius_m) / apart
@@ -106,7 +107,7 @@ class _RollSeat:
         return self._contact(x, y, sigma, self._foot(x, y), circles)
 
     def crossing(self, at: float) -> Contact:
-        """The contact where the curve crosses the arc."""
+        """Return the contact where the curve crosses the arc."""
         curve, nodes = self.curve, np.arange(len(self.curve.s_m))
         x, y, sigma, angle = (
             float(np.interp(at, nodes, values))
@@ -119,7 +120,7 @@ class _RollSeat:
         return self._contact(x, y, sideways, at, ())
 
     def _foot(self, x: float, y: float) -> float:
-        """Fractional index of the curve's point nearest to (x, y)."""
+        """Return fractional index of the curve's point nearest to (x, y)."""
         dx, dy = x - self.curve.x_m, y - self.curve.y_m
         i = int(np.argmin(dx**2 + dy**2))
         along = dx[i] * math.cos(self.angles[i]) + dy[i] * math.sin(self.angles[i])

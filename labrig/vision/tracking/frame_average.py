@@ -1,4 +1,4 @@
-"""The curve of the mean image beside the curves of its frames: whether the sheet held still."""
+"""The curve of the mean image compared with those of its frames: whether the sheet moved."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FrameAverage:
         return float(np.sqrt(np.mean(self.scatter_m**2)))
 
     def apart_m(self, other: Line) -> float:
-        """RMS distance of another curve from this one, along the normal."""
+        """Return RMS distance of another curve from this one, along the normal."""
         s = self.s_m[self.s_m <= other.s_m[-1]]
         x, y = self.x_m[: s.size], self.y_m[: s.size]
         dx, dy = np.interp(s, other.s_m, other.x_m) - x, np.interp(s, other.s_m, other.y_m) - y
@@ -45,7 +45,7 @@ class FrameAverage:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """What the frames say, and of the mean image."""
+    """The average of the frames' curves, and its distance from the mean image's."""
 
     average: FrameAverage | None  # None: fewer than two frames gave a curve
     apart_m: float | None  # frames' mean to mean image, RMS; None: one of them has no curve
@@ -53,12 +53,15 @@ class Comparison:
 
     @property
     def agree(self) -> bool:
-        """Whether both ways were possible and gave the same."""
+        """Whether both methods gave a curve, and the same one."""
         return self.apart_m is not None and not self.warnings
 
 
 def average_of_frames(frames: Sequence[Line]) -> FrameAverage | None:
-    """The frames' curves averaged point by point, with their scatter; None for less than two."""
+    """Return the frames' curves averaged point by point, with their scatter.
+
+    None for less than two.
+    """
     good = [curve for curve in frames if curve.s_m.size]
     if len(good) < 2:
         return None
@@ -76,7 +79,7 @@ def average_of_frames(frames: Sequence[Line]) -> FrameAverage | None:
 def compare_with_frames(mean: Line | None, frames: Sequence[Line], px_per_mm: float) -> Comparison:
     """Compare the curve of a mean image (None: it has none) with those of its frames.
 
-    Frames without a curve are left out. A sheet that moved is told from the frames alone.
+    Frames without a curve are left out. A sheet that moved is recognised from the frames alone.
     """
     average = average_of_frames(frames)
     if average is None:
@@ -96,13 +99,13 @@ def compare_with_frames(mean: Line | None, frames: Sequence[Line], px_per_mm: fl
     ):
         warnings.append(
             f"the mean image's curve lies {apart * 1e3:.3f} mm (RMS) from the mean of the curves "
-            "of its frames; look at both"
+            "of its frames; check both"
         )
     return Comparison(average, apart, tuple(warnings))
 
 
 def _across(x: FloatArray, y: FloatArray, dx: FloatArray, dy: FloatArray) -> FloatArray:
-    """(..., points) the part of (dx, dy) along the normal of the curve (x, y)."""
+    """Return (..., points) the part of (dx, dy) along the normal of the curve (x, y)."""
     tx, ty = np.gradient(x), np.gradient(y)
     length = np.hypot(tx, ty)
     return np.asarray((dy * tx - dx * ty) / length)

@@ -1,7 +1,7 @@
 """The two rolls that the sheet runs between: discs on both sides of the curve, rims and centres.
 
 Seen along their axes the rolls are two circles of one size that touch the sheet from both sides at
-one place. Of all such pairs near a place of the curve the one is taken whose rims are edges nearly
+one place. Of all such pairs near a place of the curve the one is chosen whose rims are edges nearly
 all round; then each rim's own edge points give its circle.
 """
 
@@ -53,7 +53,7 @@ class _PlaneSampler:
     noise: float  # of the smoothed image
 
     def at(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Smoothed grey values; NaN outside of the image."""
+        """Return smoothed grey values; NaN outside of the image."""
         import cv2
 
         plane = np.stack([x.ravel(), y.ravel()], axis=1) / self.optics.px_per_m
@@ -75,7 +75,7 @@ class _PlaneSampler:
 def find_rolls(
     image: GreyImage, curve: NeutralCurve, optics: Optics, near_s_m: float
 ) -> tuple[Roll, Roll] | None:
-    """The rolls beside the curve near `near_s_m`; None where no pair of discs is seen."""
+    """Return the rolls beside the curve near `near_s_m`; None where no pair of discs is seen."""
     look = _PlaneSampler(image.smooth, optics, SMOOTHED_NOISE * image.noise)
     best = _best_pair(look, curve, near_s_m * optics.px_per_m)
     if best is None:
@@ -147,7 +147,7 @@ def _angles(curve: NeutralCurve) -> FloatArray:
 
 
 def _half_widths_px(curve: NeutralCurve, px_per_m: float) -> FloatArray:
-    """(points,) half the visible thickness."""
+    """Return (points,) half the visible thickness."""
     sheet = np.full(len(curve.s_m), curve.thickness_m * px_per_m / 2)
     beyond = curve.s_m > curve.free_length_m
     return np.where(beyond, max(curve.elongation_width_px / 2, sheet[0]), sheet)
@@ -170,7 +170,7 @@ def _rim_edges(
     radius: FloatArray,
     side: float,
 ) -> FloatArray:
-    """(places, radii, angles): inside minus outside of the rim of a roll at one side."""
+    """Return (places, radii, angles): inside minus outside of the rim of a roll at one side."""
     away = side * (radius[None, :] + held[:, None])
     u = x[:, None] - away * np.sin(angle)[:, None]
     v = y[:, None] + away * np.cos(angle)[:, None]
@@ -184,7 +184,7 @@ def _rim_edges(
 
 
 def _fitted(look: _PlaneSampler, u: float, v: float, pair: _Pair, side: float) -> Roll | None:
-    """The circle through the rim's own edge points; None where they are on none."""
+    """Return the circle through the rim's own edge points; None where they are on none."""
     turn = pair.angle + side * np.pi / 2 + RAY_ANGLES_RAD
     reach = min(4.0, 0.5 * pair.radius + 1.0)
     radial = np.arange(-reach, reach + 0.01, 0.25)
@@ -215,13 +215,13 @@ def _fitted(look: _PlaneSampler, u: float, v: float, pair: _Pair, side: float) -
 
 
 def _neighbours(rays: FloatArray) -> FloatArray:
-    """Each ray's mean with those beside it: a rim is smooth, noise is not."""
+    """Return each ray's mean with those beside it: a rim is smooth, noise is not."""
     padded = np.pad(rays, ((2, 2), (0, 0)), mode="edge")
     return np.asarray(sum(padded[q : q + len(rays)] for q in range(5)) / 5)
 
 
 def _peak_offset(edge: FloatArray, peak: npt.NDArray[np.intp]) -> FloatArray:
-    """Sub-sample place of each row's peak, by a parabola."""
+    """Return the sub-sample place of each row's peak, by a parabola."""
     rows = np.arange(len(edge))
     left, middle, right = (edge[rows, peak + q] for q in (-1, 0, 1))
     bend = left - 2 * middle + right
@@ -229,7 +229,7 @@ def _peak_offset(edge: FloatArray, peak: npt.NDArray[np.intp]) -> FloatArray:
 
 
 def _circle(points: FloatArray) -> tuple[FloatArray, float, float, int]:
-    """Centre, radius, RMS residual and number of the points that count; outliers do not."""
+    """Return centre, radius, RMS residual and number of the points that count; outliers do not."""
     weight = np.ones(len(points))
     centre, radius, off = points.mean(axis=0), 1.0, np.zeros(len(points))
     for _ in range(4):

@@ -24,14 +24,14 @@ class Tracker:
         self.last: NeutralCurve | None = None
 
     def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
-        """The curve in the next image. An image without one does not end the tracking."""
+        """Return the curve in the next image. An image without one does not end the tracking."""
         found = self.find(image, self.optics, self.strip, start=self.last)
         if found.ok:
             self.last = found
         return found
 
     def curves(self, images: Iterable[npt.NDArray[Any]]) -> Iterator[NeutralCurve]:
-        """The curve in each image."""
+        """Return the curve in each image."""
         for image in images:
             yield self.curve(image)
 

@@ -34,7 +34,7 @@ def report(
     excess_px: FloatArray | None = None,
     bias_px: FloatArray | None = None,
 ) -> NeutralCurve:
-    """The curve as others see it; empty, with the reason, when the self-check failed.
+    """Return the curve as others see it; empty, with the reason, when the self-check failed.
 
     `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it;
     `bias_px` (nodes,): how far what touches the sheet may pull the curve; see `lateral_bias_px`.
@@ -132,7 +132,7 @@ def report(
 def with_wires(
     curve: NeutralCurve, wires: Sequence[BackgroundLine], shape: tuple[int, int]
 ) -> NeutralCurve:
-    """The curve with the wires that were left out, and a warning where they hide some of it."""
+    """Return the curve with its left-out wires, and a warning where they hide some of it."""
     if not wires:
         return curve
     hidden = hidden_by(wires, shape)
@@ -144,7 +144,7 @@ def with_wires(
 
 
 def blamed(verdict: Verdict) -> Verdict:
-    """Why not, with the wire before all that would not be wrong without it."""
+    """Return the refusal with the wire named first, as its probable cause."""
     message = (
         "a wire, or something else that is straight, lies along the best path; take it away, "
         f"or mask it in the image. Without it: {verdict.why}"
@@ -153,7 +153,7 @@ def blamed(verdict: Verdict) -> Verdict:
 
 
 def systematic_m(fit: CurveFit, context: FitContext) -> FloatArray:
-    """(nodes,) the part of sigma that no averaging removes, along the normal.
+    """Return (nodes,) the part of sigma that no averaging removes, along the normal.
 
     Scale, rotation and origin of the calibration, and how well the band's template can be right.
     """
@@ -173,6 +173,6 @@ def systematic_m(fit: CurveFit, context: FitContext) -> FloatArray:
 
 
 def _resolution_px(fit: CurveFit, covariance: FloatArray) -> float:
-    """Length per effective degree of freedom of the curvature."""
+    """Return length per effective degree of freedom of the curvature."""
     free = float(np.trace(covariance @ fit.normal)) - 2.0  # place and angle at the clamp
     return fit.shape.basis.free_px / max(free, 1.0)

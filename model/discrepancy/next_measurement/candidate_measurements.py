@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
+from model.discrepancy.thresholds import COMPARISON_SIGMA
 from model.discrepancy.verdict.result import Next
 from model.effects.interface import Effect
 from model.identification.data.acquisition_times import ReadingTimes
@@ -333,7 +334,10 @@ def next_measurement(
             continue
         minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
         worth = max(then**2 - now**2, 0.0) / minutes
-        if best is None or (min(then, 8.0), worth) > (min(best[2], 8.0), best[0]):
+        if best is None or (min(then, COMPARISON_SIGMA), worth) > (
+            min(best[2], COMPARISON_SIGMA),
+            best[0],
+        ):
             best = (worth, entry, then, minutes)
     if best is None:
         return None

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.discrepancy.thresholds import BOUNDS_FACTOR, UNEXPECTED_SIGN_LN
 from model.effects.interface import Effect, Values
 from model.identification.likelihood.form_error import atoms
 from model.identification.likelihood.forward_model import ForwardModel
@@ -22,8 +23,6 @@ from model.measurements import FloatArray
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
-SURPRISE = -4.0  # ln of the odds of a sign that an effect does not have as a rule
-BEYOND = 10.0  # times its bounds that a straight line may lead to: strong effects bend it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +158,7 @@ def allowed(one: Score) -> bool:
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
     if size.starting_values:
         return one.amplitude > 0.0 or size.low < 0.0
-    return min(size.low, BEYOND * size.low) <= value <= BEYOND * size.high
+    return min(size.low, BOUNDS_FACTOR * size.low) <= value <= BOUNDS_FACTOR * size.high
 
 
 def surprise(one: Score) -> float:
@@ -169,7 +168,7 @@ def surprise(one: Score) -> float:
         return 0.0
     size = effect.amplitude
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
-    return SURPRISE if (value - size.neutral) * size.expected_sign < 0.0 else 0.0
+    return UNEXPECTED_SIGN_LN if (value - size.neutral) * size.expected_sign < 0.0 else 0.0
 
 
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:

@@ -10,8 +10,6 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
-MOST_FORM = 0.75  # share of an effect that may be deviation: beyond it is the effect in name only
-
 
 def form_share(fitted: MixedModelFit, index: int) -> float:
     """Share of what the effect does to the data, squared, that its form alone would not do.

@@ -9,10 +9,20 @@ import numpy as np
 
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
-from model.discrepancy.search.form_share import MOST_FORM, form_share
+from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.outliers import numbers_of, without
-from model.discrepancy.search.ranking import ALIKE, RankedCandidate, rank
+from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
+from model.discrepancy.thresholds import (
+    EQUAL_EVIDENCE_LN,
+    FEWEST_POSITIONS,
+    FORM_SHARE_LIMIT,
+    FURTHER_EFFECT_LN,
+    LOOSE_FORM_SHARE,
+    NEIGHBOUR_FORM_SHARE,
+    ONE_POSITION_SHARE,
+    OUTLIER_ROUNDS,
+)
 from model.effects.interface import Effect
 from model.identification.likelihood.form_error import Found, whole_step
 from model.identification.likelihood.mixed_model import weigh
@@ -22,11 +32,6 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_mixed_model,
 )
 from model.measurements import FloatArray
-
-MOST_OUTLIERS = 2
-FURTHER = 1.5  # ln of the Bayes factor by which all but the first effect must exceed the threshold
-LOOSE = 0.5  # share of form from which on an effect may stand for others
-PASSENGER = 0.08  # size against the effects found before, below which it may be their form
 
 
 @dataclass
@@ -61,10 +66,10 @@ class SearchResult:
 def supported(before: MixedModelFit, after: MixedModelFit) -> bool:
     """Whether positions that are left out speak for the effect, not just a single one of them."""
     gains = predictive_gains(before, after)
-    if len(gains) < 3:
+    if len(gains) < FEWEST_POSITIONS:
         return True
     total = float(np.sum(gains))
-    return total > 0.0 and total - float(np.max(gains)) > -0.1 * total
+    return total > 0.0 and total - float(np.max(gains)) > -ONE_POSITION_SHARE * total
 
 
 def search(
@@ -81,13 +86,13 @@ def search(
     it, and taken where they explain more.
     """
     outcome = _forward(problem, theta, effects, threshold, most, found)
-    loose = {c.name for c in outcome.chosen if _share(c) > LOOSE}
+    loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
     if not loose or most < 2:
         return outcome
     rest = [e for e in effects if e.name not in loose]
     other = _forward(problem, theta, rest, threshold, most, found)
-    several = len(other.chosen) > 1 and all(_share(c) <= LOOSE for c in other.chosen)
-    return other if several and other.gain > outcome.gain + ALIKE else outcome
+    several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
+    return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
 
 
 def _share(contender: RankedCandidate) -> float:
@@ -112,8 +117,8 @@ def _forward(
             outcome.turns.append(turn)
             break
         top, first = turn.ranking[0], turn.ranking[0].score.candidate
-        sure = top.gain >= threshold + FURTHER
-        if first.location == "outlier" and sure and rounds_of_outliers < MOST_OUTLIERS:
+        sure = top.gain >= threshold + FURTHER_EFFECT_LN
+        if first.location == "outlier" and sure and rounds_of_outliers < OUTLIER_ROUNDS:
             rounds_of_outliers += 1
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
@@ -147,7 +152,7 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     study, data = fitted.problem.study, fitted.linear.data
     # with the usual scatter, in which nothing hides
     usual = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
-    doubt = study.layout.pad((PASSENGER * _rows(fitted)) ** 2)
+    doubt = study.layout.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
     worth = []
     for one in (data, replace(data, fixed=data.fixed + doubt)):
         projected = Projected.of(study, fitted.linear, weigh(one, usual))
@@ -172,7 +177,7 @@ def _rows(fitted: MixedModelFit) -> FloatArray:
 
 def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
     """The best effect of the catalogue whose form is in the data, if they ask for it."""
-    threshold += FURTHER if turn.before.found else 0.0
+    threshold += FURTHER_EFFECT_LN if turn.before.found else 0.0
     rest = _rest_of_forms(turn)
     for one in turn.ranking:
         if not one.known or one.fitted is None:
@@ -180,9 +185,9 @@ def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
         worth, share = apart(turn.before, one), form_share(one.fitted, -1)
         # beside others a deviation may be what is left of theirs: then the form itself must count
         itself = (1.0 - share) * worth if turn.before.found else 0.0
-        if share > MOST_FORM and itself < threshold:
+        if share > FORM_SHARE_LIMIT and itself < threshold:
             continue
-        asked = min(one.gain, worth) >= threshold and one.gain > rest - ALIKE
+        asked = min(one.gain, worth) >= threshold and one.gain > rest - EQUAL_EVIDENCE_LN
         return one if asked and supported(turn.before, one.fitted) else None
     return None
 

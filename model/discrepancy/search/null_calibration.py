@@ -8,12 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, averaged, score
+from model.discrepancy.thresholds import FALSE_NAME_RATE
 from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
-
-DEFAULT = 6.0  # ln of the Bayes factor; see docs/discrepancy.md for how often it errs
-FALSE_NAMES = 0.01
 
 
 def null_gains(
@@ -56,4 +54,4 @@ def threshold(gains: FloatArray) -> float:
     start = float(np.quantile(ordered, 0.8))
     excess = ordered[ordered > start] - start
     mean = float(np.mean(excess)) if len(excess) else 1.0
-    return max(start + mean * float(np.log(0.2 / FALSE_NAMES)), 2.0)
+    return max(start + mean * float(np.log(0.2 / FALSE_NAME_RATE)), 2.0)

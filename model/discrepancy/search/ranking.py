@@ -20,15 +20,19 @@ from model.discrepancy.search.evidence import (
 )
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.outliers import outlier_candidates
+from model.discrepancy.thresholds import (
+    CURVATURE_SHARE,
+    EQUAL_EVIDENCE_LN,
+    OTHER_SHAPES,
+    RESCORED_CANDIDATES,
+    RESCORED_EVIDENCE_LN,
+    RESCORED_OUTLIER_LN,
+)
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model import Solution, weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
-CONTENDERS = 8  # candidates whose evidence is worked out with the noise beside them
-ALIKE = 2.0  # ln of the Bayes factor within which two explanations are about as good
-SHAPES = 2  # other shapes of an effect, about as good, that are refined, too
 TINY = 1e-9
-BENT = 0.1  # share of the evidence by which a straight line may misjudge the shape of a strong one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,11 +71,13 @@ def rank(
     scores = _by_name(fitted, every, fitted.solution)
     best = {name: found[0] for name, found in scores.items()}
     usual = best_scores(fitted, every, usual_scatter(fitted))
-    hidden = [n for n in usual if not n.startswith("outlier:")][:CONTENDERS]
+    hidden = [n for n in usual if not n.startswith("outlier:")][:RESCORED_CANDIDATES]
     result, tried = [], 0
     for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
         outlier = one.candidate.location == "outlier"
-        promising = tried < CONTENDERS and one.log_bayes > (3.0 if outlier else -0.5)
+        promising = tried < RESCORED_CANDIDATES and one.log_bayes > (
+            RESCORED_OUTLIER_LN if outlier else RESCORED_EVIDENCE_LN
+        )
         if not promising and name not in hidden:
             result.append(RankedCandidate(score=one, gain=one.log_bayes))
             continue
@@ -133,7 +139,7 @@ def _nearest_first(scores: list[Score]) -> list[Score]:
     effect = scores[0].candidate.effect
     if effect is None or not effect.amplitude.starting_values:
         return scores
-    alike = [s for s in scores if s.log_bayes > scores[0].log_bayes - ALIKE]
+    alike = [s for s in scores if s.log_bayes > scores[0].log_bayes - EQUAL_EVIDENCE_LN]
     first = min(alike, key=lambda s: abs(np.log(max(abs(s.amplitude), TINY))))
     return [first, *(s for s in scores if s is not first)]
 
@@ -142,8 +148,8 @@ def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
     """Shapes that explain about as much, where effects are refined in all but their shape."""
     known, result = [_shape(chosen)], list[Score]()
     for one in scores:
-        least = scores[0].log_bayes - max(ALIKE, BENT * scores[0].log_bayes)
-        if one.log_bayes > least and _shape(one) not in known and len(result) < SHAPES:
+        least = scores[0].log_bayes - max(EQUAL_EVIDENCE_LN, CURVATURE_SHARE * scores[0].log_bayes)
+        if one.log_bayes > least and _shape(one) not in known and len(result) < OTHER_SHAPES:
             known.append(_shape(one))
             result.append(one)
     return tuple(result)

@@ -8,22 +8,26 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Score, unit_values
-from model.discrepancy.search.form_share import MOST_FORM, form_share
-from model.discrepancy.search.ranking import BENT, RankedCandidate, best_scores, usual_scatter
+from model.discrepancy.search.form_share import form_share
+from model.discrepancy.search.ranking import RankedCandidate, best_scores, usual_scatter
+from model.discrepancy.thresholds import (
+    CURVATURE_SHARE,
+    DOUBTFUL_FORM_SHARE,
+    DOUBTFUL_SCATTER_RATIO,
+    FORM_SHARE_LIMIT,
+    REFINED_AT_USUAL_SCATTER,
+    REFINED_CANDIDATES,
+    REFINED_EVIDENCE_LN,
+    REFINED_EVIDENCE_SHARE,
+)
 from model.effects.interface import Effect
 from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
-CLOSE = 0.25  # contenders that are refined: those with so much less evidence, relative,
-CLOSE_LEAST = 10.0  # ... or absolute
-REFINED = 4
-STUCK = 0.2  # share of form that says that the size may have been found at the wrong place
-STRAINED = 4.0  # times the usual scatter that says so, too
 SAME = 0.5  # of the deviance within which two fits ended at the same place
 STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
-PLAIN = 2  # that are refined because they explain most with the usual scatter
 VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
@@ -34,8 +38,8 @@ def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[R
     if not known:
         return ranking
     top = known[0].gain
-    least = top - max(CLOSE_LEAST, CLOSE * top)
-    chosen = [c for c in known if c.gain >= least][:REFINED]
+    least = top - max(REFINED_EVIDENCE_LN, REFINED_EVIDENCE_SHARE * top)
+    chosen = [c for c in known if c.gain >= least][:REFINED_CANDIDATES]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
     done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
@@ -124,7 +128,7 @@ def _better(
 
 def _rank(fitted: MixedModelFit) -> tuple[bool, float]:
     """Smaller: better; what is an effect in name only comes last."""
-    return form_share(fitted, -1) > MOST_FORM, fitted.deviance
+    return form_share(fitted, -1) > FORM_SHARE_LIMIT, fitted.deviance
 
 
 def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
@@ -150,7 +154,7 @@ def _begun(
 def _strained(fitted: MixedModelFit) -> bool:
     """Whether set-ups seem to differ by much more than is usual."""
     times = fitted.solution.log_sigma - fitted.problem.guess
-    return bool(np.max(times[: len(ASSUMED)]) > np.log(STRAINED))
+    return bool(np.max(times[: len(ASSUMED)]) > np.log(DOUBTFUL_SCATTER_RATIO))
 
 
 def _settled(
@@ -179,10 +183,12 @@ def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str
     """The one that explains most with the usual scatter, and another one that comes close."""
     scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
     best = max((s.log_bayes for s in scores.values()), default=0.0)
-    return [name for name, s in scores.items() if s.log_bayes >= (1.0 - BENT) * best][:PLAIN]
+    return [name for name, s in scores.items() if s.log_bayes >= (1.0 - CURVATURE_SHARE) * best][
+        :REFINED_AT_USUAL_SCATTER
+    ]
 
 
 def _doubtful(contender: RankedCandidate) -> bool:
     """Whether its size may have been found at the wrong place."""
     best = contender.fitted
-    return best is None or form_share(best, -1) > STUCK or _strained(best)
+    return best is None or form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)

@@ -7,15 +7,17 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected
+from model.discrepancy.thresholds import (
+    COMPARISON_SIGMA,
+    DETECTION_SIGMA,
+    LARGE_AMPLITUDE,
+    SEPARATION_SIGMA,
+)
 from model.discrepancy.verdict.result import Signatures
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.locations import location
 from model.measurements import FloatArray
-
-SEEN = 4.0  # sigmas at which an effect is found four times out of five
-LARGE = 3.0  # an effect that cannot be seen at so many times its plausible size is invisible
-APART = 4.0  # sigmas below which two effects form a class
-TYPICAL = 8.0  # sigmas at which two effects that were not found are compared
 
 
 def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) -> list[Candidate]:
@@ -48,7 +50,9 @@ def signatures(
     n = len(pool)
     distance = np.zeros((n, n))
     for i, one in enumerate(pool):
-        size = abs(amplitude.get(one.name, 0.0)) * length[i] or min(TYPICAL, LARGE * length[i])
+        size = abs(amplitude.get(one.name, 0.0)) * length[i] or min(
+            COMPARISON_SIGMA, LARGE_AMPLITUDE * length[i]
+        )
         for j in range(n):
             if i != j:
                 share = max(0.0, 1.0 - min(cosine[i, j] ** 2, 1.0))
@@ -64,10 +68,10 @@ def invisible(
     streams = _streams(fitted)
     for name, length in zip(found.names, found.detectability, strict=True):
         effect = effects.get(name)
-        if effect is None or length * LARGE >= SEEN:
+        if effect is None or length * LARGE_AMPLITUDE >= DETECTION_SIGMA:
             continue
         needs = effect.isolates
-        if effect.location == "time" and not streams:
+        if location(effect.location).in_time and not streams:
             needs = "the readings in their order, and the series within a pulse: " + needs
         result[name] = needs
     for name, effect in effects.items():
@@ -83,7 +87,7 @@ def _streams(fitted: MixedModelFit) -> bool:
 
 
 def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ...], ...]:
-    """Groups of effects that look alike: closer than `APART` at the sizes compared."""
+    """Groups of effects that look alike: closer than `SEPARATION_SIGMA` at the sizes compared."""
     names = [n for n in found.names if n not in unseen]
     place = {n: i for i, n in enumerate(found.names)}
     left, result = set(names), []
@@ -94,7 +98,7 @@ def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ..
             other for other in names
             if other in left and other != name
             and min(found.distance[place[name], place[other]],
-                    found.distance[place[other], place[name]]) < APART
+                    found.distance[place[other], place[name]]) < SEPARATION_SIGMA
         ]  # fmt: skip
         if near:
             group = (name, *near)
@@ -104,7 +108,7 @@ def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ..
 
 
 def class_of(name: str, found: Signatures, size: FloatArray | None = None) -> tuple[str, ...]:
-    """Effects closer than `APART` to one, at its size."""
+    """Effects closer than `SEPARATION_SIGMA` to one, at its size."""
     del size
     if name not in found.names:
         return ()
@@ -112,5 +116,5 @@ def class_of(name: str, found: Signatures, size: FloatArray | None = None) -> tu
     return tuple(
         other
         for j, other in enumerate(found.names)
-        if j != i and found.distance[i, j] < APART and found.detectability[j] > 0.0
+        if j != i and found.distance[i, j] < SEPARATION_SIGMA and found.detectability[j] > 0.0
     )

@@ -6,13 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from model.discrepancy.thresholds import SLIP_LENGTH_RATIO, SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA
 from model.discrepancy.verdict.fitted_model import base_parameters
 from model.identification.data.acquisition_times import run_key
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
-
-SOFTEST_PA, STIFFEST_PA = 1e6, 1e11  # of Young's moduli: softer than rubber, steel
-SLIPS_OUT = 1.02  # contact over the length of sheet and elongation
 
 
 def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
@@ -30,7 +28,7 @@ def _moduli(base: MixedModelFit) -> Iterator[str]:
         if area <= 0.0:
             continue
         modulus = found["B_Nm2"].value / area
-        if not SOFTEST_PA < modulus < STIFFEST_PA:
+        if not SOFTEST_MODULUS_PA < modulus < STIFFEST_MODULUS_PA:
             yield (
                 f"the stiffness of '{name}' would mean a Young's modulus of {modulus:.1e} Pa, which"
                 " no sheet has; check that forces are in mN, lengths in mm"
@@ -42,7 +40,7 @@ def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
     for c, state in enumerate(base.linear.states):
         scene = study.scenes[c]
         whole = scene.sheet.free_length_m + scene.sheet.elongation_m
-        far = state.solved.contact.s_hat_m > SLIPS_OUT * whole
+        far = state.solved.contact.s_hat_m > SLIP_LENGTH_RATIO * whole
         for at_m in np.unique(scene.stated_m[far & np.isfinite(scene.stated_m)]):
             yield (
                 f"'{study.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip out"

@@ -9,29 +9,29 @@ from functools import cached_property
 import numpy as np
 
 from model.discrepancy.next_measurement.candidate_measurements import next_measurement
-from model.discrepancy.prepare import FEWEST_SETUPS, Options, Prepared, setups
+from model.discrepancy.prepare import Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.outliers import condition_name
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.thresholds import (
+    CERTAIN_PROBABILITY,
+    CROSS_VALIDATED_NAMES,
+    EXCESSIVE_SCATTER_RATIO,
+    FEWEST_SETUPS,
+    NONPARAMETRIC_MARGIN_LN,
+    REPORTED_PROBABILITY,
+    UNEXPLAINED_SHARE,
+)
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
 from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
-from model.discrepancy.verdict.posterior import (
-    LEFT,
-    SLOT_MARGIN,
-    SURE,
-    Choice,
-    Leftover,
-    choices,
-    leftover,
-    with_shapes,
-)
+from model.discrepancy.verdict.posterior import Choice, Leftover, choices, leftover, with_shapes
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
@@ -50,10 +50,6 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
 from model.measurements import Measurements
-
-MENTIONED = 0.05  # posterior of an alternative from which on it is in the reported set
-MUCH = 6.0  # times the usual scatter from one set-up to the next that no rig has by chance
-RIVALS = 6  # best names among which the choice is repeated with each position left out
 
 
 @dataclass(frozen=True)
@@ -168,9 +164,9 @@ class Finding:
     def _unexplained(self, known: MixedModelFit) -> Leftover | None:
         """What free forms find beside the names, where it is too much for the rest of a form."""
         rest = leftover(self.outcome, known, self.effects) if self._enough else None
-        if rest is None or rest.share < LEFT:
+        if rest is None or rest.share < UNEXPLAINED_SHARE:
             return None
-        return rest if rest.apart >= self.threshold + SLOT_MARGIN else None
+        return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
 
     def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
         """What could be seen of the base model, with the noise as it is once the finding is in."""
@@ -189,10 +185,10 @@ class Finding:
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
         times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
         most = max(DIFFERS, key=lambda name: times[name])
-        if times[most] > MUCH:
+        if times[most] > EXCESSIVE_SCATTER_RATIO:
             return scattered(most, times[most])
         best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
-        if best is not None and best.gain > self.threshold + SLOT_MARGIN:
+        if best is not None and best.gain > self.threshold + NONPARAMETRIC_MARGIN_LN:
             return refused(best.name)
         return ""
 
@@ -203,14 +199,16 @@ class Finding:
             return "unknown_effect"
         if not named:
             return "nothing_missing"
-        if any(n.confusable_with and n.confidence < SURE for n in named):
+        if any(n.confusable_with and n.confidence < CERTAIN_PROBABILITY for n in named):
             return "indistinguishable"
         return "effect_named"
 
     def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
         base, final = self.outcome.base, decision.final
         noise, where = gaps.variance(final), gaps.cells(base, self.outcome.outliers)
-        rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][:RIVALS]
+        rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
+            :CROSS_VALIDATED_NAMES
+        ]
         names = {*rivals, *(c.effect.name for c in decision.named)}
         few = [c for c in pool if c.name in names]
         before, after, chosen = left_out(base, final, few, position_groups(base))
@@ -252,7 +250,7 @@ class Finding:
 def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
     """Whether one free form explains more than all the names together."""
     explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
-    return rest.first.gain * (1.0 - LEFT) > explained + SLOT_MARGIN
+    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
 
 
 def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
@@ -260,7 +258,7 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
     found, (share, form) = final.found[place], form_of(final, place)
     near = class_of(effect.name, seen)
-    confusable = tuple(n for n, p in one.alternatives if p > MENTIONED or n in near)
+    confusable = tuple(n for n, p in one.alternatives if p > REPORTED_PROBABILITY or n in near)
     own = {name: parameters_of(found, name, final) for name in found.values}
     return Named(
         name=effect.name, location=effect.location, parameters=next(iter(own.values())),

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.prepare import Options
+from model.discrepancy.thresholds import INTERVAL_FREEDOM
 from model.discrepancy.verdict.inferred_form import unknown_effect
 from model.discrepancy.verdict.result import Gap, Unknown
 from model.effects.interface import EffectParameter
@@ -16,8 +17,6 @@ from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import ActiveEffect
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
-
-FEW = 12.0  # degrees of freedom of the intervals: there are about so many set-ups
 
 
 def sheet_model(
@@ -57,7 +56,9 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     values = dict(one.values[configuration])
     sigma = one.sigma.get(configuration, {})
     result = {
-        k.name: Parameter(values[k.name], sigma.get(k.name, _step(k)), k.unit, FEW, k.log)
+        k.name: Parameter(
+            values[k.name], sigma.get(k.name, _step(k)), k.unit, INTERVAL_FREEDOM, k.log
+        )
         for k in one.effect.parameters
     }
     study = final.problem.study
@@ -69,7 +70,7 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     for name, value in derived.items():
         slope = (moved[name] - value) / h
         unit = one.effect.extra.get(name, "")
-        result[name] = Parameter(value, abs(slope) * sigma.get(size, 0.0), unit, FEW)
+        result[name] = Parameter(value, abs(slope) * sigma.get(size, 0.0), unit, INTERVAL_FREEDOM)
     return result
 
 
@@ -86,7 +87,7 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     scene, theta = study.scenes[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
-    stiffness = Parameter(B, B * float(sigma[part.stiffness]), "N m^2", FEW)
+    stiffness = Parameter(B, B * float(sigma[part.stiffness]), "N m^2", INTERVAL_FREEDOM)
     stated = scene.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
@@ -99,7 +100,7 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     for volts, (i, sign) in part.eibm.items():
         level = B * float(theta[i])
         relative = np.hypot(sigma[part.stiffness], sigma[i] / max(abs(theta[i]), 1e-9))
-        value = Parameter(sign * level, abs(level) * float(relative), "N m", FEW)
+        value = Parameter(sign * level, abs(level) * float(relative), "N m", INTERVAL_FREEDOM)
         eibm[volts] = Along.constant(value)
     geometry = replace(scene.sheet, initial_curvature=(along.s_m, along.values))
     return ConfiguredSheet(geometry, stiffness, along, eibm)
@@ -113,7 +114,7 @@ def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
         own = {"B_Nm2": sheet.B}
         for volts, along in sorted(sheet.eibm.items()):
             own[f"EIBM {volts:+g} V"] = Parameter(
-                float(along.values[0]), float(along.sigma[0]), "N m", FEW
+                float(along.values[0]), float(along.sigma[0]), "N m", INTERVAL_FREEDOM
             )
         result[name] = own
     return result

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from model.discrepancy.thresholds import PLACE_SIGMA, PLACES_REPORTED
 from model.discrepancy.verdict.prediction_error import refitted, variance
 from model.discrepancy.verdict.result import Where
 from model.identification.likelihood.contact_solution import ConfigurationModel
@@ -13,8 +14,6 @@ from model.identification.likelihood.mixed_model import inverse_symmetric
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
-MOST_PLACES = 12
-Z_LEAST = 3.3  # of a cell that is mentioned; about one in a thousand by chance
 Observable = Literal["force", "curve", "signal"]
 
 
@@ -63,9 +62,9 @@ def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
             found.append(_where("curve", scene, k, _excess(z[rows]), at * 1e3))
         for row, k in zip(part.bin_rows, part.bin_of, strict=True):
             found.append(_where("signal", scene, k, float(z[row]), None, "within the pulse"))
-    found = [w for w in found if abs(w.z) >= Z_LEAST]
+    found = [w for w in found if abs(w.z) >= PLACE_SIGMA]
     found.sort(key=lambda w: -abs(w.z))
-    return tuple(found[:MOST_PLACES])
+    return tuple(found[:PLACES_REPORTED])
 
 
 def _excess(z: FloatArray) -> float:

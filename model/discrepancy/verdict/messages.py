@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from model.discrepancy.prepare import FEWEST_SETUPS
+from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import BeforeAfter, Named, Unknown, Verdict
 
-CLEARLY = 1.2  # times by which a gap must shrink to be told beside the usual ones
-OWN_FORM = 0.5  # share of form from which on an effect is told not to be the catalogue's
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
     "force_zero": "the load cell's zero",
@@ -80,7 +78,9 @@ def _gap(left_out: BeforeAfter) -> str:
     ]
     told = [f"from {old:.3f} to {new:.3f} {unit}" for old, new, unit in means]
     old, new = (math.sqrt(g.chi2_per_dof) for g in (before, after))
-    if old > CLEARLY * new and not any(one > CLEARLY * other for one, other, _ in means):
+    if old > REPORTED_GAP_RATIO * new and not any(
+        one > REPORTED_GAP_RATIO * other for one, other, _ in means
+    ):
         told.append(f"from {old:.2f} to {new:.2f} times the noise")  # it is in fine shapes
     told += [
         f"{what} from {old:.{digits}f} to {new:.{digits}f} {unit}"
@@ -89,7 +89,7 @@ def _gap(left_out: BeforeAfter) -> str:
             ("along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),
             ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN, "mN", 3),
         )
-        if old > CLEARLY * new
+        if old > REPORTED_GAP_RATIO * new
     ]
     if not told:
         return "there is no position to be left out, so that the gap cannot be told"
@@ -110,7 +110,7 @@ def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]
             f" {len(chosen)} times"
         )
     for n in named:
-        if n.form_share > OWN_FORM:
+        if n.form_share > REPORTED_FORM_SHARE:
             yield (
                 f"{n.name}: its form differs from the catalogue's; take the family, not the formula"
             )

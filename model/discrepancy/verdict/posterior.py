@@ -7,18 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.search.forward_selection import FURTHER, SearchResult, SelectionStep, apart
+from model.discrepancy.search.forward_selection import SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
+from model.discrepancy.thresholds import (
+    CERTAIN_PROBABILITY,
+    EVIDENCE_TEMPERATURE,
+    FURTHER_EFFECT_LN,
+    NEGLIGIBLE_PROBABILITY,
+)
 from model.effects.interface import Effect
 from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
-
-TEMPER = 2.0  # evidence is not worth quite what it says: forms differ in ways nobody thought of
-HARDLY = 0.02  # posterior below which an alternative is not kept
-SURE = 0.8  # confidence from which on a name stands by itself, whatever it may be confused with
-LEFT = 0.2  # share of the excess that may be left to a catalogue that is right
-SLOT_MARGIN = 4.5  # ln of the Bayes factor by which a free form must be better than a name
+from model.locations import location
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +39,7 @@ def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
     known = [c for c in ranking if c.known]
     if not known:
         return {}
-    gains = np.array([c.gain for c in known]) / TEMPER
+    gains = np.array([c.gain for c in known]) / EVIDENCE_TEMPERATURE
     weights = np.exp(gains - np.max(gains))
     return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
 
@@ -51,7 +52,7 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
     chances = posterior(ranking)
     own = chances.get(chosen.name, 0.0)
     others = sorted(
-        ((n, p) for n, p in chances.items() if n != chosen.name and p > HARDLY),
+        ((n, p) for n, p in chances.items() if n != chosen.name and p > NEGLIGIBLE_PROBABILITY),
         key=lambda item: -item[1],
     )
     alike = {c.name for c in ranking if c.known and c.score.candidate.location == effect.location}
@@ -88,7 +89,7 @@ def choices(
         ranking = refine_best(without, rank(without, effects, locations=False))
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
-        if min(gain, apart(without, own)) < threshold + FURTHER:
+        if min(gain, apart(without, own)) < threshold + FURTHER_EFFECT_LN:
             shorter = SearchResult(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold, rests)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
@@ -117,7 +118,7 @@ def _mixed(one: Found, tried: Sequence[MixedModelFit]) -> Found:
     """With the scatter of the values of all fits about the best, as likely as they explain."""
     deviance = np.array([f.deviance for f in tried])
     best = tried[int(np.argmin(deviance))].found[-1].values
-    weights = np.exp(0.5 * (np.min(deviance) - deviance) / TEMPER)
+    weights = np.exp(0.5 * (np.min(deviance) - deviance) / EVIDENCE_TEMPERATURE)
     weights /= weights.sum()
 
     logs = {parameter.name for parameter in one.effect.parameters if parameter.log}
@@ -144,15 +145,17 @@ def rest_of_another(named: Sequence[Choice]) -> int | None:
     """
     strongest = max(named, key=lambda one: one.gain, default=None)
     for i, one in sorted(enumerate(named), key=lambda item: item[1].gain):
-        if one is strongest or one.confidence >= SURE:
+        if one is strongest or one.confidence >= CERTAIN_PROBABILITY:
             continue
         stronger = [other for other in named if other.gain > one.gain]
-        in_time = one.effect.location == "time" and any(
-            o.effect.location == "time" for o in stronger
-        )
-        if in_time or one.of_location < SURE:
+        in_time = _in_time(one) and any(_in_time(other) for other in stronger)
+        if in_time or one.of_location < CERTAIN_PROBABILITY:
             return i
     return None
+
+
+def _in_time(one: Choice) -> bool:
+    return location(one.effect.location).in_time
 
 
 @dataclass(frozen=True, kw_only=True)

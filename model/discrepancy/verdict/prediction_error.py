@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.thresholds import TIME_GAP_RATIO
 from model.discrepancy.verdict.result import BeforeAfter, ErrorRow, Gap
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
-
-CLEAR = 1.5  # times the noise, which is known less well in time, that a gap there must be
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,8 +112,9 @@ def closed_share(left_out: BeforeAfter, least: Gap) -> float:
     """
     best, share = 0.0, np.nan
     for name, clear in (
-        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0), ("chi2_per_dof", CLEAR),
-        ("drift_rmse_mN", CLEAR), ("drift_rmse_mm", CLEAR), ("pulse_rmse_mN", CLEAR),
+        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0), ("chi2_per_dof", TIME_GAP_RATIO),
+        ("drift_rmse_mN", TIME_GAP_RATIO), ("drift_rmse_mm", TIME_GAP_RATIO),
+        ("pulse_rmse_mN", TIME_GAP_RATIO),
     ):  # fmt: skip
         before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
         if name != "chi2_per_dof":  # which is a mean of squares already

@@ -124,7 +124,7 @@ def _covariance(data: Data, stack: _Stack, log_sigma: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _Point:
+class _DeviancePoint:
     """-2 ln of the restricted likelihood times prior, its gradient, and its expected curvature."""
 
     value: float
@@ -133,7 +133,7 @@ class _Point:
     covariance: FloatArray  # of beta
 
 
-def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _Point:
+def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _DeviancePoint:
     variance, n = np.exp(2.0 * log_sigma), np.arange(data.y.shape[1])
     W, logdet = _inverted(_covariance(data, stack, log_sigma))
     WX = W @ data.X
@@ -159,7 +159,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
     curvature = 4.0 * variance[:, None] * variance * X
     curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
-    return _Point(value, gradient, curvature, C)
+    return _DeviancePoint(value, gradient, curvature, C)
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:

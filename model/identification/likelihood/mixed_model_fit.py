@@ -90,7 +90,9 @@ def fit_mixed_model(
         # the noise is estimated from the first: a model far off must not be taken at its word
         noise = last.log_sigma if last else log_sigma
         here = _tried(
-            last, _Point(problem=problem, theta=theta, found=found, added=None, form=form), noise
+            last,
+            _LinearisationPoint(problem=problem, theta=theta, found=found, added=None, form=form),
+            noise,
         )
         if here is None or (last is not None and here.worse_than(last)):
             assert last is not None  # noqa: S101 - see `_tried`
@@ -107,7 +109,8 @@ def fit_mixed_model(
     if last is None:
         raise _unsettled()
     return _finished(
-        _Point(problem=problem, theta=theta, found=found, added=None, form=form), last.log_sigma
+        _LinearisationPoint(problem=problem, theta=theta, found=found, added=None, form=form),
+        last.log_sigma,
     )
 
 
@@ -117,20 +120,20 @@ def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
     What is large enough to bend the model would else count for more or less than it should. Where
     the model is so far off that this does not settle, it is fitted to nominal set-ups.
     """
-    at, noise = _Point(problem=problem, theta=theta, found=(), added=None), None
+    at, noise = _LinearisationPoint(problem=problem, theta=theta, found=(), added=None), None
     with suppress(ModelError):
         for _ in range(ROUNDS):
             here = _Iteration.of(at, noise)
             noise = here.log_sigma
             added = _added(problem, here.linear, here.solution)
-            at = _Point(problem=problem, theta=here.end()[0], found=(), added=added)
+            at = _LinearisationPoint(problem=problem, theta=here.end()[0], found=(), added=added)
             if here.moves < QUIET:
                 return _finished(at, noise)
     return fit_mixed_model(problem, theta)
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Point:
+class _LinearisationPoint:
     """Where the model is linearised."""
 
     problem: FitProblem
@@ -155,7 +158,7 @@ class _Point:
         return linear, spans
 
 
-def _finished(at: _Point, log_sigma: FloatArray) -> MixedModelFit:
+def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     """The model there, with its noise."""
     if not np.all(np.isfinite(at.theta)):
         raise _unsettled()
@@ -183,14 +186,14 @@ def _unsettled() -> ModelError:
 class _Iteration:
     """A model with the step that leads on from it."""
 
-    at: _Point
+    at: _LinearisationPoint
     linear: Linearisation
     spans: list[slice]
     solution: Solution
     share: float = 1.0  # of the step that is gone
 
     @staticmethod
-    def of(at: _Point, start: FloatArray | None) -> _Iteration:
+    def of(at: _LinearisationPoint, start: FloatArray | None) -> _Iteration:
         """Linearised where it is, with the noise estimated from `start` on."""
         linear, spans = at.linearised()
         solution = estimate(linear.data, at.problem.guess, start, ROUGH)
@@ -243,7 +246,9 @@ def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Ad
     return dict(zip(problem.noise.random_effects, effects(linear.data, solution), strict=True))
 
 
-def _tried(last: _Iteration | None, at: _Point, start: FloatArray | None) -> _Iteration | None:
+def _tried(
+    last: _Iteration | None, at: _LinearisationPoint, start: FloatArray | None
+) -> _Iteration | None:
     """Return the model there; None where a step from `last` led to where it has no answer."""
     try:
         return _Iteration.of(at, start)

@@ -1,6 +1,5 @@
 """How solved problems answer to their parameters, by the implicit function theorem."""
 
-# ruff: noqa: FBT003
 from __future__ import annotations
 
 from typing import Any, NamedTuple
@@ -36,7 +35,19 @@ def answers(
 ) -> None:  # fmt: skip
     """How nu, s_hat, phi_hat answer to the parameters: dx (Q, 3); `columns` as by sweep."""
     ends = sweep(
-        breaks, kappa, soft, rule, psi, x[0], x[1], to.kappa, to.soft, to.length, False, columns, w
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        psi=psi,
+        nu=x[0],
+        s_hat=x[1],
+        dkappa=to.kappa,
+        dsoft=to.soft,
+        dlength=to.length,
+        newton=False,
+        columns=columns,
+        w=w,
     )
     n1, n2 = closure(R, angle, ends, w, 0)
     s1, s2 = closure(R, angle, ends, w, 1)
@@ -108,15 +119,51 @@ def describe_many(
         c = soft[min(k, len(soft) - 1)]
         nu, top = x[k, 0], min(x[k, 1], breaks[-1])
         a_clamp = R * np.cos(angles[k] - x[k, 2])
-        count = unroll(breaks, kappa[k], c, rule, psi[k], nu, top, x[k, 2], a_clamp, strip)
+        count = unroll(
+            breaks=breaks,
+            kappa=kappa[k],
+            soft=c,
+            rule=rule,
+            psi=psi[k],
+            nu=nu,
+            top=top,
+            phi_hat=x[k, 2],
+            a_clamp=a_clamp,
+            strip=strip,
+        )
         lever[k] = lever_integral(rule, strip, count)
         if Q > 0:
             g = min(k, len(to.kappa) - 1)
             here = Moves(to.kappa[g], to.softness[g], to.angle[g], to.radius[g], to.length[g])
-            answers(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], here, columns, w, dx[k])
-            turning(breaks, kappa[k], rule, x[k], here, columns, dx[k], strip, count, dphi)
+            answers(
+                breaks=breaks,
+                kappa=kappa[k],
+                soft=c,
+                rule=rule,
+                R=R,
+                angle=angles[k],
+                psi=psi[k],
+                x=x[k],
+                to=here,
+                columns=columns,
+                w=w,
+                dx=dx[k],
+            )
+            turning(
+                breaks=breaks,
+                kappa=kappa[k],
+                rule=rule,
+                x=x[k],
+                to=here,
+                columns=columns,
+                dx=dx[k],
+                strip=strip,
+                count=count,
+                dphi=dphi,
+            )
         points(
-            breaks, kappa[k], c, rule, nu, top, x[k, 2], R * np.cos(angles[k]),
-            R * np.sin(angles[k]), strip, count, s[min(k, len(s) - 1)], dphi, dx[k, :, 2],
-            out[k], dout[k], weights,
+            breaks=breaks, kappa=kappa[k], soft=c, rule=rule, nu=nu, top=top, phi_hat=x[k, 2],
+            x_hat=R * np.cos(angles[k]), y_hat=R * np.sin(angles[k]), strip=strip, count=count,
+            s=s[min(k, len(s) - 1)], dphi=dphi, dphi_hat=dx[k, :, 2], out=out[k], dout=dout[k],
+            weights=weights,
         )  # fmt: skip

@@ -282,10 +282,31 @@ def one_by_one(
         c, steps, determinant = soft[min(k, len(soft) - 1)], 0, 0.0
         if warm[k]:
             steps, determinant = newton(
-                breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w
+                breaks=breaks,
+                kappa=kappa[k],
+                soft=c,
+                rule=rule,
+                R=R,
+                angle=angles[k],
+                psi=psi[k],
+                x=x[k],
+                columns=columns,
+                w=w,
             )
         if steps == 0 or determinant <= 0.0 or x[k, 1] > reach:
-            steps = cold(breaks, kappa[k], c, rule, R, reach, angles[k], psi[k], x[k], columns, w)
+            steps = cold(
+                breaks=breaks,
+                kappa=kappa[k],
+                soft=c,
+                rule=rule,
+                R=R,
+                reach=reach,
+                angle=angles[k],
+                psi=psi[k],
+                x=x[k],
+                columns=columns,
+                w=w,
+            )
         status[k] = SOLVED if steps > 0 and x[k, 1] <= reach else FAILED
         left += 1 if status[k] == FAILED else 0
     return left
@@ -301,7 +322,30 @@ def solve_many(
     """
     few = len(angles) <= FEW
     if not few and not side_by_side(
-        breaks, kappa, soft, rule, R, reach, angles, warm, psi, x, status
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        R=R,
+        reach=reach,
+        angles=angles,
+        warm=warm,
+        psi=psi,
+        x=x,
+        status=status,
     ):
         return 0
-    return one_by_one(breaks, kappa, soft, rule, R, reach, angles, warm, psi, x, status, few)
+    return one_by_one(
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        R=R,
+        reach=reach,
+        angles=angles,
+        warm=warm,
+        psi=psi,
+        x=x,
+        status=status,
+        every=few,
+    )

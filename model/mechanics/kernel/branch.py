@@ -41,7 +41,8 @@ def march(
                 x[i] += (kept_x[i] - before[i]) * abs(aim - at) / last
             x[1] = max(x[1], 0.98 * R)
         steps, found = newton(
-            breaks, kappa, soft, rule, R, aim, psi, x, columns, w
+            breaks=breaks, kappa=kappa, soft=soft, rule=rule, R=R, angle=aim, psi=psi, x=x,
+            columns=columns, w=w,
         )  # fmt: skip
         turned = determinant != 0.0 and found * determinant <= 0.0
         if steps == 0 or turned or abs(x[1] - kept_x[1]) > 0.1 * R:
@@ -68,10 +69,33 @@ def from_free(
     s_free, free = free_crossing(breaks, kappa, rule, R)
     x[0], x[1] = 0.0, s_free
     free_start(breaks, kappa, rule, s_free, psi)
-    steps, _ = newton(breaks, kappa, soft, rule, R, free, psi, x, columns, w)
+    steps, _ = newton(
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        R=R,
+        angle=free,
+        psi=psi,
+        x=x,
+        columns=columns,
+        w=w,
+    )
     if steps == 0:
         return 0
-    return march(breaks, kappa, soft, rule, R, free, angle, psi, x, columns, w)[0]
+    return march(
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        R=R,
+        start=free,
+        angle=angle,
+        psi=psi,
+        x=x,
+        columns=columns,
+        w=w,
+    )[0]
 
 
 @jit
@@ -83,7 +107,22 @@ def from_straight(
     scaled, kept, kept_x = np.zeros_like(kappa), np.zeros_like(psi), np.zeros_like(x)
     keep(kept, kept_x, psi, x)
     x[1] = R * 1.0001
-    if march(breaks, scaled, soft, rule, R, 0.0, angle, psi, x, columns, w)[0] == 0:
+    if (
+        march(
+            breaks=breaks,
+            kappa=scaled,
+            soft=soft,
+            rule=rule,
+            R=R,
+            start=0.0,
+            angle=angle,
+            psi=psi,
+            x=x,
+            columns=columns,
+            w=w,
+        )[0]
+        == 0
+    ):
         return 0
     keep(psi, x, kept, kept_x)
     at, step = 0.0, 0.25
@@ -92,7 +131,18 @@ def from_straight(
         for p in range(kappa.shape[0]):
             for d in range(kappa.shape[1]):
                 scaled[p, d] = aim * kappa[p, d]
-        steps, _ = newton(breaks, scaled, soft, rule, R, angle, psi, x, columns, w)
+        steps, _ = newton(
+            breaks=breaks,
+            kappa=scaled,
+            soft=soft,
+            rule=rule,
+            R=R,
+            angle=angle,
+            psi=psi,
+            x=x,
+            columns=columns,
+            w=w,
+        )
         if steps == 0 or abs(x[1] - kept_x[1]) > 0.1 * R:
             keep(kept, kept_x, psi, x)
             step *= 0.4
@@ -120,10 +170,30 @@ def rescue_many(
         # curled away from the arc when free, a sheet may yet be held by the rolls: second way
         for way in range(2):
             if way == 0:
-                found = from_free(breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w)
+                found = from_free(
+                    breaks=breaks,
+                    kappa=kappa[k],
+                    soft=c,
+                    rule=rule,
+                    R=R,
+                    angle=angles[k],
+                    psi=psi[k],
+                    x=x[k],
+                    columns=columns,
+                    w=w,
+                )
             else:
                 found = from_straight(
-                    breaks, kappa[k], c, rule, R, angles[k], psi[k], x[k], columns, w
+                    breaks=breaks,
+                    kappa=kappa[k],
+                    soft=c,
+                    rule=rule,
+                    R=R,
+                    angle=angles[k],
+                    psi=psi[k],
+                    x=x[k],
+                    columns=columns,
+                    w=w,
                 )
             ways += found
             if found > 0 and x[k, 1] <= reach:

@@ -60,10 +60,12 @@ def new_lanes(P: int, n: int, D: int, Dc: int, W: int) -> Lanes:
     """Room for W problems."""
     z = np.zeros
     return Lanes(
-        z((P, D, W)), z((P, Dc, W)), z(W), z(W), z(W), z(W), z((P, n, W)), z((P, n, 3, W)),
-        z((3, 3, W)), z((3, 3, W)), z((3, W)), z((n, n, W)), z((n, W)), z((n, W)), z((n, W)),
-        z((n, W)), z((n, W)), z((n, W)), z((n, W)), z((n, W)), np.ones((n, W)), z((n, W)),
-        z((n, W)), z((n, W)), z(W), z(W), z(W), z(W), z(W), z(W), z(W), z(W), z(W), z((6, W)),
+        kappa=z((P, D, W)), soft=z((P, Dc, W)), angle=z(W), nu=z(W), s_hat=z(W), phi_hat=z(W),
+        psi=z((P, n, W)), columns=z((P, n, 3, W)), ends=z((3, 3, W)), start=z((3, 3, W)),
+        at=z((3, W)), J=z((n, n, W)), cos=z((n, W)), sin=z((n, W)), a=z((n, W)), push=z((n, W)),
+        T=z((n, W)), Ac=z((n, W)), back=z((n, W)), move=z((n, W)), c=np.ones((n, W)),
+        slope=z((n, W)), k=z((n, W)), K=z((n, W)), h=z(W), moves=z(W), k_top=z(W), turn=z(W),
+        moment=z(W), lurch=z(W), softs=z(W), run=z(W), rise=z(W), rows=z((6, W)),
     )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Newton's method for one problem: a linearisation panel after panel, and two closing equations."""
 
-# ruff: noqa: C901, FBT003  (calls that numba does not inline cost more than they explain)
+# ruff: noqa: C901  (calls that numba does not inline cost more than they explain)
 from __future__ import annotations
 
 from typing import Any
@@ -48,7 +48,17 @@ def sweep(
         h = top - breaks[p]
         half = 0.5 * (breaks[p + 1] - breaks[p])
         t_top = (top - breaks[p]) / half - 1.0
-        k_top, turn = evaluate(rule, kappa[p], soft[p], psi[p], t_top, half, h, a_s, w)
+        k_top, turn = evaluate(
+            rule=rule,
+            kappa=kappa[p],
+            soft=soft[p],
+            psi=psi[p],
+            t_top=t_top,
+            half=half,
+            h=h,
+            a_top=a_s,
+            w=w,
+        )
         matrix(rule, soft.shape[1] == 0, nu * h * h, w)
         restart(w)
         for i in range(n):
@@ -58,7 +68,16 @@ def sweep(
             if newton:
                 w.rhs[i, 2] -= psi[p, i] - psi_s + w.K[i] - nu * h * w.T[i]
         if not newton:
-            parameter_columns(rule, nu, h, t_top, half, dkappa[:, p], dsoft[:, p], w)
+            parameter_columns(
+                rule=rule,
+                nu=nu,
+                h=h,
+                t_top=t_top,
+                half=half,
+                dkappa=dkappa[:, p],
+                dsoft=dsoft[:, p],
+                w=w,
+            )
         if p == contact:
             end = moving_top(rule, nu, h, a_s, k_top, w)
             run, rise = 0.0, 0.0
@@ -114,7 +133,19 @@ def newton(
     nothing = np.zeros(0)
     for step in range(1, MOST_STEPS + 1):
         ends = sweep(
-            breaks, kappa, soft, rule, psi, x[0], x[1], none, none, nothing, True, columns, w
+            breaks=breaks,
+            kappa=kappa,
+            soft=soft,
+            rule=rule,
+            psi=psi,
+            nu=x[0],
+            s_hat=x[1],
+            dkappa=none,
+            dsoft=none,
+            dlength=nothing,
+            newton=True,
+            columns=columns,
+            w=w,
         )
         r1 = ends[1] - R * np.cos(angle + ends[0])
         r2 = ends[2] - R * np.sin(angle + ends[0])

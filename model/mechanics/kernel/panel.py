@@ -34,9 +34,10 @@ class Work(NamedTuple):
 def new_work(n: int, columns: int) -> Work:
     """Scratch arrays for n nodes."""
     return Work(
-        np.zeros((3, columns)), np.zeros((3, columns)), np.zeros((n, n)), np.zeros((n, columns)),
-        np.zeros(n), np.zeros(n), np.zeros(n), np.ones(n), np.zeros(n), np.zeros(n), np.zeros(n),
-        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        ends=np.zeros((3, columns)), start=np.zeros((3, columns)), J=np.zeros((n, n)),
+        rhs=np.zeros((n, columns)), cos=np.zeros(n), sin=np.zeros(n), a=np.zeros(n),
+        soft=np.ones(n), slope=np.zeros(n), k=np.zeros(n), K=np.zeros(n), T=np.zeros(n),
+        Ac=np.zeros(n), back=np.zeros(n), move=np.zeros(n),
     )  # fmt: skip
 
 

@@ -48,9 +48,9 @@ class CurveBuffer(NamedTuple):
 def new_curve_buffer(P: int, n: int) -> CurveBuffer:
     """Room for a sheet of P panels."""
     return CurveBuffer(
-        np.zeros(P + 2), np.zeros(P + 1, dtype=np.int64), np.zeros((P + 1, n)),
-        np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)), np.zeros((P + 1, n)),
-        np.zeros(P + 2), np.zeros(P + 2), np.zeros(P + 2),
+        edges=np.zeros(P + 2), of=np.zeros(P + 1, dtype=np.int64), phi=np.zeros((P + 1, n)),
+        cos=np.zeros((P + 1, n)), sin=np.zeros((P + 1, n)), a=np.zeros((P + 1, n)),
+        push=np.zeros((P + 1, n)), x=np.zeros(P + 2), y=np.zeros(P + 2), phi_edge=np.zeros(P + 2),
     )  # fmt: skip
 
 

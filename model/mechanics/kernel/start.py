@@ -100,7 +100,18 @@ def cold(
         x[1] = R * (1.0 + angle * angle / 6.0)
     free_start(breaks, kappa, rule, x[1], psi)
     bent_start(breaks, rule, x, psi)
-    steps, determinant = newton(breaks, kappa, soft, rule, R, angle, psi, x, columns, w)
+    steps, determinant = newton(
+        breaks=breaks,
+        kappa=kappa,
+        soft=soft,
+        rule=rule,
+        R=R,
+        angle=angle,
+        psi=psi,
+        x=x,
+        columns=columns,
+        w=w,
+    )
     if x[1] <= length and reach <= length * (
         1.0 + 1e-9
     ):  # on the sheet there is never a second one

@@ -126,8 +126,8 @@ def newton(
         for p in range(P - 1, -1, -1):
             h = breaks[p + 1] - breaks[p]
             panel(
-                rule, kappa[p], soft[p], load, h, psi[p], state, to, columns[p], places[p], J, rows,
-                lever,
+                rule=rule, kappa=kappa[p], soft=soft[p], load=load, h=h, psi=psi[p], state=state,
+                to=to, columns=columns[p], places=places[p], J=J, rows=rows, lever=lever,
             )  # fmt: skip
         end[0], end[1] = state[1], state[2]
         if done:
@@ -175,7 +175,18 @@ def grow(
     while at < 1.0:
         aim = min(1.0, at + share)
         force = (along * aim, across * aim)
-        good, turned = newton(breaks, kappa, soft, rule, force, follows, psi, tip, places, end)
+        good, turned = newton(
+            breaks=breaks,
+            kappa=kappa,
+            soft=soft,
+            rule=rule,
+            force=force,
+            follows=follows,
+            psi=psi,
+            tip=tip,
+            places=places,
+            end=end,
+        )
         if good and abs(turned - tip) < FAR_RAD:
             at, tip = aim, turned
             kept[:] = psi

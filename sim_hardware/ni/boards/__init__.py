@@ -1,5 +1,6 @@
 """Simulated NI boards: one file each, and those of other distributions."""
 
+from collections.abc import Iterable
 from difflib import get_close_matches
 
 from sim_hardware.ni.boards.conformance import faults
@@ -36,4 +37,35 @@ def board_model(product_type: str) -> BoardModel:
     return models[product_type]
 
 
-__all__ = ["FOLDER", "BoardModel", "board_model", "board_models", "faults"]
+def output_board() -> str:
+    """Return the product type of a board that has analog outputs alone."""
+    return next(name for name, b in board_models().items() if b.analog_out and not b.analog_in)
+
+
+def input_board(ranges_V: Iterable[tuple[float, float]], *, outputs: bool) -> str:
+    """Return the product type of a board with inputs, and with outputs or without.
+
+    `ranges_V` are pairs: a range asked for, and the one that the board took. Where no board takes
+    all of them, it is the first with the finest resolution.
+    """
+
+    def fit(board: BoardModel) -> tuple[bool, int]:
+        side = board.analog_in
+        if side is None:
+            return False, 0
+        return all(side.range_for(-ask, ask) == took for ask, took in pairs), side.resolution_bits
+
+    pairs = tuple(ranges_V)
+    able = [b for b in board_models().values() if b.analog_in and bool(b.analog_out) is outputs]
+    return max(able, key=fit).product_type
+
+
+__all__ = [
+    "FOLDER",
+    "BoardModel",
+    "board_model",
+    "board_models",
+    "faults",
+    "input_board",
+    "output_board",
+]

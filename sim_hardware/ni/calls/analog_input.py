@@ -7,7 +7,7 @@ import numpy.typing as npt
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.calls.packed_doubles import doubles_field
-from sim_hardware.ni.calls.reading import Taken, take
+from sim_hardware.ni.calls.reading import ReadSamples, read_samples
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_list, split_some
@@ -64,9 +64,9 @@ def refuse_scales(units: int, scale: str) -> None:
 
 def read_analog_f64(engine: Engine, request: Message, call: Call) -> Message:
     """Volts, zero-padded to the size of the caller's array."""
-    taken = _take(engine, request, call)
-    values = _laid_out(taken.samples.volts, request, request.array_size_in_samps)
-    response = pb.ReadAnalogF64Response(status=taken.status, samps_per_chan_read=taken.count)
+    got = _read(engine, request, call)
+    values = _laid_out(got.samples.volts, request, request.array_size_in_samps)
+    response = pb.ReadAnalogF64Response(status=got.status, samps_per_chan_read=got.count)
     response.MergeFromString(doubles_field(2, values))
     return response
 
@@ -76,38 +76,38 @@ def read_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Mess
     task = task_of(engine, request, call)
     if len(task.inputs) > 1:
         raise StatusError(Code.ONE_CHANNEL_OF_SEVERAL, task=task.name, samples_read=0)
-    taken = take(engine, task, 1, request.timeout, call)
-    if taken.status:
-        raise StatusError(taken.status, task=task.name)
-    return pb.ReadAnalogScalarF64Response(value=float(taken.samples.volts[0, 0]))
+    got = read_samples(engine, task, 1, request.timeout, call)
+    if got.status:
+        raise StatusError(got.status, task=task.name)
+    return pb.ReadAnalogScalarF64Response(value=float(got.samples.volts[0, 0]))
 
 
 def read_binary_i16(engine: Engine, request: Message, call: Call) -> Message:
     """Codes of the converter."""
-    taken = _take(engine, request, call)
-    values = _laid_out(taken.samples.codes, request, request.array_size_in_samps)
+    got = _read(engine, request, call)
+    values = _laid_out(got.samples.codes, request, request.array_size_in_samps)
     return pb.ReadBinaryI16Response(
-        status=taken.status, samps_per_chan_read=taken.count, read_array=values.tolist()
+        status=got.status, samps_per_chan_read=got.count, read_array=values.tolist()
     )
 
 
 def read_raw(engine: Engine, request: Message, call: Call) -> Message:
     """Codes as bytes, interleaved as the board delivers them."""
-    taken = _take(engine, request, call)
-    data = np.ascontiguousarray(taken.samples.codes.T).astype("<i2").tobytes()
+    got = _read(engine, request, call)
+    data = np.ascontiguousarray(got.samples.codes.T).astype("<i2").tobytes()
     if len(data) > request.array_size_in_bytes:
         raise StatusError(Code.ARRAY_TOO_SMALL, samples_read=0)
     return pb.ReadRawResponse(
-        status=taken.status,
+        status=got.status,
         read_array=data.ljust(request.array_size_in_bytes, b"\0"),
-        samps_read=taken.count,
+        samps_read=got.count,
         num_bytes_per_samp=_BYTES_PER_CODE,
     )
 
 
-def _take(engine: Engine, request: Message, call: Call) -> Taken:
+def _read(engine: Engine, request: Message, call: Call) -> ReadSamples:
     task = task_of(engine, request, call)
-    return take(engine, task, request.num_samps_per_chan, request.timeout, call)
+    return read_samples(engine, task, request.num_samps_per_chan, request.timeout, call)
 
 
 def _laid_out(rows: AnyArray, request: Message, size: int) -> AnyArray:

@@ -1,4 +1,4 @@
-"""Taking samples out of a task: on demand, or from a running acquisition."""
+"""Read samples of a task: on demand, or from a running acquisition."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ ALL_AVAILABLE = -1
 
 
 @dataclass(frozen=True)
-class Taken:
-    """What a read got. `status` is -200284 when its time was over before all samples had come."""
+class ReadSamples:
+    """The samples of a read. `status` is -200284 where its time ended before they had all come."""
 
     samples: Samples
     status: int = 0
@@ -31,7 +31,9 @@ class Taken:
         return int(self.samples.codes.shape[1])
 
 
-def take(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) -> Taken:
+def read_samples(
+    engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call
+) -> ReadSamples:
     """Read `wanted` samples per channel (-1: all available) in `timeout_s` (negative: any time)."""
     if wanted < ALL_AVAILABLE:
         raise StatusError(Code.SAMPLE_COUNT, f"Requested: {wanted}", task.name, samples_read=0)
@@ -42,13 +44,13 @@ def take(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) 
     if engine.faults.loses_samples():
         raise StatusError(Code.OVERWRITTEN, task=task.name, samples_read=0)
     if task.timing.kind is TimingType.ON_DEMAND:
-        taken = _on_demand(engine, task, max(1, wanted), call)
+        got = _on_demand(engine, task, max(1, wanted), call)
     else:
-        taken = _buffered(engine, task, wanted, timeout_s, call)
-    return _spoilt(engine, task, _selected(task, taken))
+        got = _buffered(engine, task, wanted, timeout_s, call)
+    return _with_faults(engine, task, _selected(task, got))
 
 
-def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> Taken:
+def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> ReadSamples:
     """Acquire samples from now on, as fast as the board converts."""
     started = not task.running
     if started:
@@ -61,13 +63,13 @@ def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> Taken:
         pass
     if task.on_demand is None:
         raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
-    samples = task.on_demand.take(times_s, convert_s, engine.now())
+    samples = task.on_demand.sample(times_s, convert_s, engine.now())
     if started:
         engine.stop(task)
-    return Taken(samples)
+    return ReadSamples(samples)
 
 
-def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) -> Taken:
+def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call) -> ReadSamples:
     if not task.running:
         engine.start(task)
         task.started_by_read = True
@@ -78,15 +80,15 @@ def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: C
     limit_s = math.inf if timeout_s < 0 else engine.now() + timeout_s
     while (ready := acquisition.available(engine.now())) < count:
         if engine.now() >= limit_s:
-            return Taken(acquisition.read(ready, engine.now()), int(Code.NOT_YET_AVAILABLE))
+            return ReadSamples(acquisition.read(ready, engine.now()), int(Code.NOT_YET_AVAILABLE))
         due_s = acquisition.time_of(acquisition.position + count)
         going = engine.wait_until(min(due_s, limit_s), call)
         if not going or task.acquisition is not acquisition:
             raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
-    taken = Taken(acquisition.read(count, engine.now()))
+    got = ReadSamples(acquisition.read(count, engine.now()))
     if task.started_by_read and acquisition.position == acquisition.plan.total:
         engine.stop(task)
-    return taken
+    return got
 
 
 def _how_many(engine: Engine, task: Task, acquisition: Acquisition, wanted: int) -> int:
@@ -104,20 +106,20 @@ def _how_many(engine: Engine, task: Task, acquisition: Acquisition, wanted: int)
     return min(wanted, left)
 
 
-def _selected(task: Task, taken: Taken) -> Taken:
+def _selected(task: Task, got: ReadSamples) -> ReadSamples:
     """Only the rows of the channels to be read."""
     if not task.channels_to_read:
-        return taken
+        return got
     names = [channel.name for channel in task.channels]
     rows = [names.index(channel.name) for channel in task.select(task.channels_to_read)]
-    samples = taken.samples
-    return replace(taken, samples=Samples(samples.codes[rows], samples.volts[rows]))
+    samples = got.samples
+    return replace(got, samples=Samples(samples.codes[rows], samples.volts[rows]))
 
 
-def _spoilt(engine: Engine, task: Task, taken: Taken) -> Taken:
+def _with_faults(engine: Engine, task: Task, got: ReadSamples) -> ReadSamples:
     """NaN where a test asks for it."""
     if engine.faults.nan:
         for row, channel in enumerate(task.select(task.channels_to_read)):
             if f"{channel.device.name}/{channel.physical}" in engine.faults.nan:
-                taken.samples.volts[row] = np.nan
-    return taken
+                got.samples.volts[row] = np.nan
+    return got

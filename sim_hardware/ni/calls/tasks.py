@@ -71,7 +71,7 @@ def task_control(engine: Engine, request: Message, call: Call) -> Message:
 
 
 def is_task_done(engine: Engine, request: Message, call: Call) -> Message:
-    """Whether there is nothing left to do."""
+    """Return whether there is nothing left to do."""
     task = task_of(engine, request, call)
     return pb.IsTaskDoneResponse(is_task_done=_is_done(engine, task))
 

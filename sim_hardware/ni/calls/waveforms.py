@@ -9,7 +9,7 @@ from ni.protobuf.types.waveform_pb2 import DoubleAnalogWaveform, WaveformAttribu
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.calls.packed_doubles import doubles_field
-from sim_hardware.ni.calls.reading import take
+from sim_hardware.ni.calls.reading import read_samples
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.adc import FloatArray
@@ -23,18 +23,18 @@ _Y_DATA = DoubleAnalogWaveform.DESCRIPTOR.fields_by_name["y_data"].number
 def read_analog_waveforms(engine: Engine, request: Message, call: Call) -> Message:
     """One waveform for each channel."""
     task = task_of(engine, request, call)
-    taken = take(engine, task, request.num_samps_per_chan, request.timeout, call)
+    got = read_samples(engine, task, request.num_samps_per_chan, request.timeout, call)
     mode = raw_enum(request, "waveform_attribute_mode")
     plan = task.verify() if mode & _TIMING else None
     interval_s = 0.0 if plan is None else 1.0 / plan.rate_hz
     waveforms = [
         _waveform(volts, interval_s, channel if mode & _NAMES else None)
         for volts, channel in zip(
-            taken.samples.volts, task.select(task.channels_to_read), strict=True
+            got.samples.volts, task.select(task.channels_to_read), strict=True
         )
     ]
     return pb.ReadAnalogWaveformsResponse(
-        status=taken.status, waveforms=waveforms, samps_per_chan_read=taken.count
+        status=got.status, waveforms=waveforms, samps_per_chan_read=got.count
     )
 
 

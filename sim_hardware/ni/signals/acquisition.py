@@ -43,7 +43,7 @@ class Sampler:
         self._channels = tuple(channels)
         self._converters = tuple(converters)
 
-    def take(self, times_s: FloatArray, convert_s: float, latest_s: float) -> Samples:
+    def sample(self, times_s: FloatArray, convert_s: float, latest_s: float) -> Samples:
         """Return samples at `times_s`; each channel is converted `convert_s` after the last one.
 
         No sample is acquired after `latest_s`: rounding must not reach into the future.
@@ -128,4 +128,4 @@ class Acquisition:
         index = np.arange(self.position, self.position + count)
         times_s = self.start_s + index / self.plan.rate_hz
         self.position += count
-        return self._sampler.take(times_s, self.plan.convert_s, now_s)
+        return self._sampler.sample(times_s, self.plan.convert_s, now_s)

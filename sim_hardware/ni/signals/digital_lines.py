@@ -27,7 +27,7 @@ class Lines:
         self.wired: Callable[[str, float], None] | None = None  # called for each edge: line, time
 
     def level(self, line: str) -> bool:
-        """Whether a line is high; it is low until written."""
+        """Return whether a line is high; it is low until written."""
         return self._high.get(line, False)
 
     def write(self, line: str, high: bool, when: float) -> None:
@@ -39,5 +39,5 @@ class Lines:
         self._high[line] = high
 
     def last_edge_s(self, line: str) -> float | None:
-        """When a line last changed, as a one-shot behind it sees; None if never."""
+        """Return when a line last changed, as a one-shot behind it sees; None if never."""
         return next((edge.time_s for edge in reversed(self.edges) if edge.line == line), None)

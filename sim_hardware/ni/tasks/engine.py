@@ -77,9 +77,9 @@ class Engine:
         task.state = max(task.state, TaskState.VERIFIED)
 
     def reserve(self, task: Task, state: TaskState = TaskState.RESERVED) -> None:
-        """Verify, and take the boards' resources (-50103 when another task holds them)."""
+        """Verify, and reserve the boards' resources (-50103 when another task holds them)."""
         self.verify(task)
-        self._reservations.take(task.resources(), task)
+        self._reservations.reserve(task.resources(), task)
         task.state = max(task.state, state)
 
     def start(self, task: Task) -> None:

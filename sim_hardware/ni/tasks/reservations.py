@@ -1,4 +1,4 @@
-"""Who holds what: the input side of a board, one output, one line."""
+"""Reservations: of the input side of a board, an output, a line."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class Reservations(Generic[Holder]):
     def __init__(self) -> None:
         self._holders: dict[str, Holder] = {}
 
-    def take(self, resources: Iterable[str], holder: Holder) -> None:
-        """Take all of them, or none: -50103 names the first that another task holds."""
+    def reserve(self, resources: Iterable[str], holder: Holder) -> None:
+        """Reserve all of them, or none: -50103 names the first that another task holds."""
         wanted = list(resources)
         for resource in wanted:
             if self._holders.get(resource, holder) is not holder:

@@ -21,7 +21,7 @@ from sim_hardware.ni.tasks.events import TaskEvents
 
 
 class TaskState(IntEnum):
-    """How far a task has got; each state includes those before it."""
+    """The states of a task; each includes those before it."""
 
     UNVERIFIED = 0
     VERIFIED = 1
@@ -32,7 +32,7 @@ class TaskState(IntEnum):
 
 @dataclass(eq=False, kw_only=True)
 class Task:
-    """What a client configures and runs. The engine moves it from state to state."""
+    """A task that a client configures and runs. The engine moves it from state to state."""
 
     name: str
     owner: str  # a connection where tasks are not shared; else empty

@@ -106,7 +106,7 @@ class InProcessRpcError(grpc.RpcError, _Outcome):  # type: ignore[misc] # grpc i
         return self._fault.details
 
     def trailing_metadata(self) -> tuple[_Entry, ...]:
-        """Where NI's status code is."""
+        """Return where NI's status code is."""
         return tuple(_Entry(key, value) for key, value in self._fault.trailing)
 
 
@@ -146,7 +146,7 @@ class _Events(_Outcome):
         return next(self._iterator)
 
     def done(self) -> bool:
-        """Whether it has ended."""
+        """Return whether it has ended."""
         return self._stream.closed
 
     def cancel(self) -> bool:

@@ -122,7 +122,7 @@ def _trailing(fault: StatusError) -> tuple[tuple[str, str], ...]:
 
 
 def _suffer_faults(engine: Engine, method: Method, call: Call) -> None:
-    """Whatever a test has switched on. Costs nothing while all is off."""
+    """Apply the faults that are switched on; costs nothing while all are off."""
     faults, clock = engine.faults, engine.clock
     if faults.unavailable:
         raise CallError(grpc.StatusCode.UNAVAILABLE, "the simulated server is switched off")

@@ -39,7 +39,7 @@ def even(s_m: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True)
 class ChainSheet:
-    """What a sheet is, per unit of its bending stiffness B. Functions take s (m) as an array.
+    """A sheet, per unit of its bending stiffness B. Functions take s (m) as an array.
 
     This is where a further property of the sheet or of its clamp goes; `Chain` lays it on hinges.
     """

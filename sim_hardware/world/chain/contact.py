@@ -20,7 +20,7 @@ _LONGEST_DRIVE = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class ContactArc:
-    """What the object moves on: an arc about the clamp, and how it touches the sheet."""
+    """The arc about the clamp on which the object moves, and its contact with the sheet."""
 
     radius_m: float
     origin_rad: float = 0.0
@@ -67,7 +67,7 @@ class ContactState:
         return replace(free, s_m=s, angle_rad=math.atan2(y1, x1))
 
     def polar_angle_rad(self, state: Equilibrium) -> float:
-        """Where on the arc the chain is touched."""
+        """Return where on the arc the chain is touched."""
         from sim_hardware.world.chain import contact_kernels
 
         towards, offset = _directions(state.phi_rad), self.arc.roll_offset_m

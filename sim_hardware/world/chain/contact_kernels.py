@@ -29,7 +29,7 @@ from sim_hardware.world.chain.kernels import (
 
 
 class ContactPoint(NamedTuple):
-    """What touches the sheet: a point on the arc."""
+    """The point on the arc that touches the sheet."""
 
     x_m: float
     y_m: float

@@ -54,7 +54,7 @@ class DriveTable:
         return self.lowest < self.highest
 
     def slipped(self, drive: FloatArray) -> npt.NDArray[np.bool_]:
-        """Where the chain cannot be held."""
+        """Return where the chain cannot be held."""
         self._cover(drive)
         return (drive <= self.lowest) | (drive >= self.highest)
 

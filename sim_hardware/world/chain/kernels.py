@@ -28,7 +28,7 @@ MOST_STEPS = 25
 
 
 class Hinges(NamedTuple):
-    """What the hinges do; the arrays have one entry a hinge, the clamp's first."""
+    """The hinges; the arrays have one entry a hinge, the clamp's first."""
 
     h_m: float
     rest_per_m: Floats  # k0

@@ -1,4 +1,4 @@
-"""What the tables of a world.toml have in common."""
+"""The base of the tables of a world.toml, and the types of their values."""
 
 from __future__ import annotations
 

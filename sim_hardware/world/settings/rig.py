@@ -77,7 +77,7 @@ class ArcSettings(ClosedSettings):
 
 
 class ClampSettings(ClosedSettings):
-    """How the sheet is held."""
+    """The clamp that holds the sheet."""
 
     tilt_rad: Angle
     compliance_mrad_per_Nmm: Annotated[float, Field(ge=0, le=1e5)]
@@ -96,7 +96,7 @@ class RollsSettings(ClosedSettings):
     stick_mN: NotNegative
     """Force that it takes to get it loose; 0: it never sticks."""
     meniscus_mN: float
-    """What the surface tension of water between sheet and rolls adds to the force."""
+    """Force of the surface tension of water between sheet and rolls."""
     meniscus_dries_s: NotNegative
     """Time under voltage in which it falls to 1/e; 0: it stays."""
 
@@ -169,9 +169,9 @@ class CellSettings(ClosedSettings):
     beat_s: Positive
     """... with this period."""
     pickup_mN: float
-    """What the voltage across the sheet adds, at +2 V."""
+    """Pick-up of the voltage across the sheet, at +2 V."""
     cable_mN: float
-    """What its cable adds 30 mm along the arc; it goes with the square of the position."""
+    """Force of its cable 30 mm along the arc; it grows with the square of the position."""
 
 
 class ViewSettings(ClosedSettings):
@@ -186,7 +186,7 @@ class ViewSettings(ClosedSettings):
     perspective_y: Annotated[float, Field(ge=-0.5, le=0.5)]
     """The same along y."""
     dent_mm: Annotated[float, Field(ge=-5, le=5)]
-    """What lies at one place looks shifted along y by this ..."""
+    """Shift along y of the image at one place ..."""
     dent_x_mm: float
     dent_y_mm: float
     dent_width_mm: Positive

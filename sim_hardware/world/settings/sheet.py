@@ -35,7 +35,7 @@ class SheetSettings(ClosedSettings):
     stiffness_change: Annotated[float, Field(gt=-0.9, le=5)]
     """Relative change of B from the clamp to the end of the free length."""
     stiffness_form: StiffnessForm
-    """How it gets there: sine (as sin^2), line, step (in the middle)."""
+    """Its form: sine (as sin^2), line, step (in the middle)."""
     stiffening: Annotated[float, Field(gt=-0.5, le=5)]
     """Relative change of B at large changes of curvature."""
     stiffening_knee_per_m: Positive
@@ -85,7 +85,7 @@ class EibmSettings(ClosedSettings):
     decay_mm: NotNegative
     """Length over which Me falls to 1/e along the sheet; 0: it does not fall."""
     form: EibmForm
-    """How it falls: exp, cosh, line (to 0 there), root (1/sqrt(1 + s/decay))."""
+    """Form of the fall: exp, cosh, line (to 0 there), root (1/sqrt(1 + s/decay))."""
     negative_ratio: Annotated[float, Field(ge=0, le=3)]
     """|Me(-2 V)| / |Me(+2 V)|."""
     saturation_V: Positive
@@ -127,7 +127,7 @@ class WaterSettings(ClosedSettings):
     weakening_per_min: NotNegative
     """Relative loss of Me in a minute at 2 V, at first."""
     drying_form: Literal["line", "root", "exp"]
-    """How both go on: in proportion to that time, to its square root, or to an end."""
+    """Form of both: in proportion to that time, to its square root, or to an end."""
     drying_s: Positive
     """Time constant of `exp`."""
     spread_order: Literal[1, 2]
@@ -151,7 +151,7 @@ class BumpSettings(ClosedSettings):
     """A place along the sheet where it is not like its neighbours."""
 
     of: BumpOf
-    """What differs: rest_curvature and the moments in 1/m (these at 2 V), stiffness relative."""
+    """The property: rest_curvature, eibm, even_moment (1/m, at 2 V), stiffness (relative)."""
     at_mm: Annotated[float, Field(ge=0)]
     width_mm: Positive
     """Standard deviation of the bell curve."""

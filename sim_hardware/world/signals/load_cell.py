@@ -25,7 +25,7 @@ _CABLE_M = 0.03
 
 
 class CellFault(StrEnum):
-    """What can be wrong with the load cell's wiring."""
+    """Faults of the load cell and its wiring."""
 
     NONE = "none"
     OPEN = "open"  # a broken signal wire: the input drifts to a rail
@@ -47,7 +47,7 @@ class SimulatedLoadCell:
         self._fault, self._fault_s = CellFault.NONE, -math.inf
 
     def reaches_N(self, sticking_N: float) -> FloatArray:
-        """How far the two elements that lag behind the force turn: the cell's own, the rolls'."""
+        """Return how far the two elements of hysteresis turn: the cell's own, the rolls'."""
         return np.array([self._settings.hysteresis_reach_mN * 1e-3, sticking_N])
 
     def felt_N(self, force_N: FloatArray, turned_N: FloatArray) -> FloatArray:

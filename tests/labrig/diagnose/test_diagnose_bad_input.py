@@ -10,7 +10,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.config.templates import template_text
 from labrig.model_file import save_model
-from labrig.session.tables_out import write_tables
+from labrig.session.tables.write import write_tables
 from tests.labrig.report_data import invalid, measure, truth
 
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -22,6 +25,7 @@ from protocols import Place, make_schedule
 from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import record_with, with_pictures
 
+DOCS = Path(__file__).parents[3] / "docs" / "vision.md"
 OTHER = '''
 from dataclasses import replace
 from labrig.vision import neutral_curve
@@ -70,6 +74,25 @@ def other(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     yield info
     sys.modules.pop("other_extractors", None)
+
+
+@pytest.fixture
+def documented(tmp_path, monkeypatch):
+    """The extractor of docs/vision.md, installed as the distribution that is described there."""
+    text = DOCS.read_text(encoding="utf-8")
+    code = re.findall(r"```python\n(.*?)```", text, re.DOTALL)[-1]
+    points = tomllib.loads(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[-1])
+    ((name, where),) = points["project"]["entry-points"]["labrig.extractors"].items()
+    (tmp_path / f"{where.partition(':')[0]}.py").write_text(code)
+    info = tmp_path / "labrig_column_means-0.1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: labrig-column-means\nVersion: 0.1\n"
+    )
+    (info / "entry_points.txt").write_text(f"[labrig.extractors]\n{name} = {where}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield name
+    sys.modules.pop(where.partition(":")[0], None)
 
 
 @pytest.fixture
@@ -163,6 +186,15 @@ def test_an_installed_extractor_finds_the_curves_of_images(other, strip_image, c
         assert run(["curves", str(strip_image), "--json", "--extractor", name]) == 0
         tips.append(json.loads(capsys.readouterr().out)["y_mm"][-1])
     assert tips[1] - tips[0] == pytest.approx(0.1, abs=1e-6)
+
+
+def test_the_extractor_of_the_docs_works_as_it_stands_there(documented, strip_image, capsys):
+    assert EXTRACTORS.origins() == {documented: "labrig-column-means 0.1"}
+    tips = []
+    for name in ("intensity_fit", documented):
+        assert run(["curves", str(strip_image), "--json", "--extractor", name]) == 0
+        tips.append(json.loads(capsys.readouterr().out)["y_mm"][-1])
+    assert tips[1] == pytest.approx(tips[0], abs=0.2)
 
 
 def test_a_session_records_which_extractor_made_its_curves(other, tmp_path):

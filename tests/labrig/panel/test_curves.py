@@ -58,7 +58,9 @@ def test_what_is_seen_and_what_was_expected_lie_on_each_other(tmp_path: Path) ->
     wanted = predict(a_model(), "long", 0.010, 2.0)
     assert wanted.reachable
     image = drawn(wanted.x_m, wanted.y_m)
-    header, raw = raw_picture(Frame(7, 1.0, None, image), 1.0, run, 2.0)
+    header, raw = raw_picture(
+        Frame(number=7, time_s=1.0, device_time_s=None, image=image), 1.0, run, 2.0
+    )
     finder = Finder()
     finder.setup(json.loads(json.dumps(setup_message(OPTICS, SHEETS))))
     finder.choose_model(str(path))
@@ -82,7 +84,9 @@ def test_without_a_model_or_with_a_broken_one_the_curve_is_told_all_the_same(
 ) -> None:
     image = np.full((480, 640), 40, dtype=np.uint8)
     run = make_schedule(PulseTrain(), [Place("long", (0.010,))]).runs[0]
-    header, _ = raw_picture(Frame(1, 0.0, None, image), 0.0, run, 0.0)
+    header, _ = raw_picture(
+        Frame(number=1, time_s=0.0, device_time_s=None, image=image), 0.0, run, 0.0
+    )
     finder = Finder()
     assert "not known" in finder.curve(header, image)["why"]
     finder.setup(setup_message(OPTICS, SHEETS))

@@ -14,7 +14,7 @@ from labrig.panel.job.order import Order
 from labrig.panel.job.registry import GOING, JobAddress, write_address
 from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frame_pipeline import FramePipeline
-from labrig.session.guarded import guard_report_path
+from labrig.session.reading.guard_report import guard_report_path
 
 REPORT = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0, "failures": []}
 

@@ -10,9 +10,14 @@ import pytest
 
 from drivers.plugins import PluginWarning
 from labrig.panel.pages.conformance import faults
-from labrig.panel.pages.interface import PAGES, PanelPage, listing
+from labrig.panel.pages.interface import PAGES, PanelPage, left_out, listing
 from tests.labrig.panel.page import Page
 from tests.labrig.panel.plugin_pages import install, panel_with_plugins
+
+TWICE = """
+from labrig.panel.pages.interface import PanelPage
+PAGE = PanelPage(title="Another one", order=0, data=lambda panel: {})
+"""
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +69,23 @@ def test_a_faulty_page_of_another_distribution_is_left_out(tmp_path, monkeypatch
         assert PAGES.origins()["plain_notes"] == "labrig-notes 0.3"
     finally:
         sys.modules.pop("labrig_notes", None)
+
+
+def test_a_page_cannot_take_the_address_of_another_nor_one_that_is_none(tmp_path, monkeypatch):
+    (tmp_path / "labrig_twice.py").write_text(TWICE)
+    info = tmp_path / "labrig_twice-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-twice\nVersion: 1\n")
+    points = "load-cell = labrig_twice:PAGE\na/b = labrig_twice:PAGE\n"
+    (info / "entry_points.txt").write_text("[labrig.page_panels]\n" + points)
+    monkeypatch.syspath_prepend(tmp_path)
+    try:
+        titles = {page["name"]: page["title"] for page in listing("rig")["pages"]}
+        assert titles["load-cell"] == "Load cell"
+        assert "a/b" not in titles
+        assert [sentence.split("'")[1] for sentence in left_out()] == ["a/b", "load-cell"]
+    finally:
+        sys.modules.pop("labrig_twice", None)
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, SampleClock, SignalBlock, VoltageWrite
 from labrig.session import SessionWriter
-from labrig.session.channels import as_recorded
-from labrig.session.setup import SessionSetup
+from labrig.session.format.channels import as_recorded
+from labrig.session.format.setup import SessionSetup
 from protocols import Place, Schedule, make_schedule
 from protocols.execution import events as ev
 from protocols.execution.channels import current_channel, drive_channel, force_channel
@@ -73,7 +73,7 @@ def session_events(schedule: Schedule, block: int = 50, seed: int = 1) -> Iterat
     now = 100.0
     yield ev.SessionStarted(now, wall="2026-11-21T09:00:00+00:00")
     for run in schedule.runs:
-        prompt = Prompt("move", f"Move the load cell to {run.position_m}.")
+        prompt = Prompt(kind="move", text=f"Move the load cell to {run.position_m}.")
         yield ev.OperatorAsked(now, prompt)
         yield ev.OperatorAnswered(now + 2, prompt, done=True)
         yield from _run_events(run, now + 3.0, block, seed)
@@ -128,7 +128,9 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
     for reading in run.readings:
         sample_s = start_s + run.time_of(reading) + LATE_S
         image = rng.integers(0, 255, FRAME_SHAPE, dtype=np.uint8)
-        frame = Frame(reading.index * 15, sample_s + 4e-3, None, image)
+        frame = Frame(
+            number=reading.index * 15, time_s=sample_s + 4e-3, device_time_s=None, image=image
+        )
         index = clock.index_at(sample_s)
         taken = ev.ReadingTaken(
             sample_s + 0.1,

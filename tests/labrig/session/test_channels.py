@@ -10,8 +10,8 @@ import pytest
 from drivers.interfaces import SignalBlock
 from labrig.errors import BadInputError
 from labrig.session import SessionWriter, open_session, recover, verify
-from labrig.session.journal import Journal, journal_path
-from labrig.session.rows import Translator
+from labrig.session.recording.journal import Journal, journal_path
+from labrig.session.recording.rows import Translator
 from protocols import Channel
 from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (

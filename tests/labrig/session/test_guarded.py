@@ -10,8 +10,8 @@ import pytest
 from labrig.errors import BadInputError
 from labrig.experiment.watchdog import watched
 from labrig.session import SessionWriter, open_session, recover, verify
-from labrig.session.guarded import guard_report_path, read_guard_report
-from labrig.session.journal import journal_path
+from labrig.session.reading.guard_report import guard_report_path, read_guard_report
+from labrig.session.recording.journal import journal_path
 from protocols.execution.events import OutputState
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
 

@@ -14,9 +14,9 @@ import pytest
 
 from labrig.errors import BadInputError, ExitCode
 from labrig.session import SessionWriter, WriterError, open_session, recover
-from labrig.session.journal import Journal, journal_path, read_journal
-from labrig.session.rows import EventRows, Translator
-from labrig.session.write_queue import StalledError, WriteQueue
+from labrig.session.recording.journal import Journal, journal_path, read_journal
+from labrig.session.recording.rows import EventRows, Translator
+from labrig.session.recording.write_queue import StalledError, WriteQueue
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import (

@@ -12,7 +12,7 @@ import pytest
 from labrig.experiment.resume import Resumption
 from labrig.report.tables.overview import overview
 from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
-from labrig.session.journal import journal_path
+from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome
 from tests.labrig.session.session_recording import CHANNELS, FRAME_SHAPE, RATE_HZ, TEXTS

@@ -14,14 +14,8 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.session import (
-    SessionWriter,
-    compare_sessions,
-    open_session,
-    recover,
-    verify,
-)
-from labrig.session.journal import journal_path
+from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
+from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
@@ -224,8 +218,8 @@ def test_a_journal_of_the_whole_session_makes_the_same_file(tmp_path):
 @pytest.mark.slow
 def test_after_a_power_cut_at_any_moment_every_synced_reading_is_there(tmp_path, monkeypatch):
     """The disk keeps all that was synced, and any part of the rest."""
-    from labrig.session import journal as module
-    from labrig.session.rows import EventRows
+    from labrig.session.recording import journal as module
+    from labrig.session.recording.rows import EventRows
 
     schedule = small_schedule()
     log: list[tuple[str, object]] = []

@@ -16,7 +16,7 @@ from labrig.session import (
     store_measurements,
     verify,
 )
-from labrig.session.derived_tables import measurements_from_tables, tables_from_measurements
+from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from model.measurements import Measurements
 from tests.labrig.session.measured import measurements, same
 from tests.labrig.session.session_recording import record, small_schedule
@@ -70,7 +70,7 @@ def test_a_crash_while_storing_leaves_the_session_as_it_was(session, monkeypatch
     def crash(*_args, **_named):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("labrig.session.derived.set_attributes", crash)
+    monkeypatch.setattr("labrig.session.derived.store.set_attributes", crash)
     with pytest.raises(LabrigError, match="the disk is full"):
         store_measurements(session, measurements())
     assert session.read_bytes() == before

@@ -21,8 +21,8 @@ from labrig.session import (
     verify,
     write_tables,
 )
-from labrig.session.curve_points import arc_length
-from labrig.session.decimals import (
+from labrig.session.tables.curve_points import arc_length
+from labrig.session.tables.decimals import (
     degrees,
     from_degrees,
     from_milli,

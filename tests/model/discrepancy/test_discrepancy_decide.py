@@ -12,7 +12,7 @@ from model.discrepancy.search import forward_selection as searching
 from model.discrepancy.search.evidence import Candidate, Score, candidates
 from model.discrepancy.search.forward_selection import SelectionStep, search
 from model.discrepancy.search.nonparametric_terms import unknowns
-from model.discrepancy.search.null_calibration import FALSE_NAMES, null_gains, threshold
+from model.discrepancy.search.null_calibration import null_gains, threshold
 from model.discrepancy.search.outliers import (
     condition_name,
     condition_runs,
@@ -22,9 +22,12 @@ from model.discrepancy.search.outliers import (
 )
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.thresholds import (
+    EVIDENCE_TEMPERATURE,
+    FALSE_NAME_RATE,
+    NEGLIGIBLE_PROBABILITY,
+)
 from model.discrepancy.verdict.posterior import (
-    HARDLY,
-    TEMPER,
     Choice,
     Leftover,
     choice,
@@ -56,13 +59,15 @@ def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
     found = posterior(ranking)
     assert list(found) == ["gravity", "clamp_angle"]
     assert sum(found.values()) == pytest.approx(1.0)
-    assert found["gravity"] / found["clamp_angle"] == pytest.approx(np.exp(3.0 / TEMPER))
+    assert found["gravity"] / found["clamp_angle"] == pytest.approx(
+        np.exp(3.0 / EVIDENCE_TEMPERATURE)
+    )
     assert posterior([contender("unknown:time", 3.0)]) == {}
 
 
 def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
     gains = {"gravity": 20.0, "roll_offset": 18.0, "clamp_angle": 19.0}
-    gains["frame_delay"] = 20.0 + 2.0 * TEMPER * np.log(HARDLY)
+    gains["frame_delay"] = 20.0 + 2.0 * EVIDENCE_TEMPERATURE * np.log(NEGLIGIBLE_PROBABILITY)
     ranking = [contender(name, gain) for name, gain in gains.items()]
     one = choice(ranking[0], ranking)
     assert one.effect.name == "gravity"
@@ -115,7 +120,7 @@ def test_what_is_left_is_a_share_of_all_there_was(gain, total, share):
 def test_the_threshold_is_exceeded_by_one_in_a_hundred():
     random = np.random.default_rng(0)
     found = np.array([threshold(3.0 + random.exponential(2.0, 300)) for _ in range(40)])
-    exact = 3.0 - 2.0 * np.log(FALSE_NAMES)
+    exact = 3.0 - 2.0 * np.log(FALSE_NAME_RATE)
     assert np.mean(found) == pytest.approx(exact, rel=0.05)
     assert np.std(found) < 0.12 * exact
     assert threshold(np.full(30, -4.0)) == 2.0  # never so low that anything would do

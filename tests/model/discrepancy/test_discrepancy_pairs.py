@@ -22,6 +22,7 @@ def test_a_lag_and_a_stiffness_that_depends_on_curvature_are_both_named():
 
 
 @pytest.mark.slow
+@pytest.mark.thorough  # the benchmark of hidden effects counts pairs by the dozen
 def test_two_that_explain_more_than_one_of_another_form_are_both_named():
     """A loop of the load cell, far from its form, explains more than either of them alone."""
     sticking = Hiding("roll_sticking", "from_the_middle", 0.117)

@@ -1,0 +1,142 @@
+"""From rig.toml to devices: the one place that knows whether hardware is real or simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from drivers.amplifier import Amplifier, SheetDrive
+from drivers.boards import BoardConnection
+from drivers.cameras import CAMERAS
+from drivers.force_sensors import FORCE_SENSORS
+from drivers.force_sensors.metered_input import MeteredInput
+from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock, SignalInput
+from drivers.positioners import POSITIONERS
+from drivers.positioners.contract import Surroundings
+from labrig.config import RigConfig
+from labrig.config.derived import SIMULATED
+from labrig.errors import BadInputError
+from labrig.experiment.plan import Plan
+from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.rig import FORCE, Rig
+from protocols import RecordedOperator
+from protocols.execution.events import Event
+
+if TYPE_CHECKING:
+    from labrig.experiment.rig.stand_ins import StandIns
+
+
+def _nobody(_event: Event) -> None:
+    """Nobody wants to know."""
+
+
+def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody) -> Rig:
+    """Return the rig that a plan's rig.toml describes, not opened; nothing is touched.
+
+    What the operator is asked, and answers, is published by `emit`.
+    """
+    config = plan.rig
+    _refuse_unsafe_boards(config)
+    if config.is_simulated:
+        from labrig.experiment.rig.stand_ins import StandIns  # slow to import
+
+        stand_ins = StandIns(plan)
+        return _wired(plan, stand_ins.clock, stand_ins.operator, emit, stand_ins)
+    _refuse_mixture(config)
+    return _wired(plan, RealClock(), operator, emit, None)
+
+
+def _refuse_unsafe_boards(config: RigConfig) -> None:
+    if config.family.rescue is None:
+        raise BadInputError(
+            f"rig.toml: the boards of [{config.boards_kind}] cannot be made safe by another "
+            "process when this one fails, so no sheet is driven with them; use other boards."
+        )
+
+
+def _refuse_mixture(config: RigConfig) -> None:
+    for key, value in _addresses(config):
+        if value == SIMULATED:
+            raise BadInputError(
+                f'rig.toml: {key} = "simulated" needs [{config.boards_kind}] address = '
+                '"simulated"; a simulated device and real boards cannot share a clock.'
+            )
+
+
+def _addresses(config: RigConfig) -> Iterator[tuple[str, object]]:
+    yield "[camera] source", config.camera.source if config.camera else None
+    yield "[stage] port", getattr(config.stage, "port", None)
+    yield "[force_sensor] port", getattr(config.force_sensor, "port", None)
+
+
+def _wired(
+    plan: Plan,
+    clock: Clock,
+    operator: Operator,
+    emit: Callable[[Event], None],
+    stand_ins: StandIns | None,
+) -> Rig:
+    config = plan.rig
+    transport = stand_ins.boards(config.boards_kind) if stand_ins else None
+    boards = config.family.connect(config.boards.settings(), clock, transport)
+    asked = RecordedOperator(operator, clock, emit)
+    interlock = config.interlock
+    return Rig(
+        config=config,
+        clock=clock,
+        boards=boards,
+        output=sheet_drive(config, boards),
+        signals=_signals(config, boards, clock, stand_ins),
+        camera=_camera(plan, clock, stand_ins),
+        stage=_stage(plan, clock, asked, stand_ins),
+        operator=asked,
+        calibration=plan.calibration,
+        interlock=None if interlock is None else boards.interlock(interlock.line),
+        threaded=stand_ins is None,
+    )
+
+
+def sheet_drive(config: RigConfig, boards: BoardConnection) -> SheetDrive:
+    """Return the output in sheet volts, through the amplifier."""
+    amplifier = Amplifier(config.amplifier.gain, config.limits.sheet_voltage_V)
+    return SheetDrive(boards.voltage_output(amplifier.limit_board_V), amplifier)
+
+
+def _signals(
+    config: RigConfig, boards: BoardConnection, clock: Clock, stand_ins: StandIns | None
+) -> SignalInput:
+    """Return the board's inputs; a meter takes the place of the force's."""
+    inputs = inputs_of(config)
+    sensor = config.force_sensor
+    make = FORCE_SENSORS.get(sensor.kind).make
+    if make is None:
+        return boards.signal_input(inputs)
+    others = [each for each in inputs if each.name != FORCE]
+    meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
+    return MeteredInput(boards.signal_input(others), meter, clock)
+
+
+def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | None:
+    camera = plan.rig.camera
+    if camera is None:
+        return None
+    if stand_ins is not None:
+        return stand_ins.camera()
+    make = CAMERAS.get(camera.kind).make
+    return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+
+
+def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | None) -> Positioner:
+    stage = plan.rig.stage
+    around = Surroundings(
+        clock=clock,
+        operator=operator,
+        arc_radius_m=plan.arc_radius_m,
+        transport=_line(stand_ins, "stage", stage.kind) if hasattr(stage, "port") else None,
+    )
+    return POSITIONERS.get(stage.kind).make(stage.settings(), around)
+
+
+def _line(stand_ins: StandIns | None, table: str, kind: str) -> Callable[..., Any] | None:
+    """Return what opens a part's serial line; None: the real one."""
+    return None if stand_ins is None else stand_ins.serial(table, kind)

@@ -1,0 +1,1 @@
+"""Measurements kept in a session, as arrays that can be made again."""

@@ -1,0 +1,1 @@
+"""The session file's layout, its setup group and its channels."""

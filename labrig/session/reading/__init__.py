@@ -1,0 +1,1 @@
+"""Read a recorded session: open it safely, its runs, its values."""

@@ -1,0 +1,63 @@
+"""What differs between two sessions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from labrig.session.format.layout import DERIVED
+from labrig.session.reading.opening import open_file
+from labrig.session.reading.session import VOLATILE, VOLATILE_UNDER
+from labrig.session.reading.values import damage_told, dataset_names
+from labrig.session.recording.recorder import blocks
+
+# Where the derived measurements were taken from: differs with the file's name.
+_VOLATILE = VOLATILE | {f"{DERIVED}/source"}
+
+
+def compare_sessions(a: Path, b: Path) -> list[str]:
+    """Return a sentence for each dataset that differs; none where they are equal to the last bit.
+
+    Identifiers, times of day, versions and file names are left out of it.
+    """
+    with open_file(Path(a)) as first, open_file(Path(b)) as second:
+        names_a, names_b = _names(first, Path(a)), _names(second, Path(b))
+        found = [f"{name} is only in {a}." for name in sorted(names_a - names_b)]
+        found += [f"{name} is only in {b}." for name in sorted(names_b - names_a)]
+        for name in sorted(names_a & names_b):
+            with damage_told(Path(a), f"{name}, here or in {b},"):
+                difference = _difference(first[name], second[name])
+            if difference:
+                found.append(f"{name} differs: {difference}.")
+        return found
+
+
+def _names(file: Any, path: Path) -> set[str]:
+    names = dataset_names(file, path)
+    return {name for name in names if not name.startswith(VOLATILE_UNDER)} - _VOLATILE
+
+
+def _difference(a: Any, b: Any) -> str:
+    if a.dtype != b.dtype:
+        return f"its type is {a.dtype} and {b.dtype}"
+    if a.shape != b.shape:
+        return f"its shape is {a.shape} and {b.shape}"
+    at = 0
+    for part_a, part_b in zip(blocks(a), blocks(b), strict=True):
+        unequal = _unequal_rows(part_a, part_b)
+        if unequal.size:
+            return f"first in row {at + unequal[0]}" if a.shape else "its value"
+        at += len(part_a) if part_a.shape else 1
+    return ""
+
+
+def _unequal_rows(a: Any, b: Any) -> Any:
+    """Rows whose bytes differ (so NaN equals NaN)."""
+    count = len(a) if a.shape else 1
+    if not count:
+        return np.empty(0, dtype=int)
+    bytes_a = np.ascontiguousarray(a).view(np.uint8).reshape(count, -1)
+    bytes_b = np.ascontiguousarray(b).view(np.uint8).reshape(count, -1)
+    return np.flatnonzero((bytes_a != bytes_b).any(axis=1))

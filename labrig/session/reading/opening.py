@@ -1,0 +1,145 @@
+"""Opens a session file that may come from anywhere, and says in a sentence why it cannot be.
+
+Only what the layout names is believed: texts of fixed length, arrays of numbers, no links.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from labrig.errors import BadInputError
+from labrig.session.format import layout
+from labrig.session.reading.guard_report import read_guard_report
+from labrig.session.reading.values import damage_told
+from labrig.session.recording.journal import journal_path
+from labrig.session.recording.locking import is_locked
+
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+# Deflate cannot pack denser than 1 : 1032; a file that claims more holds nothing but the claim.
+_DENSEST = 1100
+_SMALL_BYTES = 1 << 20
+_DEEPEST = 8  # groups in one another; a session has four
+
+
+def open_file(path: Path, *, live: bool = False) -> Any:
+    """Return the HDF5 file, read-only and checked. Raises BadInputError.
+
+    `live` also opens a session that is being recorded right now, as it stands.
+    """
+    check_is_hdf5(path)
+    # The library would wait practically for ever for a writer that is dead to finish its work.
+    live = live and is_locked(journal_path(path))
+    try:
+        file = h5py.File(path, "r", swmr=live, libver=layout.LIBVER if live else None)
+    except OSError as error:
+        raise BadInputError(_why_not(path, error)) from None
+    try:
+        with damage_told(path):
+            check_format(file, path)
+            check_objects(file, path)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def check_is_hdf5(path: Path) -> None:
+    """Raise BadInputError unless the path is a file that begins like HDF5."""
+    try:
+        with path.open("rb") as file:
+            begin = file.read(len(_SIGNATURE))
+    except FileNotFoundError:
+        raise BadInputError(f"{path}: there is no such file.") from None
+    except IsADirectoryError:
+        raise BadInputError(f"{path}: this is a folder; a session file is needed.") from None
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+    if begin != _SIGNATURE:
+        said = "is empty" if not begin else "is no HDF5 file"
+        hint = f"; run labrig recover {path}" if journal_path(path).exists() else ""
+        raise BadInputError(f"{path}: {said}, so it is no session{hint}.")
+
+
+def _why_not(path: Path, error: OSError) -> str:
+    text = str(error)
+    if "already open for write" in text or "consistency flags" in text:
+        return cut_short(path)
+    if "truncated" in text:
+        return (
+            f"{path}: the file is truncated; fetch it again, or, where its journal still lies "
+            f"beside it, run labrig recover {path}."
+        )
+    if "unable to lock" in text:
+        return f"{path}: another program has the file open for writing; close it and try again."
+    return f"{path}: the file is damaged ({text}); try labrig recover {path}."
+
+
+def cut_short(path: Path) -> str:
+    """Return the sentence about a session without an end."""
+    guard = read_guard_report(path)
+    if guard is not None:
+        return f"{path}: {guard.text}; run labrig recover {path}."
+    return (
+        f"{path}: this session is being recorded right now, or its recording was cut short; in "
+        f"that case run labrig recover {path}."
+    )
+
+
+def check_format(file: Any, path: Path) -> None:
+    """Raise BadInputError unless the file says that it is a session of this version."""
+    found = file.attrs.get("labrig_format")
+    if found is None or not isinstance(found, (int, np.integer)):
+        raise BadInputError(f"{path}: this HDF5 file is no labrig session.")
+    if int(found) not in layout.READABLE:
+        raise BadInputError(
+            f"{path}: the session has format {int(found)} and this labrig reads formats "
+            f"{' and '.join(map(str, layout.READABLE))}; use a labrig that fits."
+        )
+
+
+def check_objects(file: Any, path: Path) -> None:
+    """Raise BadInputError when the file holds anything that a session never holds."""
+    size = path.stat().st_size
+    seen = {_place(file["/"])}
+
+    def visit(group: Any, depth: int) -> None:
+        for name in group:
+            where = f"{group.name.rstrip('/')}/{name}"
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise BadInputError(f"{path}: {where} is a link, which a session never holds.")
+            item = group[name]
+            # A second name would be a second way to it, and with others of its kind countless.
+            if _place(item) in seen:
+                raise BadInputError(f"{path}: {where} is there under another name, too.")
+            seen.add(_place(item))
+            if depth > _DEEPEST:
+                raise BadInputError(f"{path}: {where} lies deeper than anything in a session.")
+            if isinstance(item, h5py.Group):
+                visit(item, depth + 1)
+            elif isinstance(item, h5py.Dataset):
+                _check_dataset(item, where, path, size)
+            else:
+                raise BadInputError(f"{path}: {where} is of a kind that a session never holds.")
+
+    try:
+        visit(file, 1)
+    except (KeyError, ValueError) as error:  # names and types that make no sense
+        raise OSError(str(error)) from None
+
+
+def _place(item: Any) -> int:
+    """Where in its file an object lies: the same by whichever name it is reached."""
+    return int(h5py.h5o.get_info(item.id).addr)
+
+
+def _check_dataset(dataset: Any, where: str, path: Path, size: int) -> None:
+    if dataset.dtype.hasobject:
+        raise BadInputError(f"{path}: {where} has a type that a session never holds.")
+    if dataset.is_virtual or dataset.external:
+        raise BadInputError(f"{path}: {where} lies in another file, which a session never does.")
+    if dataset.nbytes > _DENSEST * size + _SMALL_BYTES:
+        raise BadInputError(f"{path}: {where} claims more content than the file can hold.")

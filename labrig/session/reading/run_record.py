@@ -1,0 +1,212 @@
+"""One recorded run, read from the file piece by piece as it is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivers.interfaces import FloatArray, GreyImage, SampleClock
+from labrig.errors import BadInputError
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+from labrig.session.format.setup import SessionSetup
+from labrig.session.reading.values import read_array, read_dataset, read_table
+from protocols.planning.schedule import PlannedRun
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What a run's acquisition reported at its end; all zero when it never came to it."""
+
+    lost_samples: int
+    frames_grabbed: int
+    frames_dropped: int
+
+
+class RunRecord:
+    """A run of an open session. Nothing is read before it is asked for, images one at a time."""
+
+    def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: SessionSetup) -> None:
+        self.planned = planned
+        self.channels = setup.channels
+        self.signals = setup.signals
+        self.ranges_V = {channel.name: channel.range_V for channel in setup.signals}
+        self._reading_row = setup.reading_row
+        self._value_columns = setup.value_columns
+        self._file = file
+        self._path = path
+        self._has_frames = setup.frame_shape is not None
+        self._frame_shape = setup.frame_shape
+
+    # --------------------------------------------------------------------------------- its course
+
+    @cached_property
+    def _acquisition(self) -> Any:
+        name = f"{layout.run_path(self.planned.index)}/acquisition"
+        found = read_table(self._file, name, layout.ACQUISITION, self._path)
+        if found.shape != ():
+            raise BadInputError(f"{self._path}: {name} has another shape than in a session.")
+        return found[()]
+
+    @property
+    def started(self) -> bool:
+        """Whether the run was begun."""
+        return bool(self._acquisition["started"])
+
+    @property
+    def completed(self) -> bool:
+        """Whether the run came to its planned end."""
+        return bool(self._acquisition["completed"])
+
+    @property
+    def sample_clock(self) -> SampleClock:
+        """Sample indices against clock time. Raises BadInputError when the run was never begun."""
+        if not self.started:
+            raise BadInputError(f"{self._path}: run {self.planned.index + 1} was never begun.")
+        row = self._acquisition
+        return SampleClock(
+            start_s=float(row["clock_start_s"]),
+            start_uncertainty_s=float(row["clock_start_uncertainty_s"]),
+            rate_hz=float(row["rate_hz"]),
+        )
+
+    @property
+    def time_zero_s(self) -> float:
+        """Clock time at which the run began; NaN when it never did."""
+        return float(self._acquisition["time_zero_s"])
+
+    @property
+    def since_wetting_s(self) -> float | None:
+        """Time between the last wetting and the run's beginning, where it is known."""
+        return _known(self._acquisition["since_wetting_s"])
+
+    @property
+    def stage_position_m(self) -> float | None:
+        """Position along the arc that the stage reported, where one did."""
+        return _known(self._acquisition["stage_position_m"])
+
+    @property
+    def counts(self) -> Counts:
+        """Lost samples and frames."""
+        row = self._acquisition
+        return Counts(
+            int(row["lost_samples"]), int(row["frames_grabbed"]), int(row["frames_dropped"])
+        )
+
+    # ------------------------------------------------------------------------------------ signals
+
+    @property
+    def samples(self) -> int:
+        """How many samples of each channel were recorded."""
+        return int(self._column("signals/time").shape[0])
+
+    def signal_V(self, channel: str) -> FloatArray:
+        """Return a channel's raw samples in V; samples that were lost are NaN."""
+        if channel not in self.channels:
+            known = ", ".join(self.channels)
+            raise BadInputError(f"{self._path}: no channel {channel} among {known}.")
+        return read_array(self._column(f"signals/{channel}"), self._path)
+
+    @property
+    def time_s(self) -> FloatArray:
+        """Time of each sample since the run's beginning."""
+        return read_array(self._column("signals/time"), self._path)
+
+    # ------------------------------------------------------------------------------------- tables
+
+    @cached_property
+    def writes(self) -> Array:
+        """Each write of the voltage, columns as in `layout.WRITE_ROW`."""
+        return self._table("writes", layout.WRITE_ROW)
+
+    @cached_property
+    def marks(self) -> Array:
+        """Readings declared invalid, by a person or a rule, columns as in `layout.MARK_ROW`."""
+        return self._table("marks", layout.MARK_ROW)
+
+    @property
+    def readings_as_taken(self) -> Array:
+        """Each reading, as if none had been marked later."""
+        return self._table("readings", self._reading_row)
+
+    @cached_property
+    def readings(self) -> Array:
+        """Each reading, columns as in `layout.reading_row`; marks are in `valid` and `why`."""
+        rows = self.readings_as_taken
+        for mark in self.marks:
+            hit = rows["index"] == mark["reading"] if mark["reading"] >= 0 else slice(None)
+            rows["valid"][hit] = False
+            rows["why"][hit] = mark["why"]
+        return rows
+
+    def values(self, row: Any) -> dict[str, float]:
+        """Return the values of a row of the readings, by the columns of the run's channels."""
+        recorded = {channel.column for channel in self.signals}
+        return {name: float(row[name]) for name in self._value_columns if name in recorded}
+
+    # ------------------------------------------------------------------------------------- frames
+
+    @property
+    def frame_count(self) -> int:
+        """How many images were recorded."""
+        return int(self._images().shape[0]) if self._has_frames else 0
+
+    def image(self, row: int) -> GreyImage:
+        """Return an image by its row, 0 to `frame_count` - 1."""
+        if not 0 <= row < self.frame_count:
+            raise BadInputError(
+                f"{self._path}: run {self.planned.index + 1} has {self.frame_count} images and "
+                f"none in row {row}."
+            )
+        return read_array(self._images(), self._path, row)
+
+    def frame_column(self, name: str) -> Array:
+        """One of `layout.FRAME_COLUMNS` for all images."""
+        if not self._has_frames:
+            return np.empty(0)
+        return read_array(self._column(f"frames/{name}"), self._path)
+
+    def frame(self, reading_index: int) -> GreyImage | None:
+        """Return a reading's image; None when it has none or was not taken."""
+        row = self._reading(reading_index)
+        if row is None or row["frame"] == layout.NO_FRAME:
+            return None
+        return self.image(int(row["frame"]))
+
+    def frame_offset_s(self, reading_index: int) -> float | None:
+        """Time of a reading's image minus that of its sampling point."""
+        row = self._reading(reading_index)
+        return None if row is None else _known(row["frame_offset_s"])
+
+    # ------------------------------------------------------------------------------------ helpers
+
+    def _reading(self, index: int) -> Any:
+        found = np.flatnonzero(self.readings["index"] == index)
+        return self.readings[found[0]] if found.size else None
+
+    def _images(self) -> Any:
+        return self._dataset("frames/images", "u", self._frame_shape or ())
+
+    def _column(self, name: str) -> Any:
+        return self._dataset(name, "fi", ())
+
+    def _dataset(self, name: str, kinds: str, row_shape: tuple[int, ...]) -> Any:
+        full = f"{layout.run_path(self.planned.index)}/{name}"
+        found = read_dataset(self._file, full, self._path)
+        if found.shape[1:] != row_shape or found.shape == () or found.dtype.kind not in kinds:
+            raise BadInputError(
+                f"{self._path}: {full} has another shape or type than in a session."
+            )
+        return found
+
+    def _table(self, name: str, kind: np.dtype[Any]) -> Array:
+        full = f"{layout.run_path(self.planned.index)}/{name}"
+        return read_table(self._file, full, kind, self._path)
+
+
+def _known(value: Any) -> float | None:
+    return None if np.isnan(value) else float(value)

@@ -1,0 +1,165 @@
+"""A recorded session, opened for reading."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from labrig.errors import BadInputError
+from labrig.session.format import layout
+from labrig.session.reading.opening import cut_short, open_file
+from labrig.session.reading.run_record import RunRecord
+from labrig.session.reading.values import read_setup, read_table, read_text
+from protocols.execution.events import Outcome, OutputState
+from protocols.planning.schedule import Schedule
+
+# Differ from one recording of the same virtual run to the next.
+VOLATILE = frozenset(
+    {f"{layout.ENTRY}/{name}" for name in ("identifier", "start_time", "end_time", "checksums")}
+)
+VOLATILE_UNDER = f"{layout.SETUP}/versions/"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoggedEvent:
+    """A line of the session's log. `run` and `reading` are -1 where it concerns none."""
+
+    time_s: float
+    kind: str
+    run: int
+    reading: int
+    subject: str
+    text: str
+
+
+class RecordedSession:
+    """An open session file. Close it, or use it in a `with` statement."""
+
+    def __init__(self, file: Any, path: Path) -> None:
+        self.path = path
+        self._file = file
+        self._setup = read_setup(file, path)
+        self.identifier: str = self._setup.identifier
+        self.schedule: Schedule = self._setup.schedule
+        self.texts: Mapping[str, str] = self._setup.texts
+        self.resolved: Mapping[str, Any] = self._setup.resolved
+        self.versions: Mapping[str, str] = self._setup.versions
+        self.channels = self._setup.channels
+        self.signals = self._setup.signals  # the channels, described
+        self.ranges_V = tuple(channel.range_V for channel in self.signals)
+        self.version = self._setup.version  # of the file's layout
+        self.rate_hz = self._setup.rate_hz
+        self.frame_shape = self._setup.frame_shape
+        self.frame_dtype = self._setup.frame_dtype
+        self.keep_all_frames = self._setup.keep_all_frames
+        self.simulated = self._setup.simulated
+        self.runs: tuple[RunRecord, ...] = tuple(
+            RunRecord(file, path, run, self._setup) for run in self.schedule.runs
+        )
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the session ended; `running` only in a session opened live."""
+        try:
+            return Outcome(self._status("outcome"))
+        except ValueError:
+            raise BadInputError(f"{self.path}: its outcome is damaged.") from None
+
+    @property
+    def was_closed(self) -> bool:
+        """Whether the recording was ended properly: the checksums are the last thing written."""
+        sums = read_table(self._file, layout.CHECKSUMS, layout.CHECKSUM_ROW, self.path)["sha256"]
+        return self.outcome is not Outcome.RUNNING and bool((sums != "").all())
+
+    @property
+    def output_state(self) -> OutputState:
+        """The last known state of the output."""
+        try:
+            return OutputState(self._status("output_state"))
+        except ValueError:
+            return OutputState.UNKNOWN
+
+    @property
+    def reason(self) -> str:
+        """Why the session ended as it did."""
+        return self._status("reason")
+
+    @property
+    def started(self) -> str:
+        """Time of day at which the session began, ISO 8601, UTC."""
+        return self._status("start_time")
+
+    @property
+    def ended(self) -> str:
+        """Time of day at which it ended; empty when it crashed."""
+        return self._status("end_time")
+
+    @cached_property
+    def events(self) -> list[LoggedEvent]:
+        """The log, in order."""
+        found: list[LoggedEvent] = []
+        for row in read_table(self._file, layout.EVENTS, layout.EVENT_ROW, self.path):
+            values = dict(zip(row.dtype.names, row.tolist(), strict=True))
+            if values["kind"] == layout.MORE and found:
+                first = found.pop()
+                found.append(replace(first, text=first.text + values["text"]))
+            else:
+                found.append(LoggedEvent(**values))
+        return found
+
+    @property
+    def has_measurements(self) -> bool:
+        """Whether the session holds what an analysis, or an import, made."""
+        return layout.DERIVED in self._file
+
+    @cached_property
+    def checksum(self) -> str:
+        """A sha256 (hex) of all that was recorded; the same for two equal virtual sessions.
+
+        It is made from the checksums written at the close, so it stays when a session is copied,
+        analysed, or analysed again.
+        """
+        total = hashlib.sha256()
+        for row in read_table(self._file, layout.CHECKSUMS, layout.CHECKSUM_ROW, self.path):
+            name = str(row["dataset"])
+            if name not in VOLATILE and not name.startswith(VOLATILE_UNDER):
+                total.update(f"{name} {row['sha256']}\n".encode())
+        return total.hexdigest()
+
+    def close(self) -> None:
+        """Let go of the file; may be called twice."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _status(self, name: str) -> str:
+        return read_text(self._file, f"{layout.ENTRY}/{name}", self.path)
+
+
+def open_session(path: Path | str, *, live: bool = False) -> RecordedSession:
+    """Open a session for reading.
+
+    Raises BadInputError, in a sentence, for whatever is no whole session of this format. A session
+    that is still being written opens with `live=True`, showing what was flushed by now.
+    """
+    path = Path(path)
+    file = open_file(path, live=live)
+    try:
+        session = RecordedSession(file, path)
+        if not (live or session.was_closed):
+            raise BadInputError(cut_short(path))
+        return session
+    except BaseException:
+        file.close()
+        raise

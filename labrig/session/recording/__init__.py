@@ -1,0 +1,1 @@
+"""Write a session while it is measured: rows, journal, queue, disk."""

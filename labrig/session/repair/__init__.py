@@ -1,0 +1,1 @@
+"""Verify a session file, and recover one whose writer was killed."""

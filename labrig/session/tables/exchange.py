@@ -1,0 +1,105 @@
+"""Sessions made of CSV files, and CSV files made of sessions."""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from labrig.config import parse_sheet, read_text
+from labrig.errors import BadInputError
+from labrig.session.derived.store import load_measurements, write_derived
+from labrig.session.format import layout
+from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
+from labrig.session.recording.create import fill_file
+from labrig.session.recording.disk import written_beside
+from labrig.session.recording.recorder import Recorder
+from labrig.session.tables.read import read_tables
+from labrig.session.tables.write import write_tables
+from model.measurements import Measurements
+from protocols.execution.events import Outcome
+from protocols.planning.schedule import Schedule
+
+_TABLES = ("forces.csv", "curves.csv", "signals.csv")
+IMPORTED = "import"  # the name of the protocol of a session that was not recorded
+
+
+def import_session(
+    sheet: Path,
+    forces: Path,
+    output: Path,
+    *,
+    curves: Path | None = None,
+    signals: Path | None = None,
+) -> Measurements:
+    """Make a session of CSV files: measurements without anything raw.
+
+    Raises BadInputError for a fault in a file (naming it, the line and the column) and when the
+    output exists.
+    """
+    output = Path(output)
+    text = read_text(sheet)
+    tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
+    read = read_tables(parse_sheet(text, str(sheet)), Path(forces), curves, signals)
+    sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
+    measurements = replace(read, checksum=sums["forces.csv"])
+    if output.exists():
+        raise BadInputError(f"{output} exists already; choose another name with -o.")
+    if not output.parent.is_dir():
+        raise BadInputError(f"{output.parent}: there is no such folder.")
+    with written_beside(output) as beside:
+        names = [path.name for path in tables.values() if path is not None]
+        beside.write_bytes(_session(_setup(text, sums), names, measurements))
+    return measurements
+
+
+def _session(setup: SessionSetup, names: list[str], measurements: Measurements) -> bytes:
+    """Return the file's content, made in memory: the library ends badly with a full disk."""
+    with h5py.File("made", "w", libver=layout.LIBVER, driver="core", backing_store=False) as file:
+        fill_file(file, setup)
+        _complete(file, names)
+        Recorder(file).write_checksums()
+        write_derived(file, measurements)
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
+
+
+def export_session(path: Path, folder: Path) -> list[Path]:
+    """Write the measurements of a session as CSV files; their paths.
+
+    Raises BadInputError when the session was not analysed yet or a file is there already.
+    """
+    return write_tables(load_measurements(Path(path)), Path(folder))
+
+
+def _setup(sheet_text: str, sums: dict[str, str]) -> SessionSetup:
+    return SessionSetup(
+        schedule=Schedule(IMPORTED, (), IMPORTED_FRAME_RATE_HZ),
+        texts={"sheet.toml": sheet_text},
+        resolved={"imported_sha256": sums},
+        signals=(),
+        rate_hz=0.0,
+        frame_shape=None,
+    )
+
+
+def _complete(file: h5py.File, names: list[str]) -> None:
+    entry = file[layout.ENTRY]
+    now = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
+    for name, value in {
+        "outcome": Outcome.COMPLETED.value,
+        "reason": f"Imported from {', '.join(names)}.",
+        "start_time": now,
+        "end_time": now,
+    }.items():
+        entry[name][()] = np.bytes_(value.encode("utf-8"))
+
+
+def _checksum(path: Path) -> str:
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

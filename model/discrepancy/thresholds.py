@@ -1,0 +1,119 @@
+"""The numbers that decide verdicts of `diagnose`.
+
+Each says what it means, in its unit. They were chosen by hand on simulated sessions with effects
+hidden in them, those of `docs/discrepancy.md`, unless a line says otherwise. Whoever changes one
+runs `python -m benchmarks.hidden_effects` on fresh seeds; the figure that moves first is named with
+each group. Numbers of pure computation stand beside the code that uses them.
+"""
+
+from __future__ import annotations
+
+# -- Data that are fitted at all (moves: verdicts 'cannot_tell'; benchmarks/interval_coverage)
+
+# Set-ups of the load cell below which nothing is named: the scatter between them has a standard
+# error of 40 % with four.
+FEWEST_SETUPS = 4
+# Standard deviation of ln B about what equation (2) says of all curves: B follows the curves within
+# 7 %, so that a misfit under voltage cannot be paid with B.
+STIFFNESS_PRIOR_LN = 0.07
+# A curve's length over that of the free length, and over that of the whole sheet: beyond these the
+# unit of its coordinates is wrong.
+SHORTEST_CURVE_RATIO, LONGEST_CURVE_RATIO = 0.1, 1.5
+# Young's moduli outside which a unit is likely to be wrong: softer than rubber, stiffer than steel.
+SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA = 1e6, 1e11
+# Contact's distance along the sheet over its length: beyond it the sheet has slipped out.
+SLIP_LENGTH_RATIO = 1.02
+
+# -- Naming an effect (moves: false names with nothing hidden, and names right at d = 10 to 15)
+
+# Log Bayes factor that the first effect needs. Of 362 sessions with nothing hidden one reached 5.6.
+EVIDENCE_THRESHOLD_LN = 6.0
+# Log Bayes factor that further effects need more than the first.
+FURTHER_EFFECT_LN = 1.5
+# Share of simulated sessions with nothing hidden in which `--calibrate` lets a name pass.
+FALSE_NAME_RATE = 0.01
+# Log odds of a sign that an effect does not have as a rule.
+UNEXPECTED_SIGN_LN = -4.0
+# Log Bayes factor within which two explanations are about as good.
+EQUAL_EVIDENCE_LN = 2.0
+# Share of an effect that may be model-form error: beyond it, it is that effect in name only.
+FORM_SHARE_LIMIT = 0.75
+# Share of model-form error from which on an effect may stand for several others.
+LOOSE_FORM_SHARE = 0.5
+# Relative error of what the effects found before do to each number: below it a further effect may
+# be what their forms leave.
+NEIGHBOUR_FORM_SHARE = 0.08
+# Positions below which cross-validation decides nothing; and the share of its gain that all but
+# the best position may lose.
+FEWEST_POSITIONS, ONE_POSITION_SHARE = 3, 0.1
+# Times that conditions may be left out as outliers.
+OUTLIER_ROUNDS = 2
+
+# -- Which candidates are fitted, not only scored (moves: names right at d = 100, and CPU time)
+
+# Candidates whose evidence is computed with the noise estimated beside them.
+RESCORED_CANDIDATES = 8
+# Log Bayes factor from which on an effect, or an outlier, is among them.
+RESCORED_EVIDENCE_LN, RESCORED_OUTLIER_LN = -0.5, 3.0
+# Other starting values of an effect, about as good, that are fitted, too.
+OTHER_SHAPES = 2
+# Candidates that are fitted: those within this share, or this much, of the best evidence (ln).
+REFINED_EVIDENCE_SHARE, REFINED_EVIDENCE_LN = 0.25, 10.0
+REFINED_CANDIDATES = 4
+# Candidates that are fitted because they explain most with the usual scatter.
+REFINED_AT_USUAL_SCATTER = 2
+# Share of the evidence by which linearisation may misjudge the shape of a strong effect.
+CURVATURE_SHARE = 0.1
+# Times its bounds to which linearisation may lead an amplitude.
+BOUNDS_FACTOR = 10.0
+# Share of model-form error, and scatter over the usual one, from which on a fit may have ended at
+# the wrong place and is repeated from other starting values.
+DOUBTFUL_FORM_SHARE, DOUBTFUL_SCATTER_RATIO = 0.2, 4.0
+
+# -- Probabilities of names (moves: wrong names with certainty; the reliability of probabilities)
+
+# Divisor of log Bayes factors: forms differ from the catalogue's in ways that the noise leaves out.
+EVIDENCE_TEMPERATURE = 2.0
+# Posterior probability from which on a name stands by itself.
+CERTAIN_PROBABILITY = 0.8
+# Posterior probability from which on an alternative is reported, and below which it is dropped.
+REPORTED_PROBABILITY, NEGLIGIBLE_PROBABILITY = 0.05, 0.02
+# Best names among which the choice is repeated with each position left out.
+CROSS_VALIDATED_NAMES = 6
+# Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the
+# coverage in benchmarks/hidden_effects.
+INTERVAL_FREEDOM = 12.0
+
+# -- What no effect explains (moves: 'unknown' for effects outside the catalogue)
+
+# Share of the excess evidence that a right catalogue may leave to nonparametric terms.
+UNEXPLAINED_SHARE = 0.2
+# Log Bayes factor by which a nonparametric term must exceed all names.
+NONPARAMETRIC_MARGIN_LN = 4.5
+# Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.
+EXCESSIVE_SCATTER_RATIO = 6.0
+
+# -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
+
+# Standard deviations at which an effect is found in four of five sessions.
+DETECTION_SIGMA = 4.0
+# Amplitude over the prior scale: what cannot be detected at so much is invisible.
+LARGE_AMPLITUDE = 3.0
+# Standard deviations below which two effects are indistinguishable.
+SEPARATION_SIGMA = 4.0
+# Standard deviations at which two effects that were not found are compared, and at which a
+# proposed measurement separates two effects well enough.
+COMPARISON_SIGMA = 8.0
+# Separation that a proposed measurement must reach, over the present one.
+LEAST_IMPROVEMENT = 1.01
+
+# -- What a report mentions (moves no verdict)
+
+# Standard deviations of a residual that is mentioned: one in a thousand by chance; and how many.
+PLACE_SIGMA, PLACES_REPORTED = 3.3, 12
+# Prediction error before over after, from which on it is reported with the usual ones.
+REPORTED_GAP_RATIO = 1.2
+# Share of model-form error from which on a note says that the form is not the catalogue's.
+REPORTED_FORM_SHARE = 0.5
+# Prediction error along a run or pulse over its noise, which is known less well, to be counted.
+TIME_GAP_RATIO = 1.5
