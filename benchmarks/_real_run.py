@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from drivers.boards.ni.analog_input import InputChannel, NiSignalInput
+from drivers.boards.contract import CURRENT
 from labrig.errors import LabrigError
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
 from labrig.experiment.rig.rig import Rig
-from labrig.experiment.rig.wiring import wire
+from labrig.experiment.rig.wiring import sheet_drive, wire
 from labrig.experiment.run import run_session
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, RunStarted
@@ -78,14 +78,12 @@ def record(folder: Path, bare: BareLoop | None, *, fast: bool) -> str:
 
 
 def _with_two_fast_channels(rig: Rig) -> Rig:
-    ni = rig.config.ni
-    wired = (
-        ("force", ni.force, ni.ranges_V.force),
-        ("drive", ni.drive_readback, ni.ranges_V.drive),
-    )
-    channels = [InputChannel(name, where, volts, "differential") for name, where, volts in wired]
-    signals = NiSignalInput(rig.connection, rig.clock, channels, FAST_HZ, ni.task_names.input)
-    return replace(rig, signals=signals)
+    settings = rig.config.boards.settings()
+    inputs = [each for each in rig.config.family.inputs(settings) if each.name != CURRENT]
+    fast = replace(settings, sample_rate_hz=FAST_HZ)
+    boards = rig.config.family.connect(fast, rig.clock, None)
+    signals = boards.signal_input(inputs)
+    return replace(rig, boards=boards, output=sheet_drive(rig.config, boards), signals=signals)
 
 
 def main(mode: str, folder: Path) -> None:

@@ -55,7 +55,7 @@ class ThreadHandle(Protocol):
     """A thread started by a clock."""
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait for the thread's end, at most `timeout` seconds; tell whether it has ended."""
+        """Wait for the thread's end, at most `timeout` seconds; return whether it has ended."""
 
 
 class Clock(Protocol):
@@ -180,7 +180,7 @@ class SignalBlock:
 
 @dataclass(frozen=True)
 class SampleClock:
-    """Sample indices against clock time: sample i was taken at start_s + i / rate_hz."""
+    """Sample indices against clock time: sample i was acquired at start_s + i / rate_hz."""
 
     start_s: float  # clock time of sample 0
     start_uncertainty_s: float  # half the time the start request took
@@ -268,13 +268,13 @@ class ForceSensor(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """One picture: `image` (rows, columns), grey, 8 or 16 bit."""
+    """One image of a camera: `image` (rows, columns), grey, 8 or 16 bit."""
 
     number: int  # counts every frame since `start`, those not kept too
     time_s: float  # clock time at which the frame was complete on this computer
     device_time_s: float | None  # the camera's own time stamp where it gives one
     image: GreyImage
-    # how much later it came than its time stamp and those before it let expect; 0: nothing can tell
+    # how much later it came than its time stamp and those before it let expect; 0: not known
     late_s: float = 0.0
 
 

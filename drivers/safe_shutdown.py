@@ -30,7 +30,7 @@ class Safety(StrEnum):
 
 @dataclass(frozen=True)
 class SafetyReport:
-    """How making safe went. `failures`: every one, in words, those overcome included."""
+    """How making safe went. `failures`: a sentence each, those overcome included."""
 
     state: Safety
     read_back_V: float | None  # the sheet voltage last seen; None: it could not be seen
@@ -47,7 +47,7 @@ class SafetyReport:
         seen = "not read back"
         if self.read_back_V is not None:
             seen = f"read back as {self.read_back_V:.3f} V"
-        why = told_once(self.failures)
+        why = summary_of(self.failures)
         if self.is_safe:
             return f"the output is safe: 0 V written and {seen}" + (f" (but {why})" if why else "")
         return (
@@ -63,7 +63,7 @@ def make_safe(
     drive_channel: str,
     safe_below_V: float,
 ) -> SafetyReport:
-    """Write 0 V, then look at `drive_channel` until it is below `safe_below_V`. Never raises.
+    """Write 0 V, then read `drive_channel` until it is below `safe_below_V`. Never raises.
 
     Each device has its turn, whatever became of the other, and its own time: it is tried again for
     `PATIENCE_S`, and left alone when it has not answered in `DEVICE_S`. Devices that are not open
@@ -91,15 +91,15 @@ def judge(
 ) -> SafetyReport:
     """Return the report: safe only when 0 V was written and read back."""
     low = seen_V is not None and abs(seen_V) < safe_below_V
-    told = list(dict.fromkeys(failures))  # a device that is tried again says the same again
+    unique = list(dict.fromkeys(failures))  # a device that is tried again fails alike
     if seen_V is not None and not low:
-        told.append(f"the drive voltage reads {seen_V:.3f} V, not below {safe_below_V:g} V")
+        unique.append(f"the drive voltage reads {seen_V:.3f} V, not below {safe_below_V:g} V")
     state = Safety.SAFE if written and low else Safety.UNKNOWN
-    return SafetyReport(state, seen_V, tuple(told))
+    return SafetyReport(state, seen_V, tuple(unique))
 
 
-def told_once(failures: Iterable[str]) -> str:
-    """Failures in words; what one cause has kept from being done stands together before it."""
+def summary_of(failures: Iterable[str]) -> str:
+    """Return failures as one text; those of one cause stand together before it."""
     kept: dict[str, list[str]] = {}
     for failure in failures:
         what, parted, cause = failure.partition(_FAILED)
@@ -110,7 +110,7 @@ def told_once(failures: Iterable[str]) -> str:
 
 
 def attempt(failures: list[str], action: Callable[[], object]) -> bool:
-    """Do it; note a failure in words and tell whether it went well."""
+    """Do it; add a failure as a sentence; return whether it went well."""
     try:
         action()
     except DeviceError as fault:

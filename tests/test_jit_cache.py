@@ -32,8 +32,9 @@ def whole(x, pair):
     return part(x) + OFFSET + pair[1]
 """
 RUN = """
-from {package}.tuples import Pair
+from {package} import tuples
 from {package}.inner.caller import whole
+Pair = getattr(tuples, "Pair", None) or tuples.Renamed
 print(whole(1.0, Pair(first=100.0, second=1000.0)), sum(whole.stats.cache_hits.values()))
 """
 
@@ -90,6 +91,14 @@ def test_a_change_in_another_file_is_compiled_in(package):
     assert package.run() == (123.0, False)
     package.edit("unrelated", "x = 1", "x = 2")
     assert package.run() == (123.0, True)
+
+
+@pytest.mark.slow
+def test_a_renamed_class_leaves_no_code_that_cannot_be_loaded(package):
+    assert package.run() == (1012.0, False)
+    package.edit("tuples", "class Pair", "class Renamed")
+    assert package.run() == (1012.0, False)
+    assert package.run() == (1012.0, True)
 
 
 def test_packages_that_compile_have_equal_modules():

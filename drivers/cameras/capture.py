@@ -36,10 +36,10 @@ class OpenedCapture:
 
     def retrieve(self) -> GreyImage:
         """Return the frame last grabbed, grey."""
-        good, picture = self._capture.retrieve()
-        if not good or picture is None:
+        good, raw = self._capture.retrieve()
+        if not good or raw is None:
             raise DeviceError(f"a frame of camera {self._source} could not be decoded")
-        image = as_grey(picture, self._source)
+        image = as_grey(raw, self._source)
         if image.shape != self.shape or image.dtype != self.dtype:
             raise DeviceError(
                 f"camera {self._source} sent a frame of {_describe(image)} after frames of "
@@ -76,23 +76,23 @@ class OpenedCapture:
         capture.set(BUFFER_SIZE, 1)  # where it can be set: no stale frames
         capture.set(READ_TIMEOUT_MSEC, READ_TIMEOUT_S * 1e3)
         capture.set(CONVERT_RGB, 0)
-        picture = self._read()
+        image = self._read()
         expected = (int(capture.get(HEIGHT)), int(capture.get(WIDTH)))
-        if picture.shape[:2] != expected or not _is_plain(picture):
+        if image.shape[:2] != expected or not _is_plain(image):
             capture.set(CONVERT_RGB, 1)  # packed or compressed data: let OpenCV decode it
-            picture = self._read()
+            image = self._read()
         if self._is_file:
             capture.set(POS_FRAMES, 0)
-        return as_grey(picture, self._source)
+        return as_grey(image, self._source)
 
     def _read(self) -> npt.NDArray[Any]:
-        good, picture = self._capture.read()
-        if not good or picture is None:
+        good, image = self._capture.read()
+        if not good or image is None:
             raise DeviceNotFoundError(
                 f"[camera] source = {self._source}: it opens but sends no frame within "
                 f"{READ_TIMEOUT_S:g} s; check that nothing else uses it"
             )
-        return np.asarray(picture)
+        return np.asarray(image)
 
 
 def open_capture(source: int | str, factory: Callable[..., Any] | None = None) -> OpenedCapture:
@@ -107,24 +107,24 @@ def open_capture(source: int | str, factory: Callable[..., Any] | None = None) -
         raise
 
 
-def as_grey(picture: npt.NDArray[Any], source: int | str) -> GreyImage:
+def as_grey(image: npt.NDArray[Any], source: int | str) -> GreyImage:
     """Rows x columns, 8 or 16 bit, in memory of its own order."""
-    if picture.dtype not in (np.uint8, np.uint16):
-        raise DeviceError(f"camera {source} sends {picture.dtype} pixels; 8 or 16 bit are needed")
-    if picture.ndim == 3 and picture.shape[2] in (3, 4):
+    if image.dtype not in (np.uint8, np.uint16):
+        raise DeviceError(f"camera {source} sends {image.dtype} pixels; 8 or 16 bit are needed")
+    if image.ndim == 3 and image.shape[2] in (3, 4):
         import cv2
 
-        to_grey = cv2.COLOR_BGR2GRAY if picture.shape[2] == 3 else cv2.COLOR_BGRA2GRAY
-        picture = cv2.cvtColor(picture, to_grey)
-    elif picture.ndim == 3 and picture.shape[2] == 1:
-        picture = picture[:, :, 0]
-    if picture.ndim != 2:
-        raise DeviceError(f"camera {source} sends frames of shape {picture.shape}; no picture")
-    return np.ascontiguousarray(picture)
+        to_grey = cv2.COLOR_BGR2GRAY if image.shape[2] == 3 else cv2.COLOR_BGRA2GRAY
+        image = cv2.cvtColor(image, to_grey)
+    elif image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]
+    if image.ndim != 2:
+        raise DeviceError(f"camera {source} sends frames of shape {image.shape}; no image")
+    return np.ascontiguousarray(image)
 
 
-def _is_plain(picture: npt.NDArray[Any]) -> bool:
-    return picture.ndim == 2 or (picture.ndim == 3 and picture.shape[2] in (1, 3, 4))
+def _is_plain(image: npt.NDArray[Any]) -> bool:
+    return image.ndim == 2 or (image.ndim == 3 and image.shape[2] in (1, 3, 4))
 
 
 def _describe(image: npt.NDArray[Any]) -> str:
@@ -133,7 +133,7 @@ def _describe(image: npt.NDArray[Any]) -> str:
 
 def _video_capture(source: int | str) -> Any:
     # We say ourselves what is wrong, also of a stream that ends later. FFmpeg writes by itself, and
-    # is told before it is first used.
+    # is configured before it is first used.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2
 
@@ -161,7 +161,7 @@ def _is_file(source: int | str) -> bool:
 def _why_not(source: int | str) -> str:
     if _is_url(source):
         return (
-            f"nobody sends a picture there (waited {OPEN_TIMEOUT_S:g} s at most); check the "
+            f"nobody sends an image there (waited {OPEN_TIMEOUT_S:g} s at most); check the "
             "address, and that the camera's server runs"
         )
     if isinstance(source, int):

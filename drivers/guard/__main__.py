@@ -13,7 +13,7 @@ from pathlib import Path
 
 from drivers.boards import BOARD_FAMILIES, OutputRescue
 from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
-from drivers.guard.watch import Ending, ParentWatchdog, parent_watch, words_of
+from drivers.guard.watch import Ending, ParentWatchdog, messages_from, parent_watch
 from drivers.interfaces import DeviceError, RealClock
 from drivers.plugins import UnknownPartError
 from drivers.safe_shutdown import SafetyReport
@@ -33,11 +33,13 @@ def main() -> int:
         rescue = _rescue_of(settings, clock)
         rescue.open()
     except DeviceError as fault:
-        _say(FAILED, str(fault))
+        _send(FAILED, str(fault))
         return _FAILED_CODE
     lives = parent_watch(settings.program_pid)
-    _say(READY)
-    ending = ParentWatchdog(settings, clock, words_of(0), lambda: _say(ALIVE), lives).until_end()
+    _send(READY)
+    ending = ParentWatchdog(
+        settings, clock, messages_from(0), lambda: _send(ALIVE), lives
+    ).until_end()
     if ending is Ending.DISARMED:
         rescue.close()
         return _SAFE_CODE
@@ -48,7 +50,7 @@ def main() -> int:
             _kill(settings.program_pid)
 
     report = _act(rescue, clock, end_the_program)
-    _tell_everybody(settings, ending, report)
+    _report(settings, ending, report)
     return _SAFE_CODE if report.is_safe else _UNKNOWN_CODE
 
 
@@ -77,9 +79,9 @@ def _act(rescue: OutputRescue, clock: RealClock, on_held: Callable[[], None]) ->
     return report
 
 
-def _tell_everybody(settings: GuardSettings, ending: Ending, report: SafetyReport) -> None:
+def _report(settings: GuardSettings, ending: Ending, report: SafetyReport) -> None:
     facts = {"why": ending.value, **asdict(report)}
-    _say(REPORT, json.dumps(facts))
+    _send(REPORT, json.dumps(facts))
     with contextlib.suppress(OSError):
         sys.stderr.write(f"labrig's output guard: {ending.value}; {report.text}\n")
         sys.stderr.flush()
@@ -99,10 +101,10 @@ def _first_line() -> str:
     return line.decode("utf-8", errors="replace")
 
 
-def _say(word: str, rest: str = "") -> None:
+def _send(message: str, rest: str = "") -> None:
     """Send a line to the program, which may be gone."""
     with contextlib.suppress(OSError, ValueError):
-        sys.stdout.write(f"{word} {rest}".strip() + "\n")
+        sys.stdout.write(f"{message} {rest}".strip() + "\n")
         sys.stdout.flush()
 
 
@@ -131,5 +133,5 @@ def _kill(program_pid: int) -> None:
 
 if __name__ == "__main__":
     code = main()
-    # A program that hangs may not read our last words: do not wait for it at exit.
+    # A program that hangs may not read our last message: do not wait for it at exit.
     os._exit(code)

@@ -32,7 +32,7 @@ from drivers.safe_shutdown import Safety, SafetyReport
 START_S = 30.0  # a busy computer imports slowly
 ACT_S = 30.0
 _END_S = 5.0
-_DEAF_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
+_UNHEARD_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
 _BEAT_EVERY_S = 0.4 * HEARTBEAT_S
 
 
@@ -80,7 +80,7 @@ class Guard:
         if self._process.poll() is not None:
             return False
         waiting = self._energised and self._unconfirmed > 0
-        return not (waiting and self._clock.now() - self._confirmed_s > _DEAF_S)
+        return not (waiting and self._clock.now() - self._confirmed_s > _UNHEARD_S)
 
     @property
     def report(self) -> SafetyReport | None:
@@ -102,7 +102,7 @@ class Guard:
             return
         self._check()
         self._last_beat_s = now
-        self._tell(BEAT)
+        self._send_if_heard(BEAT)
 
     def energised(self, on: bool) -> None:
         """Before the first voltage (True), and after 0 V was written (False).
@@ -115,12 +115,12 @@ class Guard:
             self._confirmed_s = self._last_beat_s = self._clock.now()
             self._unconfirmed = 0
         self._energised = on
-        self._tell(ENERGISED if on else AT_ZERO)
+        self._send_if_heard(ENERGISED if on else AT_ZERO)
 
     def new_run(self) -> None:
         """Begin a run, at 0 V: its time under voltage is counted from 0."""
         self._check()
-        self._tell(NEW_RUN)
+        self._send_if_heard(NEW_RUN)
 
     def act(self, timeout_s: float = ACT_S) -> SafetyReport:
         """Let the guard make the output safe, by its own connection, and end. Never raises.
@@ -143,7 +143,7 @@ class Guard:
         """End it. May be called twice, and after it has acted.
 
         While the sheet still counts as energised nobody has confirmed 0 V: then the guard is not
-        let go but told to act (see `report`).
+        let go: it is asked to act (see `report`).
         """
         if self._energised and self.alive:
             self.act()
@@ -163,11 +163,11 @@ class Guard:
             "write 0 V if this program failed; start it again"
         )
 
-    def _tell(self, word: bytes) -> None:
-        """Send a word, unless the guard does not listen: a full pipe would block."""
+    def _send_if_heard(self, message: bytes) -> None:
+        """Send a message, unless the guard does not listen: a full pipe would block."""
         if self._unconfirmed < 1000:
             self._unconfirmed += 1
-            self._send(word)
+            self._send(message)
 
     def _send(self, data: bytes) -> None:
         pipe = self._process.stdin

@@ -1,4 +1,4 @@
-"""What the guard must know, and the words that it and the program exchange."""
+"""What the guard must know, and the messages that it and the program exchange."""
 
 from __future__ import annotations
 

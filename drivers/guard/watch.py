@@ -1,4 +1,4 @@
-"""What the guard waits for: words from the program, or their absence."""
+"""What the guard waits for: messages from the program, or their absence."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ class Ending(StrEnum):
 
 
 class ParentWatchdog:
-    """Follows the words on a pipe. `confirm` is called for each lot of them."""
+    """Follows the messages on a pipe. `confirm` is called for each batch of them."""
 
     def __init__(
         self,
         settings: GuardSettings,
         clock: Clock,
-        words: queue.Queue[bytes],
+        messages: queue.Queue[bytes],
         confirm: Callable[[], None],
         parent_lives: Callable[[], bool],
     ) -> None:
         self._settings = settings
         self._clock = clock
-        self._words = words
+        self._messages = messages
         self._confirm = confirm
         self._parent_lives = parent_lives
         self._energised_s: float | None = None  # since when
@@ -72,30 +72,30 @@ class ParentWatchdog:
     def _hear(self) -> Ending | None:
         """Take in what has come, waiting a tick for it at most."""
         try:
-            lot = self._words.get(timeout=_TICK_S)
+            batch = self._messages.get(timeout=_TICK_S)
         except queue.Empty:
             return None
-        if not lot:
+        if not batch:
             return Ending.GONE
         self._heard_s = self._clock.now()
-        for number in lot:
-            word = bytes([number])
-            if word == DISARM:
+        for number in batch:
+            message = bytes([number])
+            if message == DISARM:
                 return Ending.DISARMED
-            if word == ACT:
+            if message == ACT:
                 return Ending.ASKED
-            self._count(word)
+            self._count(message)
         self._confirm()
         return None
 
-    def _count(self, word: bytes) -> None:
+    def _count(self, message: bytes) -> None:
         """Sum the time under voltage."""
-        if word == ENERGISED and self._energised_s is None:
+        if message == ENERGISED and self._energised_s is None:
             self._energised_s = self._heard_s
-        elif word == AT_ZERO and self._energised_s is not None:
+        elif message == AT_ZERO and self._energised_s is not None:
             self._before_s += self._heard_s - self._energised_s
             self._energised_s = None
-        elif word == NEW_RUN:
+        elif message == NEW_RUN:
             self._before_s = 0.0
 
     def _judge(self, now: float) -> Ending | None:
@@ -111,26 +111,26 @@ class ParentWatchdog:
         return None
 
 
-def words_of(pipe: int) -> queue.Queue[bytes]:
-    """Return what comes from a pipe, in lots; an empty one is its end. A thread for Windows."""
-    words: queue.Queue[bytes] = queue.Queue()
+def messages_from(pipe: int) -> queue.Queue[bytes]:
+    """Return what comes from a pipe, in batches; an empty one is its end. A thread for Windows."""
+    messages: queue.Queue[bytes] = queue.Queue()
 
     def read() -> None:
         while True:
             try:
-                lot = os.read(pipe, 4096)
+                batch = os.read(pipe, 4096)
             except OSError:
-                lot = b""
-            words.put(lot)
-            if not lot:
+                batch = b""
+            messages.put(batch)
+            if not batch:
                 return
 
     threading.Thread(target=read, name="pipe", daemon=True).start()
-    return words
+    return messages
 
 
 def parent_watch(program_pid: int) -> Callable[[], bool]:
-    """Whether the program lives, apart from what the pipe tells (all there is on Windows).
+    """Whether the program lives, apart from what the pipe shows (all there is on Windows).
 
     A process that the program has forked may hold the pipe open after the program's death.
     """

@@ -15,13 +15,13 @@ class ManualSettings:
 
 
 class ManualStage:
-    """A `Positioner` that asks. It cannot tell where it is."""
+    """A `Positioner` that asks. It does not know where it is."""
 
     def __init__(self, operator: Operator) -> None:
         self._operator = operator
 
     def open(self) -> None:
-        """Nothing is to be taken."""
+        """Do nothing."""
 
     def move_to(self, position_m: float) -> bool:
         """See `Positioner.move_to`."""
@@ -31,11 +31,11 @@ class ManualStage:
         return self._operator.ask(Prompt(kind="move", text=text, position_m=position_m))
 
     def position(self) -> float | None:
-        """See `Positioner.position`: nothing can tell."""
+        """See `Positioner.position`: not known."""
         return None
 
     def close(self) -> None:
-        """Nothing is to be let go of."""
+        """Do nothing."""
 
 
 def _make(_settings: ManualSettings, around: Surroundings) -> Positioner:

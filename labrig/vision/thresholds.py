@@ -11,8 +11,7 @@ from __future__ import annotations
 
 from typing import Final
 
-# Image: whether one can hold a curve at all. From the camera's side, not tuned; `failures` must
-# not move.
+# Image: whether one can hold a curve at all. Chosen, not tuned; no benchmark moves.
 IMAGE_SIDE_MIN_PX: Final = 16  # rows and columns of the smallest image
 SATURATED_SHARE_MAX: Final = 0.9  # of all pixels at full scale; above: refused
 SATURATED_SHARE_WARNED: Final = 0.005  # of all pixels at full scale, where the sheet is bright
@@ -21,7 +20,7 @@ LEVEL_RANGE_MIN_RATIO: Final = 0.01
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
-# benchmark: by hand on photographs (docs/vision.md), and `accuracy` with a larger scale.
+# no benchmark: tests/labrig/vision/test_vision_thick.py, and photographs (docs/vision.md).
 FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
 DOWNSCALED_THICKNESS_PX: Final = 3.5  # of a strip in the downscaled image
 # a guessed thickness as near as this to the visible one is kept
@@ -46,8 +45,8 @@ CURVATURE_MAX_PER_M: Final = 400.0  # of a usual strip of 40 to 60 mm, searched 
 CURVATURE_REFUSED_RATIO: Final = 1.5  # of a fitted curvature to the largest one searched for
 TURN_MAX_RAD: Final = 4.8  # from clamp to end: 240 degrees and a little
 
-# The sheet's end against the stated length. Half a roll's width, and a scale that is 3 % wrong;
-# benchmark: `failures` with clutter.
+# The sheet's end against the stated length. By trial on drawn scenes, of which some hide the end;
+# benchmark: `failures`, mixed and in clutter.
 LENGTH_ERROR_MAX_PX: Final = 6.0  # or the share below, whichever is more
 LENGTH_ERROR_MAX_RATIO: Final = 0.03  # of the stated length
 UNSEEN_END_MAX_PX: Final = 5.0  # that a sheet without a visible end may continue
@@ -101,8 +100,8 @@ EXCESS_WIDTH_WARNED_PX: Final = 0.5
 UNHIDDEN_SHARE_MIN: Final = 0.97  # of the pixels beside the curve: nothing is hidden there
 BRIDGED_SIGMA_MAX_PX: Final = 1.2  # of a curve where what lies along the sheet was left out
 
-# Side face. Gains are twice a log-likelihood: 15 is about four standard deviations with two free
-# numbers; the rest by trial on faced scenes. Benchmark: `faces`.
+# Side face. Gains are twice a log-likelihood: chance exceeds 15 with two free numbers once in 1800
+# times; the rest by trial on scenes with a face. Benchmark: `faces`.
 SIDE_FACE_GUESS_GAIN_MIN: Final = 8.0  # of a rough guess, to be refined
 SIDE_FACE_GAIN_MIN: Final = 15.0  # of the likeliest face, to be accepted
 LOCAL_STRUCTURE_GAIN_MIN: Final = 60.0  # of what lies beside the sheet in one place, such as a wire
@@ -119,7 +118,7 @@ THICKNESS_EXCESS_MAX_RATIO: Final = 0.15  # by which a sheet may be thicker than
 FOCUS_BLUR_MAX_PX: Final = 1.2  # a larger blur may be a disc's, and look thicker by what is above
 
 # Lateral bias, offsets and their warnings. 16 is four standard deviations of one number; the
-# warned sizes are a few times the sigma of an average curve. Benchmark: `accuracy` (credible band).
+# warned sizes are above the sigma of a curve at SNR 5. Benchmark: `accuracy` (credible band).
 BIAS_RESIDUAL_MIN_RATIO: Final = 0.95  # of residuals to noise, of which Tukey's weights leave 0.9
 BIAS_GAIN_MIN: Final = 16.0  # twice the log-likelihood that a second image explains
 BIAS_USED_SHARE_MIN: Final = 0.5  # of a piece's cells
@@ -138,7 +137,8 @@ NEIGHBOURS_USED_SHARE_MIN: Final = 0.55  # of 12 cells to each side, beside what
 CELL_CONTRAST_RATIOS: Final = (0.35, 2.5)  # of a used cell's contrast to the usual one
 CELL_CONTRAST_MIN_SIGMAS: Final = 1.5  # of a used cell, over one pixel's noise
 
-# Edges of thick strips. In thicknesses and shares; by hand on photographs (docs/vision.md).
+# Edges of thick strips. By trial on drawn strips and photographs (docs/vision.md); no benchmark:
+# tests/labrig/vision/test_vision_thick.py.
 EDGE_DISTANCE_RATIOS: Final = (0.6, 1.6)  # between both edges over the stated thickness
 # of the cells of a block, which is as long as the strip is thick
 EDGE_BLOCK_USED_SHARE_MIN: Final = 0.5
@@ -161,8 +161,8 @@ LINE_DIRECTION_MAX_RAD: Final = 0.35
 CROSSING_LENGTH_MAX_REACHES: Final = 8.0  # of a crossing under an angle of 25 degrees and more
 LINE_COVER_WARNED_SHARE: Final = 0.02  # of the sheet hidden by lines
 
-# Rolls and the contact. By trial on drawn and simulated rolls; benchmark: none, the tests hold
-# misplaced contacts at zero.
+# Rolls and the contact. By trial on drawn and simulated rolls; no benchmark:
+# tests/labrig/vision/test_vision_contact.py.
 ROLL_EDGE_MIN_SIGMAS: Final = 2.5  # of three quarters of the rim, over the smoothed image's noise
 ROLL_EDGE_MIN_RATIO: Final = 0.06  # the same over the sheet's contrast
 ROLL_RESIDUAL_MAX_PX: Final = 0.8  # RMS of the rim's points from their circle
@@ -170,14 +170,16 @@ ROLL_RADIUS_MAX_RATIO: Final = 1.25  # of the larger roll to the smaller
 # from the rolls in the optics to where the curve meets the arc
 NAMED_ROLLS_DISTANCE_MAX_M: Final = 5e-3
 
-# Mean image against single frames. Blur that a mean image forgives, and four standard deviations;
-# benchmark: none, tests on moving sheets.
+# Mean image against single frames. A pixel of movement blurs a mean image; four standard
+# deviations of the frames' mean.
+# No benchmark: tests/labrig/vision/test_vision_compare.py.
 # RMS scatter of the frames' curves that blurs their mean image
 FRAME_SCATTER_WARNED_PX: Final = 1.0
 FRAME_DISTANCE_WARNED_PX: Final = 0.15  # RMS between both that each leaves over
 FRAME_DISTANCE_WARNED_SIGMAS: Final = 4.0  # and of the frames' noise
 
-# Calibration. From what good boards and lenses leave over; benchmark: none, tests on drawn boards.
+# Calibration. Chosen with drawn boards; no benchmark:
+# tests/labrig/vision/test_vision_calibration.py.
 CALIBRATION_RESIDUAL_MAX_PX: Final = 1.0  # RMS; above: refused
 CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
 CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction

@@ -92,7 +92,7 @@ def _effects(options: Options) -> list[Effect]:
     unknown = [name for name in options.exclude if name not in every]
     if unknown:
         raise ModelError(f"there is no effect called '{unknown[0]}'; `labrig effects` lists them")
-    skip = set(options.exclude)
-    if not options.symmetric:
-        skip.add("eibm_asymmetry")  # a parameter of the base model then, not a finding
-    return [e for name, e in every.items() if name not in skip]
+    return [
+        one for name, one in every.items()
+        if name not in options.exclude and (options.symmetric or not one.in_base_model)
+    ]  # fmt: skip

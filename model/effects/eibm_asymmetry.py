@@ -68,6 +68,7 @@ EFFECT = EibmAsymmetry(
         ),
     ),
     form_error_along=("s",),
+    in_base_model=True,
     waves=7,
     by_configuration=True,
 )

@@ -82,6 +82,8 @@ class Effect:
     by_configuration: bool = False
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
+    # whether the base model has it as a parameter, unless it is asked to be symmetric
+    in_base_model: bool = False
     needs_session: bool = False  # says nothing of a single run, whose session has no course
 
     @property

@@ -26,7 +26,8 @@ moonlight = "my_package.moonlight:EFFECT"
 ```
 
 `model.effects.conformance.faults(EFFECT)` says what is wrong with it; `[]` is what its tests want.
-One that cannot be used, or has a name that exists already, is left out with a warning.
+One that cannot be used, or has a name that exists already, is left out with a warning. `diagnose`
+records name and version of the distributions that others come from.
 """
 
 

@@ -26,7 +26,10 @@ B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
 def example_sheet() -> SheetGeometry:
     """The sheet."""
     rest = (np.array([0.0]), np.array([20.0]))
-    return SheetGeometry("long", LENGTH_M, 0.011, 0.21e-3, 0.02, RADIUS_M, 0.0, rest)
+    return SheetGeometry(
+        configuration="long", free_length_m=LENGTH_M, width_m=0.011, thickness_m=0.21e-3,
+        elongation_m=0.02, arc_radius_m=RADIUS_M, arc_origin_rad=0.0, initial_curvature=rest,
+    )  # fmt: skip
 
 
 def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]:

@@ -22,7 +22,7 @@ from model.effects.interface import (
     LoadCellInput,
     Values,
 )
-from model.effects.roll_friction import slid
+from model.effects.sliding import slid
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Profile
 

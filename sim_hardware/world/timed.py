@@ -171,17 +171,9 @@ class _Runner:
     def _run(
         self, number: int, visit: Visit, train: Train, setup: MountedSheet, placed_s: float
     ) -> TimedRun:
-        self._history.advance(placed_s)
-        moved_up = visit.approach == "up"
-        self._history.begin(Stage(start_s=self._history.reached_s, setup=setup, moved_up=moved_up))
-        self._history.moisten()
-        start_s = placed_s + train.wet_s
-        voltages = train.edges()
-        for k, voltage in enumerate([*voltages, 0.0]):
-            when = start_s + k * train.pulse_s
-            self._history.advance(when)
-            if k == 0 or voltage != voltages[k - 1]:
-                self._amplifier.write(voltage / self._settings.amplifier.gain, when)
+        start_s, voltages = placed_s + train.wet_s, train.edges()
+        self._place(setup, placed_s, moved_up=visit.approach == "up")
+        self._drive(voltages, start_s, train.pulse_s)
         time_s, drive_V, force_N = self._signals(start_s, len(voltages) * train.pulse_s)
         sampled_s = np.asarray(np.arange(len(voltages)) * train.pulse_s + train.sample_s)
         readings_N = _filtered(force_N, sampled_s, train.half_window_s)
@@ -221,6 +213,20 @@ class _Runner:
             force_N=_blocks(force_N, self._block),
             scatter=setup.scatter,
         )
+
+    def _place(self, setup: MountedSheet, placed_s: float, *, moved_up: bool) -> None:
+        """Put the load cell to the moistened sheet of a set-up."""
+        self._history.advance(placed_s)
+        self._history.begin(Stage(start_s=self._history.reached_s, setup=setup, moved_up=moved_up))
+        self._history.moisten()
+
+    def _drive(self, voltages: Sequence[float], start_s: float, pulse_s: float) -> None:
+        """Write each voltage for the time of a pulse, then 0 V."""
+        for k, voltage in enumerate([*voltages, 0.0]):
+            when = start_s + k * pulse_s
+            self._history.advance(when)
+            if k == 0 or voltage != voltages[k - 1]:
+                self._amplifier.write(voltage / self._settings.amplifier.gain, when)
 
     def _signals(
         self, start_s: float, length_s: float

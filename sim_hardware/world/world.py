@@ -21,15 +21,14 @@ from sim_hardware.world.record import Record
 from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
+from sim_hardware.world.signals.electrical import ElectricalSignals
 from sim_hardware.world.signals.load_cell import CellFault, SimulatedLoadCell
-from sim_hardware.world.signals.noise import WhiteNoise
 from sim_hardware.world.signals.supply_relay import SupplyRelay
 from sim_hardware.world.view import contact_of, shape_of
 
 FloatArray = npt.NDArray[np.float64]
 
 _INPUTS: tuple[Signal, ...] = ("force", "current", "readback")
-_CURRENT_STREAM, _READBACK_STREAM = 0xCE112, 0xCE113
 _DRIVEN_V = 0.05
 _ROWS_PER_S = 100
 _INSTANTS = 3  # of an exposure
@@ -61,8 +60,7 @@ class World:
             self._amplifier.supply(clock.now(), on=False)
         self._driven_calls: list[Callable[[float], None]] = []
         self._broken: dict[str, float] = {}
-        self._current_noise = WhiteNoise(settings.seed, _CURRENT_STREAM)
-        self._readback_noise = WhiteNoise(settings.seed, _READBACK_STREAM)
+        self._electrical = ElectricalSignals(settings.electrical, self._amplifier, settings.seed)
         first = Stage(
             start_s=clock.now(), setup=self._new_setup(next(iter(settings.configurations)), None)
         )
@@ -203,13 +201,10 @@ class World:
                 moments = self._history.at(times)
                 return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
             if signal == "current":
-                return self._current_volts(times) + self._noise(
-                    self._current_noise, self.settings.electrical.current_noise_mV, since
-                )
+                sheet_V = self._history.states(times)[:, 0]
+                return self._electrical.current_V(times, sheet_V, since)
             self._history.advance(float(times[-1]))
-            return self._amplifier.output_V(times) + self._noise(
-                self._readback_noise, self.settings.electrical.readback_noise_mV, since
-            )
+            return self._electrical.readback_V(times, since)
 
     def true_force_N(self, when: float) -> float:
         """Force along the load cell's axis, without noise or faults of the cell."""
@@ -317,18 +312,6 @@ class World:
 
     def _moment(self, when: float) -> Moment:
         return self._history.at(np.array([when]))[-1]
-
-    def _current_volts(self, times: FloatArray) -> FloatArray:
-        """Return the charging current of the sheet and its leak, as volts across the shunt."""
-        e = self.settings.electrical
-        sheet_V = self._history.states(times)[:, 0]
-        charging = (self._amplifier.output_V(times) - sheet_V) / e.rise_time_s
-        current = e.capacitance_mF * 1e-3 * charging + sheet_V / e.leak_ohm
-        return np.asarray(e.shunt_ohm * current)
-
-    @staticmethod
-    def _noise(noise: WhiteNoise, sigma_mV: float, since: FloatArray) -> FloatArray:
-        return sigma_mV * 1e-3 * noise.at(since)
 
     def _watch(self, times: FloatArray, sheet_V: FloatArray, force_N: FloatArray) -> None:
         """Record the force while the sheet is driven; the grid was made for these times."""

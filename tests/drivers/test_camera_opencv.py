@@ -148,7 +148,7 @@ def test_a_url_that_nobody_serves_is_refused_in_bounded_time():
         probe.bind(("127.0.0.1", 0))
         url = f"http://127.0.0.1:{probe.getsockname()[1]}/"
     began = time.perf_counter()
-    with pytest.raises(DeviceNotFoundError, match="nobody sends a picture there"):
+    with pytest.raises(DeviceNotFoundError, match="nobody sends an image there"):
         CaptureCamera(url, RealClock()).open()
     assert time.perf_counter() - began < 6.0
 

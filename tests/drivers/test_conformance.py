@@ -36,7 +36,6 @@ from drivers.positioners import POSITIONERS
 from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.manual import ManualStage
 from drivers.positioners.zaber import ZaberStage
-from labrig.testing import FakeRig
 from sim_hardware import serial_devices as simulated
 from sim_hardware.camera import SimulatedCapture
 from sim_hardware.clock import VirtualClock
@@ -284,14 +283,6 @@ def test_boards_with_a_meter_keep_the_contract_of_inputs(simulated_ni):
     signals.board._inputs = signals.board._inputs[1:]  # all but the force
     signals.board._ranges = signals.board._ranges[1:]
     assert signal_faults(signals, clock) == []
-
-
-def test_the_fake_rig_keeps_the_contract_but_that_its_devices_are_always_open():
-    rig = FakeRig()
-    assert signal_faults(rig.signals, rig.clock) == [
-        "start before open was not refused with DeviceError",
-        "start after close was not refused with DeviceError",
-    ]
 
 
 def test_a_connection_that_is_not_open_raises_device_errors_only():

@@ -101,9 +101,11 @@ def test_a_location_that_cannot_be_used_is_left_out_with_a_sentence(
 def test_a_location_of_another_distribution_is_predicted_and_looked_for(
     tmp_path, monkeypatch, truth
 ):
-    profile = Profile("s", (0.0, 0.05), (2.0, 2.0), (0.0, 0.0), "1/m")
-    ours = truth.with_effects(ActiveEffect("unknown", profile=profile, location="rest_curvature"))
-    theirs = truth.with_effects(ActiveEffect("unknown", profile=profile, location="humidity"))
+    profile = Profile(along="s", at=(0.0, 0.05), values=(2.0, 2.0), sigma=(0.0, 0.0), unit="1/m")
+    ours = truth.with_effects(
+        ActiveEffect(name="unknown", profile=profile, location="rest_curvature")
+    )
+    theirs = truth.with_effects(ActiveEffect(name="unknown", profile=profile, location="humidity"))
     with pytest.raises(ModelError, match="no location of discrepancy 'humidity'"):
         predict(theirs, "long", 0.02, 2.0)
     install(tmp_path, "moist_air", "[labrig.locations]\nhumidity = moist_air:LOCATION\n", HUMIDITY)
@@ -111,7 +113,9 @@ def test_a_location_of_another_distribution_is_predicted_and_looked_for(
     assert list(locations()).index("humidity") == list(locations()).index("compliance") + 1
     assert origins() == {"humidity": "moist_air 1.0"}
     twice = replace(profile, values=(4.0, 4.0))
-    ours = truth.with_effects(ActiveEffect("unknown", profile=twice, location="rest_curvature"))
+    ours = truth.with_effects(
+        ActiveEffect(name="unknown", profile=twice, location="rest_curvature")
+    )
     wanted = predict(ours, "long", 0.02, 2.0)
     found = predict(theirs, "long", 0.02, 2.0)
     assert pytest.approx(wanted.F_N, rel=1e-9) == found.F_N

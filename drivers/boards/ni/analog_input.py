@@ -166,7 +166,7 @@ class NiSignalInput:
             with self._connection.errors(doing):
                 yield
         except TaskGoneError:
-            self._task = None  # somebody has taken the rig over; it can be opened anew
+            self._task = None  # somebody has made the rig safe; it can be opened again
             self._running = False
             raise
 
@@ -221,7 +221,7 @@ class NiSignalInput:
         return volts
 
     def _how_many_lost(self, task: Any) -> str:
-        """As much as the driver still tells of an overflow; must not fail itself."""
+        """Return what the driver still reports of an overflow; must not fail itself."""
         try:
             with self._connection.errors("asking how many samples are lost"):
                 acquired = int(task.in_stream.total_samp_per_chan_acquired)

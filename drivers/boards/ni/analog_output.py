@@ -73,7 +73,7 @@ class NiVoltageOutput:
                 write_now(task, board_V)
                 after_s = self._clock.now()
         except TaskGoneError:
-            self._task = None  # somebody has made the output safe; it can be opened anew
+            self._task = None  # somebody has made the output safe; it can be opened again
             raise
         self._last_V = board_V
         return BoardWrite(before_s, after_s)
@@ -105,7 +105,7 @@ class NiVoltageOutput:
 
 
 def write_now(task: Any, board_V: float) -> None:
-    """One sample in one round trip (nidaqmx' `Task.write` makes several to look at the task)."""
+    """Write one sample in one round trip (nidaqmx' `Task.write` makes several)."""
     from nidaqmx.stream_writers import AnalogSingleChannelWriter
 
     writer = AnalogSingleChannelWriter(task.out_stream, auto_start=False)

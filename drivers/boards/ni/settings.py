@@ -32,14 +32,14 @@ def check_address(value: str) -> None:
 
 
 def _channel(default: str, description: str) -> str:
-    said = {"check": check_channel, "description": description}
-    channel: str = field(default=default, metadata=said)
+    facts = {"check": check_channel, "description": description}
+    channel: str = field(default=default, metadata=facts)
     return channel
 
 
 def _range(default: float, description: str) -> float:
-    said = {"gt": 0, "le": 10.0, "unit": "V", "description": description}
-    largest: float = field(default=default, metadata=said)
+    facts = {"gt": 0, "le": 10.0, "unit": "V", "description": description}
+    largest: float = field(default=default, metadata=facts)
     return largest
 
 

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.fit.context import CrossSection, FitContext, look
+from labrig.vision.fit.context import CrossSection, FitContext, measure_along
 from labrig.vision.fit.curve_fit import CurveFit, ridge_points
 from labrig.vision.image.image import SMOOTHING_PX
 from labrig.vision.thresholds import (
@@ -92,16 +92,16 @@ def _sharper_section(fit: CurveFit, context: FitContext) -> tuple[float, float]:
 
 
 def _residual_squares(fit: CurveFit, context: FitContext, section: CrossSection) -> float:
-    cells, _ = look(fit.shape, context, section, 20 * fit.noise, fit.used)
+    cells, _ = measure_along(fit.shape, context, section, 20 * fit.noise, fit.used)
     return float(cells[fit.used & ~section.elongation, 5].sum()) / fit.noise**2
 
 
 def _visible_widths(section: CrossSection, blur: float) -> FloatArray:
     """Return (cells,) full width at half height of a blurred band with its face."""
-    look = np.round(
+    sizes_px = np.round(
         np.stack([section.half_width, np.abs(section.side_face) * (section.side_face_share > 0)]), 1
     )
-    kinds, which = np.unique(look, axis=1, return_inverse=True)
+    kinds, which = np.unique(sizes_px, axis=1, return_inverse=True)
     widths = [
         _visible_width(half, side_face, section.side_face_share, blur)
         for half, side_face in kinds.T

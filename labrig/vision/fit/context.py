@@ -78,7 +78,7 @@ def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
     return mask
 
 
-def look(
+def measure_along(
     shape: CurveShape, context: FitContext, section: CrossSection, noise: float, used: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
     """Measure the sheet along a curve: see `cross_section.measure`, and the share of pixels."""

@@ -18,7 +18,7 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
-from labrig.vision.fit.context import WINDOW_CELLS, CrossSection, FitContext, look
+from labrig.vision.fit.context import WINDOW_CELLS, CrossSection, FitContext, measure_along
 from labrig.vision.thresholds import (
     CELL_CONTRAST_MIN_SIGMAS,
     CELL_CONTRAST_RATIOS,
@@ -232,7 +232,8 @@ def fit_intensities(
 
 
 def _contrast(shape: CurveShape, context: FitContext, section: CrossSection) -> float:
-    cells, _ = look(shape, context, section, 1e6, np.ones(len(section.half_width), dtype=bool))
+    everywhere = np.ones(len(section.half_width), dtype=bool)
+    cells, _ = measure_along(shape, context, section, 1e6, everywhere)
     return float(np.median(np.abs(cells[:, 0])))
 
 
@@ -255,7 +256,7 @@ def _iteration(
 ) -> CurveFit:
     # far from all that is used, contrast and background come from the doubtful cells themselves
     measured_cells = used | ~_grown(used, WINDOW_CELLS)
-    cells, present = look(shape, context, section, noise, measured_cells)
+    cells, present = measure_along(shape, context, section, noise, measured_cells)
     used = usable_cells(cells, present, context, section, noise)
     level = float(np.sqrt(cells[used, 5].sum() / max(cells[used, 6].sum(), 1.0)))
     # Tukey's weights shrink the residuals of pure noise by 6 %

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +13,7 @@ from labrig.vision.checks.acceptance import Verdict
 from labrig.vision.checks.residual import offset_px
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.curve.background_lines import BackgroundLine, hidden_by
-from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.context import CrossSection, FitContext
 from labrig.vision.fit.curve_fit import CurveFit, spread
 from labrig.vision.thresholds import (
     BIAS_WARNED_PX,
@@ -34,7 +35,7 @@ def report(
     excess_px: FloatArray | None = None,
     bias_px: FloatArray | None = None,
 ) -> NeutralCurve:
-    """Return the curve as others see it; empty, with the reason, when the self-check failed.
+    """Return a fitted curve in metres; without arrays, with the reason, where it is refused.
 
     `excess_px` (nodes,): how much wider the sheet looks than it is, as `excess_width_px` has it;
     `bias_px` (nodes,): how far what touches the sheet may pull the curve; see `lateral_bias_px`.
@@ -49,84 +50,88 @@ def report(
             residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,
         )
     shape, ppm = fit.shape, context.optics.px_per_m
+    none = np.zeros(len(shape.x))
+    excess = none if excess_px is None else excess_px
+    bias = none if bias_px is None else bias_px
+    offset = offset_px(fit, context)
+    deviation = verdict.join.deviation_px if verdict.join.doubtful else None
     covariance, modes = fit.covariance, shape.normal_modes()
-    noise_px = spread(modes, covariance)
-    rows = shape.basis.curvature
+    in_image = (
+        spread(modes, covariance) ** 2
+        + (excess / 2) ** 2
+        + (none if deviation is None else deviation) ** 2
+        + bias**2
+        + offset**2
+    )
     # offset in m, angle in rad, coefficients in 1/m
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
-    excess = np.zeros(len(shape.x)) if excess_px is None else excess_px
-    if excess.max() > EXCESS_WIDTH_WARNED_PX:
-        message = (
-            f"the sheet looks, or may look, up to {excess.max():.1f} pixels wider than it is "
-            "thick; its face is seen with its edge, or it is out of focus; the curve may be off by "
-            "half of that"
-        )
-        warnings = (*warnings, message)
-    join = verdict.join
-    aside = (
-        join.deviation_px
-        if join.doubtful and join.deviation_px is not None
-        else np.zeros_like(excess)
-    )
-    pull = np.zeros_like(excess) if bias_px is None else bias_px
-    if pull.max() > BIAS_WARNED_PX:
-        message = (
-            "something touches the sheet on one side, such as its reflection, and may pull the "
-            f"curve by up to {pull.max():.2f} pixels; the credible band holds it"
-        )
-        warnings = (*warnings, message)
-    beside = offset_px(fit, context)
-    if beside.max() > OFFSET_WARNED_PX:
-        message = (
-            f"what looks like the sheet lies up to {beside.max():.1f} pixels beside the curve "
-            "where it is not as thick or as smooth as a sheet; the credible band holds both"
-        )
-        warnings = (*warnings, message)
-    side_face = (
-        float(np.abs(fit.section.side_face).max()) if fit.section.side_face_share > 0 else 0.0
-    )
-    if side_face * fit.section.side_face_share > EXCESS_WIDTH_WARNED_PX:
-        message = (
-            f"the sheet's side face shows beside its edge, up to {side_face:.1f} pixels wide and "
-            f"{fit.section.side_face_share:.0%} as strong; it was separated "
-            "from the edge and left out"
-        )
-        warnings = (*warnings, message)
-    contrast = fit.usual_contrast
     return NeutralCurve(
         ok=True,
-        warnings=warnings,
+        warnings=(*warnings, *_warnings(fit.section, excess, bias, offset)),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
-        sigma_m=np.sqrt(
-            (noise_px**2 + (excess / 2) ** 2 + aside**2 + pull**2 + beside**2) / ppm**2
-            + systematic_m(fit, context) ** 2
-        ),
+        sigma_m=np.sqrt(in_image / ppm**2 + systematic_m(fit, context) ** 2),
         excess_px=excess,
-        lateral_bias_px=pull,
-        curvature_sigma_per_m=spread(rows, covariance[2:, 2:]) * ppm,
+        lateral_bias_px=bias,
+        curvature_sigma_per_m=spread(shape.basis.curvature, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=_resolution_px(fit, covariance) / ppm,
         points_px=context.nodes_px(shape),
-        covered=verdict.covered,
-        seen=np.append(fit.used, fit.used[-1]),
-        residual_px=verdict.residual_px,
-        contrast=contrast,
-        snr=contrast / fit.noise,
         parameters=shape.parameters * unit,
         covariance=covariance * np.outer(unit, unit),
         normal_modes=modes / ppm / unit,
-        polarity="bright" if context.sign > 0 else "dark",
-        blur_px=fit.section.blur,
         free_length_m=shape.basis.free_px / ppm,
         thickness_m=2 * float(fit.section.half_width[0]) / ppm,
-        elongation_width_px=2 * float(fit.section.half_width[-1])
-        if fit.section.elongation.any()
-        else 0.0,
-        side_face_px=np.append(fit.section.side_face, fit.section.side_face[-1]),
-        side_face_share=fit.section.side_face_share,
+        polarity="bright" if context.sign > 0 else "dark",
+        **_appearance(fit, verdict),
     )
+
+
+def _appearance(fit: CurveFit, verdict: Verdict) -> dict[str, Any]:
+    """Return how the sheet looks: the part of a curve that needs no calibration."""
+    section, contrast = fit.section, fit.usual_contrast
+    elongated = section.elongation.any()
+    return {
+        "covered": verdict.covered,
+        "seen": np.append(fit.used, fit.used[-1]),
+        "residual_px": verdict.residual_px,
+        "contrast": contrast,
+        "snr": contrast / fit.noise,
+        "blur_px": section.blur,
+        "elongation_width_px": 2 * float(section.half_width[-1]) if elongated else 0.0,
+        "side_face_px": np.append(section.side_face, section.side_face[-1]),
+        "side_face_share": section.side_face_share,
+    }
+
+
+def _warnings(
+    section: CrossSection, excess: FloatArray, bias: FloatArray, offset: FloatArray
+) -> Iterator[str]:
+    """Yield what widens the credible band, or was left out; the arrays are (nodes,) pixels."""
+    if excess.max() > EXCESS_WIDTH_WARNED_PX:
+        yield (
+            f"the sheet looks, or may look, up to {excess.max():.1f} pixels wider than it is "
+            "thick; its face is seen with its edge, or it is out of focus; the curve may be off by "
+            "half of that"
+        )
+    if bias.max() > BIAS_WARNED_PX:
+        yield (
+            "something touches the sheet on one side, such as its reflection, and may pull the "
+            f"curve by up to {bias.max():.2f} pixels; the credible band holds it"
+        )
+    if offset.max() > OFFSET_WARNED_PX:
+        yield (
+            f"what looks like the sheet lies up to {offset.max():.1f} pixels beside the curve "
+            "where it is not as thick or as smooth as a sheet; the credible band holds both"
+        )
+    share = section.side_face_share
+    side_face = float(np.abs(section.side_face).max()) if share > 0 else 0.0
+    if side_face * share > EXCESS_WIDTH_WARNED_PX:
+        yield (
+            f"the sheet's side face shows beside its edge, up to {side_face:.1f} pixels wide and "
+            f"{share:.0%} as strong; it was separated from the edge and left out"
+        )
 
 
 def with_wires(

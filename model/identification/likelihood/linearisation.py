@@ -71,7 +71,9 @@ def base_steps(
     result = {}
     none = study.no_step(c)
     by = np.zeros_like(none.beam)
-    by[:, -2] = 1.0
+    # what a set-up added multiplies the parameters: derivatives are those of the mean set-up, or
+    # those in which it happens to be large would count for more
+    by[:, -2] = 1.0 if state.mounting is None else 1.0 / (1.0 + state.mounting.stiffness)
     result[one.stiffness] = replace(none, beam=by)
     for voltage, (first, sign) in one.eibm.items():
         own = scene.voltage_V == voltage
@@ -119,7 +121,8 @@ def sensitivities(
         base = bases.beam(study, c, theta)
         base = mounted[c].applied(base) if mounted else base
         state = study.state(c, base, active)
-        states.append(replace(state, mounting=mounted[c] if mounted else None))
+        state = replace(state, mounting=mounted[c]) if mounted else state
+        states.append(state)
         residual += state.residual
         for i, step in base_steps(study, bases, c, state, base).items():
             columns[:, i] += study.rows_of(c, state, step)

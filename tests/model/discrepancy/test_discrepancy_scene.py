@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import predict
+from model import Parameter, predict
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
@@ -16,6 +16,7 @@ from model.identification.likelihood.contact_solution import ConfigurationModel,
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import AppliedEffect
 from model.mechanics.field import Field
+from model.sheet.beam_problem import ActiveEffect
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
 STIFF = {"long": 1.27e-6, "short": 8.5e-7}
@@ -112,6 +113,32 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
     assert change > 1e-6
     left = np.nanmax(np.abs(state.solved.force_N - contact.force_N))
     assert left < 2e-3 * change
+
+
+@pytest.mark.parametrize(
+    "effect_name",
+    [
+        "clamp_angle", "clamp_compliance", "eibm_asymmetry", "gravity", "nonlinear_stiffness",
+        "position_error", "roll_friction", "roll_offset", "force_offset", "surface_tension",
+        "load_cell_misalignment",
+    ],
+)  # fmt: skip
+def test_an_effect_adds_to_the_fitted_forces_what_it_adds_to_the_predicted_ones(
+    studies, truth, effect_name
+):
+    study, one = studies["long"][0], effect(effect_name)
+    values, scene, part = plausible(one), study.scenes[0], study.part(0)
+    rows, conditions = part.trend_rows[part.is_mean], part.trend_of[part.is_mean]
+    active = (AppliedEffect(one, {"long": values}),)
+    plain, there = (study.state(0, base(scene, "long"), a).residual[rows] for a in ((), active))
+    parameters = {name: Parameter(value, 0.0, "") for name, value in values.items()}
+    with_it = truth.with_effects(ActiveEffect(name=effect_name, parameters=parameters))
+    added = []
+    for k in conditions:
+        at = ("long", scene.stated_m[k], scene.voltage_V[k])
+        added.append(predict(with_it, *at).F_N - predict(truth, *at).F_N)
+    assert np.max(np.abs(added)) > 1e-7
+    np.testing.assert_allclose(plain - there, added, rtol=1e-4, atol=1e-9)
 
 
 def test_a_rig_turned_over_is_one_whose_weight_pulls_the_other_way(measure):

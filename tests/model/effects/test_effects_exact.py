@@ -12,7 +12,7 @@ from model.effects._memory import lagging
 from model.effects.conformance import plausible
 from model.effects.interface import AcquisitionTimes, LoadCellInput
 from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
-from model.effects.roll_friction import slid
+from model.effects.sliding import slid
 from model.locations.examples import (
     LENGTH_M,
     NODES,

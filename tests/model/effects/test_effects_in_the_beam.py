@@ -13,7 +13,7 @@ from model import Condition, Curve, Measurements, Reading, SheetGeometry
 from model.effects import Effect, catalogue, effect
 from model.effects.conformance import acts, plausible
 from model.effects.interface import BeamProblem, ContactSolution
-from model.effects.roll_friction import slid
+from model.effects.sliding import slid
 from model.identification.data.data_vector import look
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.mechanics.equilibrium import problems, solve

@@ -1,0 +1,87 @@
+"""The devices that docs/devices.md shows keep their contracts, as they stand there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from drivers import cameras, force_sensors, positioners
+from drivers.cameras.conformance import camera_faults
+from drivers.force_sensors.conformance import force_sensor_faults
+from drivers.interfaces import RealClock
+from drivers.positioners.conformance import positioner_faults
+from labrig.config.derived import model_of
+from sim_hardware.clock import VirtualClock
+
+PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text(encoding="utf-8")
+
+
+def shown(constant: str) -> Any:
+    """The part of the block of code that defines this constant."""
+    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    (code,) = (block for block in blocks if f"\n{constant} =" in block)
+    names: dict[str, Any] = {"__name__": f"docs_{constant.lower()}"}
+    exec(compile(code, "docs/devices.md", "exec", dont_inherit=True), names)
+    return names[constant]
+
+
+class Line:
+    """A serial line to a device that answers each command at once."""
+
+    def __init__(self, answer) -> None:
+        self.answer, self.said = answer, b""
+
+    def __call__(self, port: str, **options: object) -> Line:
+        return self
+
+    def write(self, data: bytes) -> None:
+        self.said += self.answer(data.decode().strip()).encode() + b"\n"
+
+    def read_until(self, end: bytes) -> bytes:
+        line, found, self.said = self.said.partition(end)
+        return line + found
+
+    def close(self) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("folder", "constant"),
+    [
+        (cameras.CAMERAS, "CAMERA"),
+        (positioners.POSITIONERS, "POSITIONER"),
+        (force_sensors.FORCE_SENSORS, "FORCE_SENSOR"),
+    ],
+)
+def test_each_is_a_kind_whose_settings_make_a_table(folder, constant):
+    part = shown(constant)
+    assert folder.faults(part) == []
+    assert model_of(part.settings, part.kind).model_json_schema()["properties"]["kind"]
+
+
+def test_the_camera_keeps_the_contract():
+    kind, clock = shown("CAMERA"), VirtualClock()
+    camera = kind.make(kind.settings(source="bar:"), clock, 25.0)
+    assert camera_faults(camera, clock) == []
+
+
+def test_the_positioner_keeps_the_contract():
+    kind, place_mm = shown("POSITIONER"), [0.0]
+
+    def stepper(command: str) -> str:
+        if command.startswith("G "):
+            place_mm[0] = float(command[2:])
+        return f"{place_mm[0]:.3f}"
+
+    around = SimpleNamespace(transport=Line(stepper))
+    stage = kind.make(kind.settings(port="COM1"), around)
+    assert positioner_faults(stage, RealClock(), outside_m=0.1) == []
+
+
+def test_the_force_sensor_keeps_the_contract():
+    kind = shown("FORCE_SENSOR")
+    sensor = kind.make(kind.settings(port="COM1"), RealClock(), Line(lambda _command: "12.3"))
+    assert force_sensor_faults(sensor, RealClock()) == []
