@@ -49,11 +49,11 @@ def _beside(rig: Path, name: str) -> Path:
 
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
-    """Open the rig, look at everything, close it. `folder` is where the session would go."""
+    """Open the rig, check everything, close it. `folder` is where the session would go."""
     checks = [*calibrations(plan), _disk(plan, folder)]
     try:
         with opened(rig):
-            checks += look(rig, plan)
+            checks += open_rig_checks(rig, plan)
     except NotReadyError as fault:
         checks.append(
             Check(name="devices", ok=False, found=str(fault), wanted="every device there")
@@ -61,7 +61,7 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     return checks
 
 
-def look(rig: Rig, plan: Plan) -> list[Check]:
+def open_rig_checks(rig: Rig, plan: Plan) -> list[Check]:
     """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
