@@ -85,7 +85,7 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
         try:
             yield InterlockWatchdog(watch, rig.interlock)
         finally:
-            with suppress(DeviceError):  # without edges it drops, which is the safe side
+            with suppress(Exception):  # without edges it drops, which is the safe side
                 rig.interlock.close()
 
 
