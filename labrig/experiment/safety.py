@@ -10,7 +10,7 @@ from drivers.amplifier import Amplifier
 from drivers.boards import OutputRescue
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport, attempt, report_of
-from labrig.config import ReplayConfig, RigConfig, load_rig
+from labrig.config import ReplayConfig, RigConfig, load_output
 
 _PATIENCE_S = 5.0  # with a device that another program still holds
 
@@ -36,8 +36,8 @@ def output_place(config: RigConfig) -> dict[str, Any]:
 
 
 def make_rig_safe(rig: Path) -> SafeReport:
-    """Free the rig's tasks, write 0 V, read it back. Raises only for what rig.toml says wrongly."""
-    config = load_rig(rig)
+    """Free the rig's tasks, write 0 V, read it back. Raises only for what rig.toml says wrongly of it."""
+    config = load_output(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
         return SafeReport(is_safe=True, text="a simulated output ends with its program: 0 V")
     report = _made_safe(config)
