@@ -36,7 +36,7 @@ def output_place(config: RigConfig) -> dict[str, Any]:
 
 
 def make_rig_safe(rig: Path) -> SafeReport:
-    """Free the rig's tasks, write 0 V, read it back. Raises only for what rig.toml says wrongly of it."""
+    """Free the rig's tasks, write 0 V, read it back. Raises only for rig.toml's own faults."""
     config = load_output(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
         return SafeReport(is_safe=True, text="a simulated output ends with its program: 0 V")
