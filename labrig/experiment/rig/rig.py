@@ -84,6 +84,9 @@ def opened(rig: Rig) -> Iterator[Rig]:
                 take()
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
+            except Exception as fault:
+                why = f"a device cannot be opened: {type(fault).__name__}: {fault}"
+                raise NotReadyError(why) from fault
             releases.append(release)
         yield rig
     finally:
