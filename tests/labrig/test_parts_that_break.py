@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.main import run
+from labrig.config import RigConfig, parse_rig
 from labrig.config.templates import write_templates
+from labrig.experiment.replay import _on_simulated_boards
+from labrig.experiment.rig.channels import inputs_of
 
 CODE = """
 from dataclasses import dataclass, field
@@ -147,3 +150,21 @@ def test_settings_that_their_part_cannot_read_are_refused(check: Check) -> None:
     assert "force_sensor" in said
     assert "its part failed with TypeError: too high" in said
     assert code == 2
+
+
+def test_further_channels_of_other_boards_are_replayed_by_inputs_of_the_default_ones(
+    check: Check,
+) -> None:
+    del check  # installs the parts
+    channels = "".join(
+        f'[channels.{name}]\ninput = "{name}"\nquantity = "heat"\nunit = "degC"\n'
+        for name in ("hot", "cold")
+    )
+    text = '[unconnected]\naddress = "here"\n[load_cell]\ncalibration = "cell.toml"\n'
+    rig = parse_rig(text + channels, "rig.toml")
+    assert isinstance(rig, RigConfig)
+    inputs = inputs_of(_on_simulated_boards(rig))
+    assert [(each.name, each.terminal) for each in inputs[3:]] == [
+        ("hot", "PCI6034E/ai3"),
+        ("cold", "PCI6034E/ai4"),
+    ]
