@@ -49,10 +49,10 @@ def replay_plan(session: RecordedSession) -> Plan:
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
         )
-    return make_plan(_on_simulated_boards(rig), session.texts)
+    return make_plan(on_simulated_boards(rig), session.texts)
 
 
-def _on_simulated_boards(rig: RigConfig) -> RigConfig:
+def on_simulated_boards(rig: RigConfig) -> RigConfig:
     """Replace the boards by the default family, through which recordings are played."""
     tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
     if rig.boards_kind != DEFAULT:

@@ -11,7 +11,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.config import RigConfig, parse_rig
 from labrig.config.templates import write_templates
-from labrig.experiment.replay import _on_simulated_boards
+from labrig.experiment.replay import on_simulated_boards
 from labrig.experiment.rig.channels import inputs_of
 
 CODE = """
@@ -163,7 +163,7 @@ def test_further_channels_of_other_boards_are_replayed_by_inputs_of_the_default_
     text = '[unconnected]\naddress = "here"\n[load_cell]\ncalibration = "cell.toml"\n'
     rig = parse_rig(text + channels, "rig.toml")
     assert isinstance(rig, RigConfig)
-    inputs = inputs_of(_on_simulated_boards(rig))
+    inputs = inputs_of(on_simulated_boards(rig))
     assert [(each.name, each.terminal) for each in inputs[3:]] == [
         ("hot", "PCI6034E/ai3"),
         ("cold", "PCI6034E/ai4"),
