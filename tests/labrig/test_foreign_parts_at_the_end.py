@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,8 +11,8 @@ import pytest
 from drivers.guard import __main__ as guard
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
-from labrig.errors import OutputUnknownError
-from labrig.experiment import safety
+from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.experiment import safety, watchdog
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown
 from sim_hardware.clock import VirtualClock
@@ -147,3 +148,35 @@ def test_labrig_safe_survives_a_rescue_that_cannot_be_closed(
     assert safety._made_safe(
         cast("Any", SimpleNamespace(family=family, boards_kind="other"))
     ).is_safe
+
+
+class Elsewhere:
+    """A rig's config with boards whose place is no plain data."""
+
+    is_simulated = False
+    boards_kind = "other"
+    limits = SimpleNamespace(time_under_voltage_s=1.0)
+
+
+def test_boards_that_the_guard_cannot_be_told_of_are_not_ready(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(watchdog, "output_place", lambda _config: {"place": object()})
+    rig = cast("Rig", SimpleNamespace(config=Elsewhere(), interlock=None))
+    said = r"cannot be told of the boards of \[other\]: TypeError"
+    with pytest.raises(NotReadyError, match=said), watchdog.watched(rig, tmp_path / "s.h5"):
+        pass
+
+
+def test_an_interlock_that_breaks_is_not_ready_or_left_behind(tmp_path: Path) -> None:
+    config = SimpleNamespace(is_simulated=True)
+    rig = SimpleNamespace(config=config, interlock=Device("open"))
+    with (
+        pytest.raises(NotReadyError, match="RuntimeError: open is broken"),
+        watchdog.watched(cast("Rig", rig), tmp_path / "s.h5"),
+    ):
+        pass
+    rig.interlock = Device("close")
+    with watchdog.watched(cast("Rig", rig), tmp_path / "s.h5"):
+        pass
+    assert rig.interlock.calls == ["open", "close"]
