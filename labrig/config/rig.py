@@ -194,7 +194,7 @@ def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
 
 
 # Tables that say nothing of the output. What else is unknown may be the boards, and is an error.
-_NOT_THE_OUTPUT = ("camera", "channels", "current_sense", "force_sensor", "load_cell", "stage")
+NOT_THE_OUTPUT = ("camera", "channels", "current_sense", "force_sensor", "load_cell", "stage")
 
 
 def load_output(path: Path) -> RigConfig | ReplayConfig:
@@ -205,7 +205,7 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
     data = parse_toml(read_text(path), str(path))
     if "replay" in data:
         return validate(ReplayConfig, data, str(path))
-    kept = {name: table for name, table in data.items() if name not in _NOT_THE_OUTPUT}
+    kept = {name: table for name, table in data.items() if name not in NOT_THE_OUTPUT}
     kept["load_cell"] = {"calibration": "load_cell.toml"}  # required, and not read
     return validate(rig_model(), kept, str(path))
 

@@ -21,6 +21,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from labrig.cli.main import run
+from labrig.config.rig import NOT_THE_OUTPUT
 from labrig.config.schema import schemas
 from labrig.config.templates import template_text, write_templates
 
@@ -159,6 +160,8 @@ def test_every_invalid_configuration_ends_with_code_2_and_one_sentence(
     spot, value = case
     if spot.file != "rig.toml":
         command = "run"  # the others do not need that file
+    elif command == "safe" and spot.path[:1] and spot.path[0] in NOT_THE_OUTPUT:
+        command = "check"  # 0 V is written whatever is wrong with these
     files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
     arguments = [*files, "-o", rig / "s.h5"] if command == "run" else files[:1]
     out, err = io.StringIO(), io.StringIO()
