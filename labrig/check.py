@@ -1,4 +1,4 @@
-"""One thing that was looked at: in a preflight, in a session file."""
+"""One check of a preflight or of a session file."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Check:
-    """What was found, and what was wanted. A warning is worth a word but stops nothing."""
+    """What was found, and what was wanted. A warning stops nothing."""
 
     name: str
     ok: bool
@@ -18,11 +18,11 @@ class Check:
 
     @property
     def word(self) -> str:
-        """For a table."""
+        """Return the result as a word, for a table."""
         if not self.ok:
             return "FAILED"
         return "warning" if self.warning else "ok"
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """Return the check for JSON."""
         return {"name": self.name, "ok": self.ok, "found": self.found, "wanted": self.wanted}

@@ -19,6 +19,10 @@ class ExitCode(IntEnum):
     OUTPUT_UNKNOWN = 6  # the output is not known to be safe, whatever else happened
 
 
+class RenamedKeyWarning(DeprecationWarning):
+    """A key of a configuration file has a new name; the old one is read for one release."""
+
+
 class LabrigError(Exception):
     """An error for the user, with the exit code it ends the program with."""
 

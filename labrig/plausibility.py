@@ -41,11 +41,13 @@ def calibration_age(name: str, date: dt.date, warn_after_days: int, today: dt.da
     days = (today - date).days
     wanted = f"at most {warn_after_days} days"
     if days < 0:
-        return Check(name, ok=False, found="dated in the future", wanted="a date in the past")
+        return Check(name=name, ok=False, found="dated in the future", wanted="a date in the past")
     if date == NOT_CALIBRATED:
-        return Check(name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True)
+        return Check(
+            name=name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True
+        )
     late = days > warn_after_days
-    return Check(name, ok=True, found=f"{days} days old", wanted=wanted, warning=late)
+    return Check(name=name, ok=True, found=f"{days} days old", wanted=wanted, warning=late)
 
 
 def _forces(values: list[float]) -> Iterator[str]:

@@ -92,7 +92,7 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:
-    """`labrig replay`: play a session; where it goes is thrown away unless `output` is given."""
+    """`labrig replay`: play a session; it is recorded in a file only if `output` is given."""
     with open_session(session_path) as session, tempfile.TemporaryDirectory() as folder:
         path = output or Path(folder) / "replay.h5"
         plan: Plan = replay_plan(session)
@@ -148,7 +148,7 @@ class RunDisplay:
     ) -> None:
         self._advance = advance
         self._stop = stop
-        self._told_of_stop = False
+        self._stop_reported = False
         self._runs = schedule.runs
         self._whole_s = sum(run.duration_s + move_s for run in schedule.runs)
         self._move_s = move_s
@@ -160,16 +160,16 @@ class RunDisplay:
 
     def __call__(self, event: Event) -> None:
         """See `protocols.execution.event_bus`: called for each event."""
-        if self._running and not self._told_of_stop and self._stop.level is StopLevel.AFTER_PULSE:
-            self._told_of_stop = True
+        if self._running and not self._stop_reported and self._stop.level is StopLevel.AFTER_PULSE:
+            self._stop_reported = True
             warn(_AFTER_PULSE)
         if isinstance(event, RunStarted):
             self._run, self._running, self._invalid = event.run, True, []
-            self._tell(0.0, "")
+            self._report(0.0, "")
         elif isinstance(event, ReadingTaken) and self._run is not None:
             self._invalid += [event.why] * (not event.valid)
             fraction_s = self._run.time_of(event.planned)
-            self._tell(fraction_s, f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
+            self._report(fraction_s, f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
             self._running = False
             self._done_s += self._run.duration_s + self._move_s
@@ -186,13 +186,13 @@ class RunDisplay:
         elif isinstance(event, OutputChanged):
             self._output = event.state
             if self._running and event.state is OutputState.UNKNOWN:
-                warn(f"{event.why}; labrig goes on trying")
+                warn(f"{event.why}; labrig keeps trying")
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
         elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:
             self._advance(1.0, f"{len(self._runs)} runs done · output {event.output.value}")
 
-    def _tell(self, run_s: float, force: str) -> None:
+    def _report(self, run_s: float, force: str) -> None:
         run = self._run
         if run is None:
             return

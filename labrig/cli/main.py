@@ -13,8 +13,8 @@ import typer
 from typer.exceptions import TyperException
 
 from labrig.cli.app import app_for
-from labrig.cli.part_warnings import shown_as_sentences
 from labrig.cli.screen import warn
+from labrig.cli.user_warnings import shown_as_sentences
 from labrig.errors import ExitCode, LabrigError
 from labrig.files import family_of
 from labrig.own_packages import hidden

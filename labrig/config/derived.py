@@ -32,6 +32,7 @@ from pydantic import (
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
 from labrig.config.base import ClosedModel
+from labrig.errors import RenamedKeyWarning
 
 _BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "pattern")
 SIMULATED = "simulated"  # instead of an address, a port or a source; no part's check sees it
@@ -51,9 +52,8 @@ class SettingsModel(ClosedModel):
             return data
         for old, new in cls.former_names.items():
             if old in data and new not in data:
-                warnings.warn(
-                    f"the key {old} is now called {new}", DeprecationWarning, stacklevel=2
-                )
+                text = f"the key {old} is now called {new}; please rename it."
+                warnings.warn(text, RenamedKeyWarning, stacklevel=2)
                 data = {**{key: data[key] for key in data if key != old}, new: data[old]}
         return data
 

@@ -49,17 +49,19 @@ def _beside(rig: Path, name: str) -> Path:
 
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
-    """Open the rig, look at everything, close it. `folder` is where the session would go."""
+    """Open the rig, check everything, close it. `folder` is where the session would go."""
     checks = [*calibrations(plan), _disk(plan, folder)]
     try:
         with opened(rig):
-            checks += look(rig, plan)
+            checks += open_rig_checks(rig, plan)
     except NotReadyError as fault:
-        checks.append(Check("devices", ok=False, found=str(fault), wanted="every device there"))
+        checks.append(
+            Check(name="devices", ok=False, found=str(fault), wanted="every device there")
+        )
     return checks
 
 
-def look(rig: Rig, plan: Plan) -> list[Check]:
+def open_rig_checks(rig: Rig, plan: Plan) -> list[Check]:
     """Return the checks that need the open devices."""
     checks = [*_boards(rig), *_inputs(rig, plan)]
     if rig.camera is not None:
@@ -79,7 +81,7 @@ def calibrations(plan: Plan) -> Iterator[Check]:
             date = dt.date.fromisoformat(optics.date[:10])
         except ValueError:
             found, wanted = f"dated {optics.date!r}", "a date such as 2026-11-02"
-            yield Check("camera calibration", ok=False, found=found, wanted=wanted)
+            yield Check(name="camera calibration", ok=False, found=found, wanted=wanted)
         else:
             yield calibration_age("camera calibration", date, camera.warn_after_days, today)
 
@@ -100,7 +102,7 @@ def _disk(plan: Plan, folder: Path) -> Check:
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     free = shutil.disk_usage(there).free
     return Check(
-        "disk space",
+        name="disk space",
         ok=free >= wanted,
         found=f"{free / 1e9:.1f} GB free",
         wanted=f"at least {wanted / 1e9:.2f} GB for this session",
@@ -109,7 +111,7 @@ def _disk(plan: Plan, folder: Path) -> Check:
 
 def _boards(rig: Rig) -> Iterator[Check]:
     for each in rig.boards.findings():
-        yield Check(each.name, ok=each.ok, found=each.found, wanted=each.wanted)
+        yield Check(name=each.name, ok=each.ok, found=each.found, wanted=each.wanted)
 
 
 def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
@@ -118,7 +120,7 @@ def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
     drive_V = float(np.mean(volts[names.index(DRIVE)]))
     limit_V = plan.rig.limits.safe_below_V
     yield Check(
-        "output at 0 V",
+        name="output at 0 V",
         ok=abs(drive_V) < limit_V,
         found=f"{1e3 * drive_V:+.1f} mV read back",
         wanted=f"within {1e3 * limit_V:g} mV of 0 V",
@@ -126,7 +128,7 @@ def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
     force_V = volts[names.index("force")]
     state = rig.load_cell.check(force_V)
     yield Check(
-        "load cell in its range",
+        name="load cell in its range",
         ok=state.state in {LoadState.FINE, LoadState.ABOVE_CAPACITY},
         found=state.text or f"{1e3 * float(np.mean(rig.load_cell.newtons(force_V))):+.2f} mN",
         wanted=f"within {1e3 * plan.calibration.capacity_N:.1f} mN",
@@ -134,7 +136,7 @@ def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
     )
     scatter_N = float(np.std(_means(rig.load_cell.newtons(force_V), 10)))
     yield Check(
-        "load cell quiet",
+        name="load cell quiet",
         ok=scatter_N < _QUIET_N,
         found=f"{1e3 * scatter_N:.3f} mN from one 50 ms to the next",
         wanted=f"below {1e3 * _QUIET_N:g} mN",
@@ -150,7 +152,7 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(
-        "camera picture size",
+        name="camera picture size",
         ok=wanted_size is None or tuple(wanted_size) == (columns, rows),
         found=f"{columns} x {rows}",
         wanted="any"
@@ -163,7 +165,7 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
         # what a busy computer could not take before comes all at once: so once more
         frames, rate_hz, fault = _watched(rig, camera)
     yield Check(
-        "camera rate",
+        name="camera rate",
         ok=_in_time(rate_hz, target_hz),
         found=fault or f"{rate_hz:g} frames/s",
         wanted=f"{target_hz:g} frames/s (protocol.toml)",
@@ -172,7 +174,7 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
         image = frames[-1].image
         spread = float(np.ptp(image))
         yield Check(
-            "camera sees something",
+            name="camera sees something",
             ok=spread > 0.05 * np.iinfo(image.dtype).max,
             found=f"grey levels {int(image.min())} to {int(image.max())}",
             wanted="neither black nor blank",

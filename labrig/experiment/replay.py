@@ -1,8 +1,8 @@
-"""A recorded session stands where the rig stands: its samples and frames, through the drivers.
+"""Replay: a recorded session in place of the rig, its samples and frames through the drivers.
 
-Boards and camera are simulated as ever; what they measure is what was recorded. The director is
-told of each run as it begins, and from then on answers every request for a sample with the one of
-the same index, and every frame at its recorded distance from the run's first sample.
+Boards and camera are simulated; they measure what was recorded. The director is notified of each
+run as it begins. It then answers every request for a sample with the one of the same index, and
+gives every frame at its recorded time after the run's first sample.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
 
 FloatArray = npt.NDArray[np.float64]
-_BETWEEN_S = 0.3  # the camera shows sign of life when no recorded frame is near
+_BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
 _NEAR_S = 0.4
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 

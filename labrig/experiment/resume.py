@@ -1,8 +1,8 @@
-"""Go on with a session that was not finished: what it has of complete runs, told as events again.
+"""Resume a session that was not finished: its complete runs are published as events again.
 
 The session stays as it is. The new one is a whole session: the complete runs are copied into it,
-through the same writer and journal, before the first voltage; then the others are run. So a kill
-at any moment costs no more than it does in a session of its own.
+through the same writer and journal, before the first voltage; then the others are run. A kill
+at any moment costs no more than in an ordinary session.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ def resumed_plan(session: RecordedSession) -> Plan:
 
 
 def output_beside(session: Path) -> Path:
-    """Where a resumed session goes unless it is told."""
+    """Return the default path of a resumed session."""
     return session.with_name(f"{session.stem}-resumed{session.suffix}")
 
 
 @dataclass(frozen=True)
 class Resumption:
-    """A session that is gone on with. `session` must stay open until its runs are copied."""
+    """A session that is resumed. `session` must stay open until its runs are copied."""
 
     session: RecordedSession
 
     @property
     def done(self) -> frozenset[int]:
-        """The runs that are complete."""
+        """Return the runs that are complete."""
         return frozenset(run.planned.index for run in self.session.runs if run.completed)
 
     def check(self, plan: Plan) -> None:
@@ -78,7 +78,7 @@ class Resumption:
             )
 
     def check_rig(self, rig: Rig) -> None:
-        """BadInputError unless the opened rig's signals and pictures are those of the session."""
+        """Raise BadInputError unless the open rig's signals and images are those of the session."""
         session = self.session
         shape, dtype = None, session.frame_dtype
         if rig.camera is not None:
@@ -87,7 +87,7 @@ class Resumption:
             "the input channels": (tuple(rig.signals.channels), session.channels),
             "the input ranges": (tuple(rig.signals.ranges_V), session.ranges_V),
             "the sample rate": (rig.signals.rate_hz, session.rate_hz),
-            "the camera's picture": ((shape, dtype), (session.frame_shape, session.frame_dtype)),
+            "the camera's image": ((shape, dtype), (session.frame_shape, session.frame_dtype)),
         }
         for what, (now, then) in found.items():
             if now != then:
@@ -96,15 +96,15 @@ class Resumption:
                     "begun; begin a new one."
                 )
 
-    def tell(self, handle: Callable[[ev.Event], None], now_s: float) -> None:
-        """Tell of the complete runs again; `now_s` is the clock that the times are put into."""
+    def publish(self, handle: Callable[[ev.Event], None], now_s: float) -> None:
+        """Publish the events of the complete runs again, on the clock that shows `now_s`."""
         shift_s = self._shift_s(now_s)
         began_s = self.session.events[0].time_s if self.session.events else 0.0
         done = tuple(sorted(self.done))
         handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
         for run in self.session.runs:
             if run.completed:
-                for event in _retold(run, shift_s):
+                for event in _events_of(run, shift_s):
                     handle(event)
 
     def _shift_s(self, now_s: float) -> float:
@@ -126,7 +126,7 @@ def _text(plan: Plan, name: str) -> str | None:
     return plan.texts.get(name)
 
 
-def _retold(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
+def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
     """Yield the events of a complete run, in an order in which they might have come."""
     planned, counts = run.planned, run.counts
     zero_s = run.time_zero_s + shift_s

@@ -10,7 +10,7 @@ from pathlib import Path
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
-from labrig.experiment.preflight import look
+from labrig.experiment.preflight import open_rig_checks
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.parts_in_use import parts_in_use
 from labrig.experiment.rig.rig import Rig, opened
@@ -115,7 +115,7 @@ def _record(
     hub.add_required("the session file", writer.handle)
     try:
         if resumption is not None:
-            resumption.tell(writer.handle, rig.clock.now())
+            resumption.publish(writer.handle, rig.clock.now())
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
             hub.add_required("the output guard", _run_counter(watchdog))
@@ -142,12 +142,12 @@ def _run_counter(watchdog: Watchdog) -> Callable[[Event], None]:
 def _require_ready(rig: Rig, plan: Plan) -> None:
     """Repeat the preflight: a device that was there an hour ago may have been unplugged."""
     try:
-        failed = [check for check in look(rig, plan) if not check.ok]
+        failed = [check for check in open_rig_checks(rig, plan) if not check.ok]
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
     if failed:
-        told = "; ".join(f"{c.name}: {c.found}, wanted {c.wanted}" for c in failed)
-        raise NotReadyError(f"The rig is not ready: {told}.")
+        faults = "; ".join(f"{c.name}: {c.found}, wanted {c.wanted}" for c in failed)
+        raise NotReadyError(f"The rig is not ready: {faults}.")
 
 
 def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:

@@ -64,7 +64,7 @@ def test_a_batch_writes_a_json_for_each_picture_and_says_which_has_no_curve(
 ) -> None:
     assert run(["curves", "--batch", str(pictures), "-o", str(tmp_path), *arguments(pictures)]) == 0
     told = capsys.readouterr()
-    assert "3 pictures, 1 without a curve" in told.out
+    assert "3 images, 1 without a curve" in told.out
     assert "blank: no curve" in told.err
     ok = {p.stem: json.loads(p.read_text())["ok"] for p in tmp_path.glob("*.json")}
     assert ok == {"sheet0": True, "sheet1": True, "blank": False}
@@ -73,7 +73,7 @@ def test_a_batch_writes_a_json_for_each_picture_and_says_which_has_no_curve(
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ([], "no picture was given"),
+        ([], "no image was given"),
         (["lost.png"], "there is no such file"),
         (["--batch", "."], "takes -o FOLDER"),
     ],

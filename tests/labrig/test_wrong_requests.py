@@ -30,8 +30,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         (["fit", "good.h5", "--q", "nan"], "--q nan: a number is needed"),
         (["fit", "still.h5"], "was measured at 0 V alone"),
-        (["curves", "good.h5", "--configuration", "medium"], "are for pictures"),
-        (["curves", "good.h5", "--look", "silhouette"], "are for pictures"),
+        (["curves", "good.h5", "--configuration", "medium"], "are for images"),
+        (["curves", "good.h5", "--look", "silhouette"], "are for images"),
         (["diagnose", "good.h5", "--without", "gravty"], "no effect 'gravty'"),
         (["list", "a_file"], "this is a file, a folder is needed"),
         (["config", "schema", "a_file/x"], "Not a directory"),

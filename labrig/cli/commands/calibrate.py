@@ -64,7 +64,7 @@ def load_cell(
 
 
 def camera(
-    pictures: Annotated[
+    images: Annotated[
         list[Path], typer.Argument(help="of the board; the first one flat in the sheet's plane")
     ],
     clamp_px: Annotated[
@@ -85,32 +85,32 @@ def camera(
     square_mm: SquareMm = 5.0,
     marker_mm: MarkerMm = 3.6,
 ) -> None:
-    """Calibrate the camera: scale, axes and lens, from pictures of a board, or from a ruler.
+    """Calibrate the camera: scale, axes and lens, from images of a board, or from a ruler.
 
-    Print the board with `labrig calibrate board`. One picture of it, flat in the sheet's plane, is
+    Print the board with `labrig calibrate board`. One image of it, flat in the sheet's plane, is
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
     from labrig.vision.calibration.drawing import write_calibration_image
 
-    images = [read_image(path) for path in pictures]
+    photographs = [read_image(path) for path in images]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
     if ruler_px is not None:
         u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
-        size = (images[0].shape[1], images[0].shape[0])
+        size = (photographs[0].shape[1], photographs[0].shape[0])
         found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=(clamp_u, clamp_v))
     else:
         along = None if along_px is None else _numbers(along_px, "--along-px", 2)
         found = calibrate_camera(
-            images,
+            photographs,
             _board(columns, rows, square_mm, marker_mm),
             clamp_px=(clamp_u, clamp_v),
             along_px=None if along is None else (along[0], along[1]),
         )
     _report(found, output)
-    picture = output.with_suffix(".png")
-    write_calibration_image(picture, images[0], found.optics)
-    say(f"wrote {picture}: look whether its lines run along the board's")
+    drawing = output.with_suffix(".png")
+    write_calibration_image(drawing, photographs[0], found.optics)
+    say(f"wrote {drawing}: check that its lines run along the board's")
 
 
 def board(

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def curves(
     sources: Annotated[
-        list[Path] | None, typer.Argument(help="pictures, videos, folders, or one session.h5")
+        list[Path] | None, typer.Argument(help="images, videos, folders, or one session.h5")
     ] = None,
     optics: Annotated[Path | None, typer.Option(help="optics.json")] = None,
     sheet: Annotated[Path | None, typer.Option(help="sheet.toml")] = None,
@@ -37,22 +37,22 @@ def curves(
         Path | None, typer.Option("--output", "-o", help="curves.csv; with --batch a folder")
     ] = None,
     overlay: Annotated[
-        Path | None, typer.Option(help="the picture with the curve on it (png; one picture)")
+        Path | None, typer.Option(help="the image with the curve on it (png; one image)")
     ] = None,
     batch: Annotated[
-        Path | None, typer.Option(help="every picture of this folder; NAME.json for each")
+        Path | None, typer.Option(help="every image of this folder; NAME.json for each")
     ] = None,
     as_json: Annotated[
-        bool, typer.Option("--json", help="print one JSON object for each picture, a line each")
+        bool, typer.Option("--json", help="print one JSON object for each image, a line each")
     ] = False,
     extractor: Annotated[
         str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
     ] = None,
 ) -> None:
-    """Find the neutral curve of a clamped strip in pictures.
+    """Find the neutral curve of a clamped strip in images.
 
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
-    what --optics and --sheet name. A picture without a curve is no error: its reason is printed.
+    what --optics and --sheet name. An image without a curve is no error: its reason is printed.
     """
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
@@ -67,23 +67,23 @@ def curves(
     )
     if batch is not None:
         if sources or output is None:
-            raise BadInputError("--batch FOLDER takes -o FOLDER and no further pictures.")
+            raise BadInputError("--batch FOLDER takes -o FOLDER and no further images.")
         _batch(batch, output, options)
         return
     if not sources:
-        raise BadInputError("no picture was given; give files, a folder, or --batch FOLDER.")
+        raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
         if any((optics, sheet, configuration, look, overlay)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look and --overlay are for pictures."
+                "--look and --overlay are for images."
             )
         _session(sources[0], output, name, as_json=as_json)
         return
-    _pictures(sources, options, output, overlay, as_json=as_json)
+    _of_images(sources, options, output, overlay, as_json=as_json)
 
 
-def _pictures(
+def _of_images(
     sources: list[Path],
     options: BatchOptions,
     output: Path | None,
@@ -104,7 +104,7 @@ def _pictures(
             say(f"{name}: {_summary(curve)}")
         if overlay is not None and image is not None:
             if len(found) > 1:
-                raise BadInputError("--overlay takes one picture; use --batch for many.")
+                raise BadInputError("--overlay takes one image; use --batch for many.")
             write_overlay(overlay, image, curve)
     if output is not None:
         write_table(output, found)
@@ -135,7 +135,7 @@ def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
         warn(f"{count}: {name}: {_summary(curve)}")
 
     result = extract_curves([folder], output, options, progress=progress)
-    say(f"{len(result.curves)} pictures, {len(result.failed)} without a curve; wrote {output}")
+    say(f"{len(result.curves)} images, {len(result.failed)} without a curve; wrote {output}")
 
 
 def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) -> None:

@@ -24,9 +24,9 @@ def verify(path: Path) -> list[Check]:
     try:
         file = open_file(path)
     except BadInputError as error:
-        return [Check("opens", ok=False, found=str(error), wanted="a session that was closed")]
+        return [Check(name="opens", ok=False, found=str(error), wanted="a session that was closed")]
     with file:
-        checks = [Check("opens", ok=True, found="a closed session", wanted="a closed session")]
+        checks = [Check(name="opens", ok=True, found="a closed session", wanted="a closed session")]
         try:
             session = RecordedSession(file, path)
             checks.append(_outcome(session))
@@ -34,13 +34,18 @@ def verify(path: Path) -> list[Check]:
             for run in session.runs:
                 checks.extend(_run(run, session))
         except BadInputError as error:
-            checks.append(Check("structure", ok=False, found=str(error), wanted="readable"))
+            checks.append(Check(name="structure", ok=False, found=str(error), wanted="readable"))
     return checks
 
 
 def _outcome(session: RecordedSession) -> Check:
     found = session.outcome
-    return Check("outcome", found is not Outcome.RUNNING, found.value, "how the session ended")
+    return Check(
+        name="outcome",
+        ok=found is not Outcome.RUNNING,
+        found=found.value,
+        wanted="how the session ended",
+    )
 
 
 def _checksums(file: Any, path: Path) -> Iterator[Check]:
@@ -51,12 +56,16 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
     raw = {name for name in dataset_names(file, path) if not name.startswith(layout.DERIVED)}
     extra = sorted(raw - set(stored) - {layout.CHECKSUMS})
     if extra:
-        yield Check("datasets", ok=False, found=", ".join(extra), wanted="none beyond the layout")
+        yield Check(
+            name="datasets", ok=False, found=", ".join(extra), wanted="none beyond the layout"
+        )
     changed = [name for name, wanted in stored.items() if _digest(file, name, path) != wanted]
     found = f"{len(stored) - len(changed)} of {len(stored)} datasets unchanged"
     if changed:
         found += f"; changed: {', '.join(changed)}"
-    yield Check("checksums", not changed, found, f"{len(stored)} datasets unchanged")
+    yield Check(
+        name="checksums", ok=not changed, found=found, wanted=f"{len(stored)} datasets unchanged"
+    )
     if layout.DERIVED in file:
         yield _derived(file, path)
 
@@ -69,7 +78,7 @@ def _derived(file: Any, path: Path) -> Check:
             group
         )
     found = "unchanged" if ok else "changed since they were stored; run labrig analyze again"
-    return Check("derived measurements", ok, found, "unchanged")
+    return Check(name="derived measurements", ok=ok, found=found, wanted="unchanged")
 
 
 def _digest(file: Any, name: str, path: Path) -> str:
@@ -85,10 +94,17 @@ def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
     planned, have = len(run.planned.readings), len(run.readings)
     cut = "" if whole else f" (the session {session.outcome.value})"
     ok = have == planned or not whole
-    yield Check(f"{name}: readings", ok, f"{have} of {planned}{cut}", f"{planned}")
+    yield Check(
+        name=f"{name}: readings", ok=ok, found=f"{have} of {planned}{cut}", wanted=f"{planned}"
+    )
     if whole and run.planned.readings:
         least = int(run.planned.duration_s * run.sample_clock.rate_hz)
-        yield Check(f"{name}: samples", run.samples >= least, f"{run.samples}", f"at least {least}")
+        yield Check(
+            name=f"{name}: samples",
+            ok=run.samples >= least,
+            found=f"{run.samples}",
+            wanted=f"at least {least}",
+        )
     yield _frames(run, name)
 
 
@@ -96,4 +112,9 @@ def _frames(run: RunRecord, name: str) -> Check:
     rows = run.readings["frame"]
     astray = int((rows >= run.frame_count).sum())
     found = f"{run.frame_count} frames" + (f", {astray} of readings missing" if astray else "")
-    return Check(f"{name}: frames", astray == 0, found, "the frame of each reading that has one")
+    return Check(
+        name=f"{name}: frames",
+        ok=astray == 0,
+        found=found,
+        wanted="the frame of each reading that has one",
+    )

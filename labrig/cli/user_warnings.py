@@ -1,4 +1,4 @@
-"""Warnings of parts that are left out, as sentences of the command line."""
+"""Warnings that are meant for the user, as sentences of the command line."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ from contextlib import contextmanager
 from typing import TextIO
 
 from labrig.cli.screen import warn
+from labrig.errors import RenamedKeyWarning
 
-# `drivers`, `model` and `sim_hardware` have a class of this name each. Comparing the classes would
-# import all three, which takes longer than the start of the program.
-_CATEGORY = "PluginWarning"
+# Of a part that is left out. `drivers`, `model` and `sim_hardware` have a class of this name each.
+# Comparing the classes would import all three, which takes longer than the start of the program.
+_PART_LEFT_OUT = "PluginWarning"
 
 
 @contextmanager
 def shown_as_sentences() -> Iterator[None]:
-    """Print the warning of a part that is left out once, as one sentence on standard error."""
+    """Print each warning of a part that is left out or a key that is renamed, once, as a sentence.
+
+    All other warnings are left to Python.
+    """
     printed: set[str] = set()
     with warnings.catch_warnings():
+        warnings.simplefilter("default", RenamedKeyWarning)  # Python hides those of its kind
         as_python_does = warnings.showwarning
 
         def show(
@@ -29,7 +34,7 @@ def shown_as_sentences() -> Iterator[None]:
             file: TextIO | None = None,
             line: str | None = None,
         ) -> None:
-            if category.__name__ != _CATEGORY:
+            if category.__name__ != _PART_LEFT_OUT and category is not RenamedKeyWarning:
                 as_python_does(message, category, filename, lineno, file, line)
             elif str(message) not in printed:
                 printed.add(str(message))

@@ -1,0 +1,229 @@
+"""Each kind of part is one file: in a copy of the tree, and in a distribution of its own.
+
+The parts are the examples of the docs, as they stand there.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from labrig.extractors.examples import CLAMP_PX, PX_PER_MM, STRIP, examples
+from tests.end_to_end.small_rig import ONE_POSITION, make_rig
+from tests.end_to_end.test_parts_of_others import CODE as DEVICES
+from tests.labrig.report_data import measure, session
+
+pytestmark = pytest.mark.slow
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("labrig", "drivers", "protocols", "model", "sim_hardware")
+
+
+@dataclass(frozen=True)
+class Example:
+    """A part: its module's name, and where it belongs."""
+
+    name: str
+    folder: str
+    group: str
+    constant: str
+    code: str
+
+    @property
+    def distribution(self) -> str:
+        return f"labrig_{self.name}"
+
+
+def shown(page: str, heading: str) -> str:
+    """The first block of Python below a heading of a page in docs/."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    section = text[re.search(rf"^#+ {heading}$", text, re.MULTILINE).end() :]
+    return re.search(r"```python\n(.*?)```", section, re.DOTALL)[1]
+
+
+def device(constant: str, part: str) -> str:
+    return f"{DEVICES}\n{constant} = {part}\n"
+
+
+PARTS = [
+    Example("cable_pickup", "model/effects", "effects", "EFFECT",
+            shown("extending.md", "An effect")),
+    Example("cell_scale", "model/locations", "locations", "LOCATION",
+            shown("extending.md", "A location of discrepancy")),
+    Example("pico", "drivers/boards", "boards", "BOARDS", device("BOARDS", "PICO")),
+    Example("usb_6001", "sim_hardware/ni/boards", "simulated_boards", "BOARD",
+            shown("extending.md", "A simulated board")),
+    Example("bar", "drivers/cameras", "cameras", "CAMERA", shown("devices.md", "A camera")),
+    Example("stepper", "drivers/positioners", "positioners", "POSITIONER",
+            shown("devices.md", "A positioner")),
+    Example("balance", "drivers/force_sensors", "force_sensors", "FORCE_SENSOR",
+            shown("devices.md", "A force sensor")),
+    Example("triangle", "protocols/kinds", "protocols", "PROTOCOL",
+            shown("extending.md", "A protocol")),
+    Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
+            shown("vision.md", "Add a curve extractor")),
+    Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
+            shown("report.md", "Add a section")),
+    Example("humidity", "labrig/panel/pages", "page_panels", "PAGE",
+            shown("panel.md", "Add a page")),
+    Example("count_readings", "labrig/cli/commands", "commands", "COMMAND",
+            shown("commands.md", "Add a command")),
+]  # fmt: skip
+
+
+def copied(place: Path) -> str:
+    """A copy of the tree with one file more in each folder; the path that finds it."""
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, place / package)
+    for part in PARTS:
+        (place / part.folder / f"{part.name}.py").write_text(part.code, encoding="utf-8")
+    return str(place)
+
+
+def installed(place: Path) -> str:
+    """Each part as a distribution of its own, beside the tree; the path that finds them."""
+    for part in PARTS:
+        name = part.name.replace("_", "-") if part.group == "commands" else part.name
+        name = "USB-6001" if part.group == "simulated_boards" else name
+        info = place / f"{part.distribution}-0.1.dist-info"
+        info.mkdir(parents=True)
+        (place / f"{part.distribution}.py").write_text(part.code, encoding="utf-8")
+        (info / "METADATA").write_text(
+            f"Metadata-Version: 2.1\nName: {part.distribution}\nVersion: 0.1\n"
+        )
+        (info / "entry_points.txt").write_text(
+            f"[labrig.{part.group}]\n{name} = {part.distribution}:{part.constant}\n"
+        )
+    return os.pathsep.join([str(place), str(ROOT)])
+
+
+@pytest.fixture(scope="module", params=[copied, installed])
+def path(request, tmp_path_factory) -> str:
+    """What PYTHONPATH must be for labrig with the ten kinds of parts."""
+    return request.param(tmp_path_factory.mktemp("tree"))
+
+
+def python(path: str, folder: Path, *arguments: object) -> str:
+    """Run Python as a process of its own with these parts; what it prints."""
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)], capture_output=True, text=True, timeout=240,
+        check=False, cwd=folder, env={**os.environ, "PYTHONPATH": path, "COLUMNS": "200"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "left out" not in done.stderr
+    return done.stdout
+
+
+def labrig(path: str, folder: Path, *arguments: object) -> str:
+    return python(path, folder, "-m", "labrig", *arguments)
+
+
+def test_an_effect_is_in_the_catalogue(path, tmp_path):
+    assert "cable_pickup" in labrig(path, tmp_path, "effects")
+    assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
+
+
+def test_an_effect_and_a_location_change_what_a_model_predicts(path, tmp_path):
+    script = """
+import json
+from dataclasses import replace
+from model import predict
+from model.locations.catalogue import locations
+from model.parameter import Parameter
+from model.sheet.beam_problem import ActiveEffect, Profile
+from tests.labrig.report_data import truth
+
+def force(*effects):
+    model = replace(truth(), effects=effects)
+    return predict(model, "long", 0.010, 2.0).F_N
+
+flat = Profile(along="position", at=(0.0, 0.03), values=(10.0, 10.0), sigma=(0.0, 0.0), unit="%")
+scale = ActiveEffect(name="unknown", location="cell_scale", profile=flat)
+pickup = ActiveEffect(name="cable_pickup", parameters={"force_mN": Parameter(1.0, 0.0, "mN")})
+print(json.dumps([list(locations()), force(), force(scale), force(pickup)]))
+"""
+    (tmp_path / "script.py").write_text(script)
+    tree = os.pathsep.join([path, str(ROOT)])  # for the tests' model
+    names, plain_N, scaled_N, picked_N = json.loads(python(tree, tmp_path, "script.py"))
+    assert "cell_scale" in names
+    assert scaled_N == pytest.approx(1.1 * plain_N, rel=1e-9)
+    assert picked_N - plain_N == pytest.approx(-1e-3 * np.tanh(1.0), rel=1e-6)
+
+
+def test_a_simulated_board_is_wired_by_world_toml_and_checked(path, tmp_path):
+    names = {"drive": "ao0", "force": "ai0", "current": "ai1", "readback": "ai2"}
+    wiring = "".join(f'{signal} = "Box/{name}"\n' for signal, name in names.items())
+    world = f'[boards]\nBox = "USB-6001"\n[wiring]\n{wiring}'
+    rig = make_rig(tmp_path / "rig", ONE_POSITION + 'mode = "paper"\n', world=world) / "rig.toml"
+    text = rig.read_text()
+    for old, new in (("PCI6703/ao", "Box/ao"), ("PCI6034E/ai", "Box/ai")):
+        text = text.replace(old, new)
+    rig.write_text(text)
+    assert "Box is a USB-6001" in labrig(path, tmp_path, "check", rig)
+
+
+def test_devices_are_kinds_of_rig_toml_with_keys_of_their_own(path, tmp_path):
+    assert labrig(path, tmp_path, "config", "schema", tmp_path)
+    schema = (tmp_path / "rig.schema.json").read_text()
+    assert all(f'"{word}"' in schema for word in ("step_px", "stepper", "balance", "pico"))
+    (tmp_path / "rig.toml").write_text(
+        '[pico]\naddress = "here:1"\n[load_cell]\ncalibration = "c.toml"\n'
+        '[camera]\nsource = "bar:"\nstep_px = 8\noptics = "o.json"\n'
+        '[stage]\nkind = "stepper"\nport = "COM1"\nrange_mm = 40\n'
+        '[force_sensor]\nkind = "balance"\nport = "COM2"\n'
+    )
+    script = (
+        "from pathlib import Path; from labrig.config import load_rig\n"
+        "rig = load_rig(Path('rig.toml'))\n"
+        "print(rig.boards_kind, rig.camera.kind, rig.stage.kind, rig.force_sensor.kind)"
+    )
+    kinds = python(path, tmp_path, "-c", script).split()
+    assert kinds == ["pico", "bar", "stepper", "balance"]
+
+
+def test_a_protocol_is_planned_and_run_and_recorded(path, tmp_path):
+    protocol = ONE_POSITION.replace("[pulse_train]", "[triangle]\npeak_V = 1.5")
+    protocol = re.sub(r"(zero_readings|readings_per_voltage) = \d+\n", "", protocol)
+    rig = make_rig(tmp_path / "rig", protocol + 'mode = "paper"\n')
+    assert "1.5" in labrig(path, tmp_path, "plan", rig / "protocol.toml")
+    files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    labrig(path, tmp_path, "run", *files, "-o", "session.h5", "--yes")
+    found = json.loads(labrig(path, tmp_path, "show", "session.h5", "--json"))
+    assert found["session"]["outcome"] == "completed"
+
+
+def test_an_extractor_finds_a_curve(path, tmp_path):
+    cv2.imwrite(str(tmp_path / "strip.png"), examples()[0].image)
+    optics = {"px_per_mm": PX_PER_MM, "clamp_px": CLAMP_PX}
+    (tmp_path / "optics.json").write_text(json.dumps(optics))
+    (tmp_path / "sheet.toml").write_text(
+        f"free_length_mm = {1e3 * STRIP.free_length_m}\nthickness_mm = {1e3 * STRIP.thickness_m}\n"
+    )
+    labrig(path, tmp_path, "curves", "strip.png", "--extractor", "column_means", "-o", "out")
+    assert list((tmp_path / "out").rglob("*.csv"))
+
+
+def test_a_section_and_a_command_use_an_analysed_session(path, tmp_path):
+    measure(session(tmp_path / "made.h5", None))
+    labrig(path, tmp_path, "report", "made.h5", "-o", "report")
+    assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
+    assert int(labrig(path, tmp_path, "count-readings", "made.h5")) > 0
+    assert "count-readings" in labrig(path, tmp_path, "--help")
+
+
+def test_a_page_is_listed_by_the_panel(path, tmp_path):
+    script = """
+from labrig.panel.pages.interface import listing
+print(*(page["title"] for page in listing("rig")["pages"] if page["menu"]))
+"""
+    assert "Humidity" in python(path, tmp_path, "-c", script)
