@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from labrig.session.guarded import guard_report_path
 
 from labrig.session import open_session
 from labrig.session.reading.guard_report import guard_report_path
