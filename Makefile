@@ -9,7 +9,7 @@ MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model
 	tests/model/test_equilibrium_reference.py
 PICTURES := tests/sim_hardware/test_optics_pictures.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
-	tests/labrig/vision/test_vision_batch.py
+	tests/labrig/vision/test_batch.py
 # Without a time-out: a compilation that is cut short is not kept.
 COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder

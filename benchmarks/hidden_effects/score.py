@@ -223,7 +223,7 @@ def scored(records: Sequence[Record]) -> list[Row]:
         at_least("outside the catalogue, d >= 30: 'unknown'", 0.95, beyond, is_unknown),
         at_least("the same, imitations judged without tolerance", 0.95, strict, is_unknown),
         at_most("in the catalogue, d >= 8: 'unknown'", 0.05, within, is_unknown),
-        at_least("the unknown's slot", 0.97, caught,
+        at_least("the unknown's location", 0.97, caught,
                  lambda r: r.unknown is not None and r.unknown.slot in r.truth[0].accepted_slots),
         at_least("the unknown's place within 10 mm", 0.95, [r for r in caught if has_place(r)],
                  place_right),

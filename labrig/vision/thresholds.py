@@ -20,7 +20,7 @@ LEVEL_RANGE_MIN_RATIO: Final = 0.01
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
-# no benchmark: tests/labrig/vision/test_vision_thick.py, and photographs (docs/vision.md).
+# no benchmark: tests/labrig/vision/test_thick_strips.py, and photographs (docs/vision.md).
 FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
 DOWNSCALED_THICKNESS_PX: Final = 3.5  # of a strip in the downscaled image
 # a guessed thickness as near as this to the visible one is kept
@@ -138,7 +138,7 @@ CELL_CONTRAST_RATIOS: Final = (0.35, 2.5)  # of a used cell's contrast to the us
 CELL_CONTRAST_MIN_SIGMAS: Final = 1.5  # of a used cell, over one pixel's noise
 
 # Edges of thick strips. By trial on drawn strips and photographs (docs/vision.md); no benchmark:
-# tests/labrig/vision/test_vision_thick.py.
+# tests/labrig/vision/test_thick_strips.py.
 EDGE_DISTANCE_RATIOS: Final = (0.6, 1.6)  # between both edges over the stated thickness
 # of the cells of a block, which is as long as the strip is thick
 EDGE_BLOCK_USED_SHARE_MIN: Final = 0.5
@@ -162,7 +162,7 @@ CROSSING_LENGTH_MAX_REACHES: Final = 8.0  # of a crossing under an angle of 25 d
 LINE_COVER_WARNED_SHARE: Final = 0.02  # of the sheet hidden by lines
 
 # Rolls and the contact. By trial on drawn and simulated rolls; no benchmark:
-# tests/labrig/vision/test_vision_contact.py.
+# tests/labrig/vision/test_contact.py.
 ROLL_EDGE_MIN_SIGMAS: Final = 2.5  # of three quarters of the rim, over the smoothed image's noise
 ROLL_EDGE_MIN_RATIO: Final = 0.06  # the same over the sheet's contrast
 ROLL_RESIDUAL_MAX_PX: Final = 0.8  # RMS of the rim's points from their circle
@@ -172,14 +172,14 @@ NAMED_ROLLS_DISTANCE_MAX_M: Final = 5e-3
 
 # Mean image against single frames. A pixel of movement blurs a mean image; four standard
 # deviations of the frames' mean.
-# No benchmark: tests/labrig/vision/test_vision_compare.py.
+# No benchmark: tests/labrig/vision/test_frame_average.py.
 # RMS scatter of the frames' curves that blurs their mean image
 FRAME_SCATTER_WARNED_PX: Final = 1.0
 FRAME_DISTANCE_WARNED_PX: Final = 0.15  # RMS between both that each leaves over
 FRAME_DISTANCE_WARNED_SIGMAS: Final = 4.0  # and of the frames' noise
 
 # Calibration. Chosen with drawn boards; no benchmark:
-# tests/labrig/vision/test_vision_calibration.py.
+# tests/labrig/vision/test_calibration.py.
 CALIBRATION_RESIDUAL_MAX_PX: Final = 1.0  # RMS; above: refused
 CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
 CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction

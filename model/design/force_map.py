@@ -30,7 +30,7 @@ class ForceMap:
     solved: SolvedProblems
 
     def all_reachable(self) -> bool:
-        """Whether every place is reachable at every voltage."""
+        """Return whether every place is reachable at every voltage."""
         return bool(np.all(self.reachable))
 
 
@@ -57,7 +57,7 @@ def force_map(
 
 
 def reached(found: ForceMap) -> ForceMap:
-    """The map, or an error where part of it is not reachable."""
+    """Return the map, or an error where part of it is not reachable."""
     if not found.all_reachable():
         i, j = np.argwhere(~found.reachable)[0]
         raise ModelError(
@@ -68,7 +68,7 @@ def reached(found: ForceMap) -> ForceMap:
 
 
 def section(low_m: float, high_m: float, count: int = 61) -> FloatArray:
-    """Positions of a working section."""
+    """Return positions of a working section."""
     if not (np.isfinite(low_m) and np.isfinite(high_m) and low_m < high_m):
         raise ModelError(
             f"a working section needs a beginning below its end, not {low_m * 1e3:g} to"
@@ -78,14 +78,14 @@ def section(low_m: float, high_m: float, count: int = 61) -> FloatArray:
 
 
 def known_voltages(model: SheetModel, configuration: str) -> FloatArray:
-    """The driving voltages of the model, and 0 V."""
+    """Return the driving voltages of the model, and 0 V."""
     return np.array(sorted({0.0, *model.sheet(configuration).eibm}))
 
 
 def resized(
     model: SheetModel, configuration: str, length_m: float, elongation_m: float
 ) -> SheetModel:
-    """The same material cut to another free length, with another elongation.
+    """Return the same material cut to another free length, with another elongation.
 
     Beyond the length that was measured the material is taken to go on as at its end.
     """
@@ -148,6 +148,6 @@ def propagate(
 
 
 def _relative(along: Along) -> float:
-    """Uncertainty of a moment's mean, relative to it."""
+    """Return uncertainty of a moment's mean, relative to it."""
     mean = float(np.mean(np.abs(along.values)))
     return float(np.sqrt(np.mean(along.sigma**2))) / mean if mean else 0.0

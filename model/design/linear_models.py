@@ -120,7 +120,7 @@ class ValidityMap:
 def validity(
     model: SheetModel, linear: LinearModel, low_m: float, high_m: float, count: int = 31
 ) -> ValidityMap:
-    """The error of a linear model over positions and voltages."""
+    """Return the error of a linear model over positions and voltages."""
     volts = known_voltages(model, linear.configuration)
     p, V = section(low_m, high_m, count), np.linspace(volts[0], volts[-1], 9)
     found = force_map(model, linear.configuration, p, V)
@@ -144,7 +144,7 @@ class StateSpace:
 def state_space(
     linear: LinearModel, mass_kg: float, damping_Ns_per_m: float = 0.0, lag_s: float = 0.0
 ) -> StateSpace:
-    """Matrices for an object on the arc; without lag the voltage acts at once."""
+    """Return matrices for an object on the arc; without lag the voltage acts at once."""
     if not (mass_kg > 0.0 and damping_Ns_per_m >= 0.0 and lag_s >= 0.0):
         raise ModelError("the mass must be positive, damping and lag must not be negative")
     k, g = linear.stiffness_N_per_m.value, linear.gain_N_per_V.value

@@ -106,7 +106,7 @@ def _per_width(
 def _elongation(
     model: SheetModel, configuration: str, length: float, extra: float, p: FloatArray
 ) -> float:
-    """What of the elongation is needed."""
+    """Return what of the elongation is needed."""
     if extra == 0.0:
         return 0.0
     found = force_map(
@@ -117,7 +117,7 @@ def _elongation(
 
 
 def _refined(area: Callable[[float], float], lengths: FloatArray, areas: FloatArray) -> float:
-    """The best length between its neighbours on the grid."""
+    """Return the best length between its neighbours on the grid."""
     from scipy.optimize import minimize_scalar  # slow to import
 
     i = int(np.argmin(areas))
@@ -139,7 +139,7 @@ class Linearity:
 def linearity(
     model: SheetModel, configuration: str, low_m: float, high_m: float, voltage_V: float = 0.0
 ) -> Linearity:
-    """The same material with ever less sheet and ever more elongation."""
+    """Return the same material with ever less sheet and ever more elongation."""
     R, p = model.sheet(configuration).sheet.arc_radius_m, section(low_m, high_m, 41)
     lengths = np.append(np.linspace(0.1 * R, R, 10), 1.25 * R)
     errors, slopes = np.full(len(lengths), np.nan), np.full(len(lengths), np.nan)

@@ -1,4 +1,4 @@
-"""`diagnose`: from measurements to what the model is missing."""
+"""`diagnose`: from measurements to the effects that are not in the model."""
 
 from __future__ import annotations
 

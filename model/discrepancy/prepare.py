@@ -50,7 +50,7 @@ class Prepared:
 
 
 def prepare(measurements: Measurements, options: Options) -> Prepared:
-    """Everything usable; a `ModelError` where not even the base model can be fitted."""
+    """Return everything usable; a `ModelError` where not even the base model can be fitted."""
     used = _kept(measurements, options.hold_out)
     names = [n for n in used.sheets if any(c.configuration == n for c in used.conditions)]
     if not names:
@@ -119,7 +119,7 @@ def _check_curves(one: DataVector) -> None:
 
 
 def _lacks(looks: list[DataVector]) -> list[str]:
-    """What these data cannot say, whatever is missing."""
+    """Return what these data cannot say, whatever is missing."""
     notes = []
     for one in looks:
         name, seen = one.sheet.configuration, [s for s in one.seen if not s.zero]
@@ -153,7 +153,7 @@ def _lacks(looks: list[DataVector]) -> list[str]:
 
 
 def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
-    """The effects that a model has already, to be refined with the rest."""
+    """Return the effects that a model has already, to be refined with the rest."""
     if model is None:
         return ()
     result = []
@@ -173,7 +173,7 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
 
 
 def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -> Measurements:
-    """What is fitted: all but what is held out."""
+    """Return what is fitted: all but what is held out."""
     if not hold_out:
         return measurements
 

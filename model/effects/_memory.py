@@ -20,7 +20,7 @@ SPREAD = EffectParameter(
 
 
 def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:
-    """Where a lag was as the present pulse began, over where it goes now.
+    """Return where a lag was as the present pulse began, over where it goes now.
 
     It begins at rest, behind pulses of which each aims at `opposite` times the next one's aim.
     """
@@ -30,7 +30,7 @@ def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | fl
 
 
 def lagging(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:
-    """Where it is at these times, over where it goes."""
+    """Return where it is at these times, over where it goes."""
     left = np.exp(-np.maximum(clock.pulse_s, 0.0) / tau_s)
     return np.asarray(before_edge(clock, tau_s, opposite) * left + 1.0 - left)
 

@@ -10,5 +10,5 @@ MILLI = 1e-3  # mm to m, mN to N
 
 
 def finite(values: FloatArray) -> FloatArray:
-    """The values, 0 where there is none (no contact, no position)."""
+    """Return the values, 0 where there is none (no contact, no position)."""
     return np.where(np.isfinite(values), values, 0.0)

@@ -34,7 +34,7 @@ class ChargingLag(Effect):
 
 
 def _left(t_s: FloatArray, tau_s: float, rise_s: FloatArray | float) -> FloatArray:
-    """What is left to go after both lags, less what would be after the known one alone.
+    """Return what is left to go after both lags, less what would be after the known one alone.
 
     tau (exp(-t/tau) - exp(-t/rise))/(tau - rise), written so that both may be the same.
     """

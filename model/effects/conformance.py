@@ -44,7 +44,7 @@ def faults(effect: object) -> list[str]:
 
 
 def faults_of_form(effect: Effect) -> list[str]:
-    """What is wrong with how it describes itself; nothing of it is run."""
+    """Return what is wrong with how it describes itself; nothing of it is run."""
     return [
         *_faults_of_words(effect),
         *(fault for one in effect.parameters for fault in _faults_of_parameter(one)),
@@ -57,7 +57,7 @@ def neutral(effect: Effect) -> dict[str, float]:
 
 
 def plausible(effect: Effect) -> dict[str, float]:
-    """Values at which the effect would surprise nobody."""
+    """Return values at which the effect would surprise nobody."""
     shapes = {
         parameter.name: float(parameter.starting_values[0])
         for parameter in effect.parameters[1:]
@@ -67,7 +67,7 @@ def plausible(effect: Effect) -> dict[str, float]:
 
 
 def acts(effect: Effect) -> set[str]:
-    """The methods through which it acts."""
+    """Return the methods through which it acts."""
     return {name for name in ACTIONS if getattr(type(effect), name) is not getattr(Effect, name)}
 
 
@@ -140,7 +140,7 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
 
 
 def _same(one: object, two: object) -> bool:
-    """Whether two examples are equal, number by number."""
+    """Return whether two examples are equal, number by number."""
     if not is_dataclass(one):
         return bool(np.array_equal(np.asarray(one), np.asarray(two), equal_nan=True))
     return all(
@@ -151,7 +151,7 @@ def _same(one: object, two: object) -> bool:
 
 
 def _untouched() -> Results:
-    """What the examples are without any effect, under the names of `_results`."""
+    """Return what the examples are without any effect, under the names of `_results`."""
     beam, _ = example_beam()
     points = example_points()
     nothing = {
@@ -171,7 +171,7 @@ def _untouched() -> Results:
 
 
 def _arrays(beam: BeamProblem) -> Results:
-    """What an effect may change of a beam."""
+    """Return what an effect may change of a beam."""
     kept = ("sheet", "s_m", "piece_m", "clock", "reading_of", "share")
     return {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam) if f.name not in kept}
 

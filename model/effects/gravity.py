@@ -23,7 +23,7 @@ class Gravity(Effect):
 
 
 def arm(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
-    """Integral of x(sigma) - x(s) from s to the visible end, m^2: (K, G).
+    """Return integral of x(sigma) - x(s) from s to the visible end, m^2: (K, G).
 
     Between nodes by the trapezoid's rule corrected with the ends' slopes dx/ds = cos(phi); beyond
     the last one along a straight line.

@@ -24,7 +24,7 @@ class InitialCurvature(Effect):
 
 
 def _like_stated(beam: BeamProblem) -> FloatArray:
-    """The stated k0 over its mean, (G,); 1 where there is none."""
+    """Return the stated k0 over its mean, (G,); 1 where there is none."""
     stated = beam.sheet.initial_curvature
     if stated is None:
         return np.ones_like(beam.s_m)

@@ -92,11 +92,11 @@ class Effect:
         return self.parameters[0]
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
-        """The changed problem; `contact` is its present solution."""
+        """Return the changed problem; `contact` is its present solution."""
         return beam
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray] | None:
-        """Relative change of EIBM and of stiffness at each time."""
+        """Return relative change of EIBM and of stiffness at each time."""
         return None
 
     def lagging(
@@ -109,17 +109,17 @@ class Effect:
         return ()
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray | None:
-        """What is added to the force, N; to readings without contact, too."""
+        """Return what is added to the force, N; to readings without contact, too."""
         return None
 
     def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray] | None:
-        """What is added to the points' x and y, m."""
+        """Return what is added to the points' x and y, m."""
         return None
 
     def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
-        """Relative change of the EIBM in the picture of a reading, at each time."""
+        """Return relative change of the EIBM in the picture of a reading, at each time."""
         return None
 
     def derived(self, p: Values, sheet: SheetGeometry) -> dict[str, float]:
-        """Further quantities people ask for, named as in `extra`."""
+        """Return further quantities people ask for, named as in `extra`."""
         return {}

@@ -48,14 +48,14 @@ def exponent(relative_change: float) -> float:
 
 
 def steepness(change: FloatArray, n: float) -> FloatArray:
-    """Slope of the moment over B by the change of curvature."""
+    """Return slope of the moment over B by the change of curvature."""
     u2 = (change / AT_PER_M) ** 2
     slope: FloatArray = (1.0 + u2) ** n * (1.0 + 2.0 * n * u2 / (1.0 + u2))
     return slope
 
 
 def bent(linear: FloatArray, n: float) -> FloatArray:
-    """The change of curvature where a sheet of constant stiffness would have `linear` (1/m).
+    """Return the change of curvature where a sheet of constant stiffness would have `linear` (1/m).
 
     Solves u (1 + u^2)^n = m, u and m over 10 per m; there is one root for n > -1/2. By Newton in
     the logarithms, in which both ends of the curve are straight.

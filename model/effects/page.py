@@ -32,7 +32,7 @@ records name and version of the distributions that others come from.
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the whole page."""
     effects = [e for e in catalogue().values() if type(e).__module__.startswith("model.effects.")]
     return "\n".join([HEAD, *_overview(effects), *_sections(effects)])
 

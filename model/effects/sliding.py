@@ -13,7 +13,7 @@ TURNED_M, TURNED_RAD = 10e-6, 0.02  # sliding, or leaning, that turns friction r
 
 
 def slid(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
-    """Which way along the sheet the rolls last slid, 1 towards its end: (K,).
+    """Return which way along the sheet the rolls last slid, 1 towards its end: (K,).
 
     At 0 V by the side from which the load cell was put to its position. The pulses then move the
     rolls to and fro between where the two polarities hold them; what is too little to turn friction
@@ -46,7 +46,7 @@ def _either(values: FloatArray, otherwise: FloatArray) -> FloatArray:
 
 
 def _mean(values: FloatArray, use: npt.NDArray[np.bool_]) -> FloatArray:
-    """Mean over the columns in use, for each row; NaN: none."""
+    """Return mean over the columns in use, for each row; NaN: none."""
     use = use & np.isfinite(values)
     count = np.sum(use, axis=1)
     total = np.where(use, finite(values), 0.0).sum(axis=1)
@@ -54,5 +54,5 @@ def _mean(values: FloatArray, use: npt.NDArray[np.bool_]) -> FloatArray:
 
 
 def _turned(x: FloatArray) -> FloatArray:
-    """The sign, without a jump."""
+    """Return the sign, without a jump."""
     return np.asarray(x / np.sqrt(1.0 + x * x))

@@ -24,7 +24,7 @@ B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
 
 
 def example_sheet() -> SheetGeometry:
-    """The sheet."""
+    """Return the sheet."""
     rest = (np.array([0.0]), np.array([20.0]))
     return SheetGeometry(
         configuration="long", free_length_m=LENGTH_M, width_m=0.011, thickness_m=0.21e-3,
@@ -92,7 +92,7 @@ def example_clock() -> AcquisitionTimes:
 def example_readings(
     voltage_V: FloatArray,
 ) -> tuple[AcquisitionTimes, npt.NDArray[np.int64], FloatArray]:
-    """The readings of conditions, of which condition each is, and its share in the mean.
+    """Return the readings of conditions, of which condition each is, and its share in the mean.
 
     The first two pulses are in no mean.
     """
@@ -105,7 +105,7 @@ def example_readings(
 
 
 def example_pulse() -> AcquisitionTimes:
-    """Times within a pulse of the same run."""
+    """Return times within a pulse of the same run."""
     t = np.linspace(0.02, 0.58, 8)
     one = np.ones_like(t)
     return AcquisitionTimes(
@@ -121,7 +121,7 @@ def example_pulse() -> AcquisitionTimes:
 
 
 def example_weighed(*, touched: bool = True) -> LoadCellInput:
-    """The readings of the same run at 25 mm."""
+    """Return the readings of the same run at 25 mm."""
     volts = example_clock().voltage_V
     gamma = 0.3 + 0.1 * volts
     normal = (-1e-3 + 1e-3 * volts) * float(touched)
@@ -134,7 +134,7 @@ def example_weighed(*, touched: bool = True) -> LoadCellInput:
 
 
 def example_points() -> ImagePoints:
-    """Two arcs of the sheet's length."""
+    """Return two arcs of the sheet's length."""
     s = np.linspace(0.0, LENGTH_M, 21)
     k = np.array([[20.0], [40.0]])
     return ImagePoints(
@@ -144,7 +144,7 @@ def example_points() -> ImagePoints:
 
 
 def example_linearised() -> Linearised:
-    """The seven conditions as a location sees them, with a made-up sensitivity."""
+    """Return the seven conditions as a location sees them, with a made-up sensitivity."""
     beam, contact = example_beam()
     clock, of, pulse = beam.clock, beam.reading_of, example_pulse()
     finite = np.nan_to_num

@@ -39,7 +39,7 @@ def rule(nodes: int) -> Rule:
 
 
 def integrated_legendre(t: FloatArray, count: int) -> FloatArray:
-    """Integrals of the first Legendre polynomials from -1 to t; shape (len(t), count)."""
+    """Return integrals of the first Legendre polynomials from -1 to t; shape (len(t), count)."""
     P = legendre.legvander(np.asarray(t), count)
     values = np.empty_like(P[:, :count])
     values[:, 0] = P[:, 1] + 1.0

@@ -16,7 +16,7 @@ LARGEST = 50.0  # N R^2/B of any force that a sheet could meet
 
 
 def _at(batch: Problems, angles: FloatArray) -> Problems:
-    """The batch's first problem at other positions."""
+    """Return the batch's first problem at other positions."""
     K = len(angles)
     kappa = np.repeat(batch.kappa[:1], K, axis=0)  # a read-only view would be compiled for anew
     return replace(batch, kappa=kappa, softness=batch.softness[:1], angle_rad=angles)
@@ -51,7 +51,7 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
 def places_for_force(
     batch: Problems, force_per_m2: float, tangential: bool = True
 ) -> list[tuple[float, float]]:
-    """Where a given contact force holds the sheet: (polar angle, s_hat) of every such place.
+    """Return where a given contact force holds the sheet: (polar angle, s_hat) of every such place.
 
     `force_per_m2`: F/B along the arc's tangent, or N/B along the sheet's normal.
     """
@@ -81,7 +81,7 @@ def places_for_force(
 
 
 def stable(found: Equilibria, index: int = 0) -> bool:
-    """Whether the energy is a minimum among all shapes that run through the contact.
+    """Return whether the energy is a minimum among all shapes that run through the contact.
 
     Second variation, over B, in eta = d(phi) and sigma = d(s_hat), with n_hat.t = sin psi:
         int eta'^2/c - nu int sin(psi) eta^2 + 2 nu eta(s_hat) sigma + nu k(s_hat) sigma^2

@@ -75,7 +75,7 @@ def problems(
     softness: Field | None = None,
     accuracy: Accuracy = "normal",
 ) -> Problems:
-    """A batch from fields: one free curvature k* for each angle, or one for all."""
+    """Return a batch from fields: one free curvature k* for each angle, or one for all."""
     angles = np.asarray(angle_rad, dtype=float).reshape(-1)
     fields = [kappa] if isinstance(kappa, Field) else kappa
     if not fields:
@@ -216,7 +216,7 @@ class Equilibria:
         return self._describe(s_m, None, engine)[0]
 
     def mean_lever_m(self, engine: Engine = "auto") -> FloatArray:
-        """Mean of a over [0, l_hat]; (3) the mean moment is -N times it."""
+        """Return mean of a over [0, l_hat]; (3) the mean moment is -N times it."""
         return self._describe(np.zeros(1), None, engine)[1]
 
     def answers(
@@ -321,7 +321,7 @@ def _nothing(p: Problems) -> Directions:
 
 
 def _engine(engine: Engine) -> Any:
-    """The compiled engine, or NumPy's where numba is missing."""
+    """Return the compiled engine, or NumPy's where numba is missing."""
     if engine != "numpy":
         try:
             from model.mechanics import kernel as _kernel

@@ -29,7 +29,7 @@ class Field:
 
     @staticmethod
     def constant(value: float, length_m: float) -> Field:
-        """The same value from the clamp to the end."""
+        """Return the same value from the clamp to the end."""
         return Field(np.array([0.0, length_m]), np.array([[float(value)]]))
 
     @staticmethod
@@ -61,7 +61,7 @@ class Field:
         kinks_m: Iterable[float] = (),
         tolerance: float = 1e-13,
     ) -> Field:
-        """A function of s; panels are halved until polynomials follow it to `tolerance`."""
+        """Return a function of s; panels are halved until polynomials follow it to `tolerance`."""
         inner = sorted(k for k in kinks_m if 0.0 < k < length_m)
         edges = [0.0, *inner, float(length_m)]
         todo, done = list(pairwise(edges))[::-1], []
@@ -82,13 +82,13 @@ class Field:
         return float(self.breaks_m[-1])
 
     def __call__(self, s_m: FloatArray | float) -> FloatArray:
-        """Values at `s_m`; the outer panels go on beyond the ends."""
+        """Return values at `s_m`; the outer panels go on beyond the ends."""
         s = np.asarray(s_m, dtype=float)
         panel, t, _ = self._local(s)
         return _horner(self.coefficients[panel], t)
 
     def integral(self, s_m: FloatArray | float) -> FloatArray:
-        """Integral from the clamp to `s_m`."""
+        """Return integral from the clamp to `s_m`."""
         s = np.asarray(s_m, dtype=float)
         panel, t, half = self._local(s)
         powers = np.arange(1, self.coefficients.shape[1] + 1)
@@ -105,11 +105,11 @@ class Field:
         return value
 
     def mean(self, end_m: float) -> float:
-        """Mean over [0, end_m]."""
+        """Return mean over [0, end_m]."""
         return float(self.integral(end_m)) / end_m
 
     def on(self, breaks_m: FloatArray) -> Field:
-        """The same quantity on other panels; exact where the panels only get finer."""
+        """Return the same quantity on other panels; exact where the panels only get finer."""
         if breaks_m is self.breaks_m or np.array_equal(breaks_m, self.breaks_m):
             return self
         degree = self.coefficients.shape[1]
@@ -149,7 +149,7 @@ class Field:
 
 
 def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:
-    """The ends of all panels, those that coincide but for rounding counted once."""
+    """Return the ends of all panels, those that coincide but for rounding counted once."""
     every = np.unique(np.concatenate([np.asarray(b, dtype=float) for b in all_breaks]))
     keep = np.concatenate([[True], np.diff(every) > SMALLEST_SHARE * (every[-1] - every[0])])
     kept = every[keep]
@@ -159,7 +159,7 @@ def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:
 
 
 def padded(coefficients: FloatArray, degree: int) -> FloatArray:
-    """Coefficients with zeros added up to `degree` columns."""
+    """Return coefficients with zeros added up to `degree` columns."""
     missing = degree - coefficients.shape[-1]
     if missing <= 0:
         return coefficients
@@ -188,7 +188,7 @@ def _chebyshev(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _powers(values: FloatArray) -> FloatArray:
-    """Values at Chebyshev points (..., count) -> coefficients of powers of t."""
+    """Return values at Chebyshev points (..., count) -> coefficients of powers of t."""
     _, to_chebyshev, to_powers = _chebyshev(values.shape[-1])
     coefficients = values @ to_chebyshev.T
     # rounding noise of high degree would grow by orders of magnitude in powers of t

@@ -36,7 +36,7 @@ class Case:
     angle: Numbers  # (K,)
 
     def pick(self, rows: Numbers) -> Case:
-        """Some problems of the batch, or the same ones several times."""
+        """Return some problems of the batch, or the same ones several times."""
         names = ("kappa", "soft", "R", "length", "angle")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
@@ -83,7 +83,7 @@ class Loaded:
 
 
 def _integrals(h: Numbers, f: Numbers, r: Rule) -> tuple[Numbers, Numbers]:
-    """Integral from the contact to each node (K, P, n), and to the clamp (K,)."""
+    """Return integral from the contact to each node (K, P, n), and to the clamp (K,)."""
     whole = h * (f @ r.b)
     later = np.cumsum(whole[:, ::-1], axis=1)[:, ::-1] - whole
     return h[:, :, None] * (f @ r.A.T) + later[:, :, None], whole.sum(1)
@@ -113,7 +113,7 @@ def _loaded(case: Case, psi: Numbers, nu: Numbers, s_hat: Numbers, r: Rule) -> L
 
 
 def _residual(case: Case, u: Numbers, r: Rule) -> Numbers:
-    """All equations (K, Pn + 2) for u = (psi, nu R^2, s_hat / R)."""
+    """Return all equations (K, Pn + 2) for u = (psi, nu R^2, s_hat / R)."""
     K, P, n = len(u), len(case.breaks) - 1, len(r.c)
     on = _loaded(case, u[:, :-2].reshape(K, P, n), u[:, -2] / case.R**2, u[:, -1] * case.R, r)
     turn = case.angle + on.psi_end
@@ -328,7 +328,7 @@ def describe_many(
 
 
 def _moved(case: Case, to: Any, g: int, q: int) -> Case:
-    """The problem with parameter q moved by an imaginary step."""
+    """Return the problem with parameter q moved by an imaginary step."""
     i = 1j * TINY
     soft = case.soft + i * to.softness[g, q] if to.softness.shape[3] else case.soft
     return replace(

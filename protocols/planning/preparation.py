@@ -8,7 +8,7 @@ from drivers.interfaces import Prompt
 from protocols.planning.schedule import PlannedRun, Purpose
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Situation:
     """How sheet and load cell are set, as far as the session knows."""
 

@@ -13,6 +13,7 @@ from sim_hardware.world.settings import WorldSettings
 
 SHIPPED = ("world.toml", "paper_scatter.toml")
 _MOST_BYTES = 1 << 20
+_MOST_SHOWN = 200  # characters of a key or value in a message
 _REPLACED = ("boards",)  # a table of these replaces the shipped one whole
 _LIMITS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
@@ -81,17 +82,22 @@ def _laid_over(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sentence(name: str, error: Any) -> str:
-    key = ".".join(str(part) for part in error["loc"])
+    key = _short(".".join(str(part) for part in error["loc"]))
     value = error["input"]
+    shown = _short(repr(value))
     context = error.get("ctx", {})
     if error["type"] == "extra_forbidden":
-        return f"{name}: {key} = {value!r} is not a key of a world; remove it or correct its name"
+        return f"{name}: {key} = {shown} is not a key of a world; remove it or correct its name"
     if error["type"] == "missing":
         return f"{name}: {key} is missing"
     limits = [f"{word} {context[k]:g}" for k, word in _LIMITS.items() if k in context]
     if limits:
-        return f"{name}: {key} = {value!r} must be {' and '.join(limits)}"
+        return f"{name}: {key} = {shown} must be {' and '.join(limits)}"
     reason = str(error["msg"]).removeprefix("Value error, ")
     reason = reason[:1].lower() + reason[1:]
-    where = f"{key} = {value!r}" if key and not isinstance(value, dict) else key or "the file"
+    where = f"{key} = {shown}" if key and not isinstance(value, dict) else key or "the file"
     return f"{name}: {where}: {reason}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."

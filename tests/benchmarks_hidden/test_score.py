@@ -141,7 +141,7 @@ def test_unknown_is_asked_for_only_where_the_catalogue_imitates_it_badly() -> No
     good = replace(good, verdict="unknown_effect")
     imitated = replace(good, left_tolerant={"gravity": 0.1})
     assert row([good, imitated], "outside the catalogue").count == 1
-    assert row([good], "the unknown's slot").value == "100.0%"
+    assert row([good], "the unknown's location").value == "100.0%"
     assert row([good], "the unknown's place").value == "100.0%"
     away = replace(good, unknown=replace(unknown, peak=41.0))
     assert row([away], "the unknown's place").value == "0.0%"

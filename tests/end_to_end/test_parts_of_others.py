@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from labrig.session.guarded import guard_report_path
 
 from labrig.session import open_session
 from protocols.execution.events import Outcome, OutputState
@@ -153,6 +155,15 @@ def test_parts_of_another_distribution_work_like_our_own(rig: ServedRig) -> None
     safe = command("safe", file)
     assert safe.returncode == 0, safe.stdout + safe.stderr
     assert "the output is safe: 0 V written" in safe.stdout + safe.stderr
+
+
+def test_the_guard_makes_their_boards_safe_when_labrig_is_killed(rig: ServedRig) -> None:
+    process = rig.start()
+    rig.until(rig.is_energised)
+    process.kill()
+    rig.until(lambda: guard_report_path(rig.session).exists(), timeout_s=20.0)
+    assert json.loads(guard_report_path(rig.session).read_text())["state"] == "safe"
+    assert abs(rig.drive_V()) < 0.05
 
 
 def test_boards_that_cannot_make_themselves_safe_are_refused(rig: ServedRig) -> None:

@@ -100,6 +100,7 @@ def test_the_page_holds_what_the_session_was_made_with(whole):
     assert "free_length_mm = 50.0" in text
     assert "sensitivity_V_per_N" in text
     assert "All runs were done." in text
+    assert "is left out" not in text
 
 
 @pytest.mark.slow

@@ -198,7 +198,7 @@ def test_the_makers_library_drives_the_stage() -> None:
     from zaber_motion.exceptions import BadDataException, MovementFailedException
 
     world = World()
-    stage = SimulatedZaberStage(world, RealClock())
+    stage = SimulatedZaberStage(world, RealClock(), power_up_angle_rad=0.03)
     port = PtyPort(stage)
     try:
         with ascii_protocol.Connection.open_serial_port(port.path) as connection:
@@ -208,16 +208,16 @@ def test_the_makers_library_drives_the_stage() -> None:
             with pytest.raises(BadDataException):
                 axis.move_absolute(1000)
             axis.home()
-            axis.move_absolute(50_000)
-            assert axis.get_position() == 50_000
-            axis.move_relative(-20_000)
-            assert axis.get_position() == 30_000
+            axis.move_absolute(5_000)
+            assert axis.get_position() == 5_000
+            axis.move_relative(-2_000)
+            assert axis.get_position() == 3_000
             assert not axis.is_busy()
             axis.settings.set("maxspeed", 100_000)
             assert axis.settings.get("maxspeed") == 100_000
-            stage.axis.obstacle_rad = 0.2
+            stage.axis.obstacle_rad = 0.02
             with pytest.raises(MovementFailedException) as caught:
-                axis.move_absolute(90_000)
+                axis.move_absolute(9_000)
             assert caught.value.details.warnings == ["FS"]
             axis.move_velocity(-1000)
             axis.stop()
@@ -225,7 +225,7 @@ def test_the_makers_library_drives_the_stage() -> None:
     finally:
         port.stop()
     step_m = 0.04 * 4.090615434361711e-06
-    assert world.places[:3] == pytest.approx([0, 50_000 * step_m, 30_000 * step_m], abs=1e-9)
+    assert world.places[:3] == pytest.approx([0, 5_000 * step_m, 3_000 * step_m], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", sorted(FOLDER.parts()))

@@ -74,6 +74,15 @@ def test_a_wrong_world_is_refused_in_words(tmp_path: Path, text: str, words: lis
         assert word in message
 
 
+def test_a_long_key_or_value_is_cut_in_the_message(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.toml"
+    for text in (f"{'x' * 100_000} = 1", f"seed = '{'x' * 100_000}'"):
+        path.write_text(text)
+        with pytest.raises(WorldError) as caught:
+            load_world(path)
+        assert len(str(caught.value)) < 1000
+
+
 def test_a_file_that_is_not_there_is_named_with_the_shipped_ones(tmp_path: Path) -> None:
     with pytest.raises(WorldError, match=r"nowhere\.toml: no such file.*paper_scatter\.toml"):
         load_world(tmp_path / "nowhere.toml")

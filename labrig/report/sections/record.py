@@ -11,9 +11,9 @@ from labrig.report.tables.overview import overview
 
 
 def make(findings: Findings, _figures: FigureFolder) -> Section | str:
-    """Return the session's facts and checksums, and folded its log."""
+    """Return the session's facts and checksums, its channels, and folded its log."""
     session = findings.session
-    facts, _, log = overview(session).tables(log=True)
+    facts, _, *channels, log = overview(session).tables(log=True)
     sums = [("recorded data, sha256", session.checksum)]
     if findings.measurements is not None and findings.measurements.checksum:
         sums.append(("measurements were made from", findings.measurements.checksum))
@@ -21,6 +21,7 @@ def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     return Section(
         (
             Table(title="Session", columns=facts.columns, rows=(*facts.rows, *sums)),
+            *channels,
             Table(title="Recorded with", columns=("", ""), rows=versions),
             Folded(f"Event log, {len(log.rows)} lines", log),
         )

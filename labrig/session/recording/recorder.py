@@ -24,7 +24,7 @@ class MisplacedRowsError(ValueError):
     """Rows that do not continue what the dataset holds."""
 
 
-@dataclass
+@dataclass(kw_only=True)
 class _Growing:
     """A dataset that grows, and the rows that wait to be added to it."""
 
@@ -95,7 +95,9 @@ class Recorder:
             if not isinstance(dataset, h5py.Dataset) or not dataset.shape or not dataset.chunks:
                 raise MisplacedRowsError(f"{path} takes no rows")
             length, *row_shape = dataset.shape
-            found = _Growing(dataset, dataset.dtype, tuple(row_shape), length)
+            found = _Growing(
+                dataset=dataset, row_type=dataset.dtype, row_shape=tuple(row_shape), length=length
+            )
             self._growing[path] = found
         return found
 

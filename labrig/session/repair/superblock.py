@@ -18,6 +18,7 @@ from typing import Any
 import h5py
 
 _BLOCK = struct.Struct("<8sBBBBQQQQ")  # signature, version, sizes, flags, addresses
+_FLAGS, _END = 4, 7  # places of the consistency flags and of the end of the file among them
 _LENGTH = _BLOCK.size + 4  # and its checksum
 _MASK = 0xFFFFFFFF
 
@@ -54,14 +55,16 @@ def _released(block: bytes, size: int) -> bytes:
     """Return the first block without its flags, and with the file's true length."""
     if len(block) < _LENGTH or block[8] not in (2, 3):
         raise OSError("its first block is damaged")
-    signature, version, offsets, lengths, _, base, extension, end, root = _BLOCK.unpack_from(block)
+    fields = list(_BLOCK.unpack_from(block))
+    _, _, offsets, lengths, _, base, _, end, _ = fields
     if int.from_bytes(block[_BLOCK.size : _LENGTH], "little") != lookup3(block[: _BLOCK.size]):
         raise OSError("its first block is damaged")
     if base != 0 or (offsets, lengths) != (8, 8):
         raise OSError("its first block is of an unknown kind")
     if size < end:
         raise OSError(f"it is truncated to {size} of {end} bytes")
-    fixed = _BLOCK.pack(signature, version, offsets, lengths, 0, base, extension, size, root)
+    fields[_FLAGS], fields[_END] = 0, size
+    fixed = _BLOCK.pack(*fields)
     return fixed + lookup3(fixed).to_bytes(4, "little")
 
 

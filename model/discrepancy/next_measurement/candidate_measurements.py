@@ -57,7 +57,7 @@ def _again(
     up: float = 1.0,
     tilt_rad: float = 0.0,
 ) -> ConditionData:
-    """The same in another set-up, with a number that no session has."""
+    """Return the same in another set-up, with a number that no session has."""
     at_m = seen.position_m if at_m is None else at_m
     key = (seen.configuration, at_m, mounting, 0, tilt_rad)
     return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad)
@@ -68,7 +68,7 @@ def _places(one: DataVector) -> list[float]:
 
 
 def _set_anew(one: DataVector, mounting: int) -> tuple[ConditionData, ...]:
-    """The first, the middle and the last position."""
+    """Return the first, the middle and the last position."""
     places = _places(one)
     chosen = {places[i] for i in (0, len(places) // 2, -1)} if places else set()
     return tuple(_again(s, mounting) for s in _touching(one) if s.position_m in chosen)
@@ -87,12 +87,12 @@ def _repeat(one: DataVector) -> tuple[ConditionData, ...]:
 
 
 def _long(one: DataVector) -> tuple[ConditionData, ...]:
-    """Three positions with `LONGER` times as many readings under voltage."""
+    """Return three positions with `LONGER` times as many readings under voltage."""
     return tuple(_longer(s) if s.voltage_V else s for s in _set_anew(one, 99))
 
 
 def _longer(seen: ConditionData) -> ConditionData:
-    """The same pulses going on and on; before them nothing changes."""
+    """Return the same pulses going on and on; before them nothing changes."""
     clock, count = seen.kept_clock, LONGER * len(seen.kept_N)
 
     def on(values: FloatArray, step: float) -> FloatArray:
@@ -124,7 +124,7 @@ def _turned(one: DataVector) -> tuple[ConditionData, ...]:
 
 
 def _half(one: DataVector) -> tuple[ConditionData, ...]:
-    """Half the voltage at every position; 0 V there, too."""
+    """Return half the voltage at every position; 0 V there, too."""
     return tuple(
         replace(
             _again(s, 93),
@@ -163,7 +163,7 @@ def _free(one: DataVector) -> tuple[ConditionData, ...]:
 
 
 def _between(one: DataVector) -> tuple[ConditionData, ...]:
-    """Positions half-way between those measured."""
+    """Return positions half-way between those measured."""
     places = _places(one)
     middle = {a: 0.5 * (a + b) for a, b in pairwise(places)}
     return tuple(
@@ -186,7 +186,7 @@ def _shuffled(one: DataVector) -> tuple[ConditionData, ...]:
 
 
 def _zeros(one: DataVector) -> tuple[ConditionData, ...]:
-    """All positions again, and what the load cell shows without contact before each."""
+    """Return all positions again, and what the load cell shows without contact before each."""
     return _repeat(one) + tuple(
         _load_cell_alone(s, 70 + i)
         for i, s in enumerate(s for s in _repeat(one) if s.voltage_V == 0.0)
@@ -318,7 +318,7 @@ def next_measurement(
     values: Sequence[dict[str, float]],
     sizes: Sequence[float],
 ) -> Next | None:
-    """The entry that separates the first two best for its time; None: there is none.
+    """Return the entry that separates the first two best for its time; None: there is none.
 
     `values` are the form of each, `sizes` the multiples of it that the data speak of.
     """
@@ -366,7 +366,7 @@ class Suspect:
     size: float  # multiples of it
 
     def forms(self, fitted: MixedModelFit) -> list[Candidate]:
-        """All its forms in a design, its own one first."""
+        """Return all its forms in a design, its own one first."""
         pool = candidates(fitted, [self.effect], tolerant=False)
         return sorted(pool, key=lambda c: dict(c.values) != self.values)
 
@@ -396,7 +396,7 @@ def _apart(fitted: MixedModelFit, pair: tuple[Suspect, Suspect]) -> float:
 
 
 def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFit:
-    """The design with an entry added: only its geometry counts, no data are made up."""
+    """Return the design with an entry added: only its geometry counts, no data are made up."""
     problem = fitted.problem
     looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.study.looks]
     rests = [scene.rest for scene in problem.study.scenes]

@@ -18,7 +18,7 @@ from model.measurements import FloatArray
 def left_out(
     base: MixedModelFit, final: MixedModelFit, pool: Sequence[Candidate], groups: list[Index]
 ) -> tuple[FloatArray, FloatArray, list[str]]:
-    """Residuals of rows when they are left out, and what was chosen each time.
+    """Return residuals of rows when they are left out, and what was chosen each time.
 
     Those of the base model, and those of the model that is chosen without them, (N,) each.
 
@@ -68,7 +68,7 @@ def _information(
 def _predicted(
     fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None = None
 ) -> FloatArray:
-    """Residuals of everything when the parameters come from all runs but these."""
+    """Return residuals of everything when the parameters come from all runs but these."""
     A, b = _information(fitted, columns, runs, extra)
     result: FloatArray = fitted.linear.residual - columns @ (inverse_symmetric(A) @ b)
     return result
@@ -84,7 +84,7 @@ def predictive_gains(before: MixedModelFit, after: MixedModelFit) -> FloatArray:
 
 
 def _likely(fitted: MixedModelFit, runs: Index) -> float:
-    """Ln of the density of some runs' data as the others predict them, but for a constant.
+    """Return ln of the density of some runs' data as the others predict them, but for a constant.
 
     What the others do not know, such as how a form differs in just these runs, is as unsure as it
     was beforehand.
@@ -102,7 +102,7 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
 
 
 def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
-    """The candidate that the other runs choose, with the noise as it was found."""
+    """Return the candidate that the other runs choose, with the noise as it was found."""
     study, layout = base.problem.study, base.problem.study.layout
     weights = base.solution.weights.copy()
     weights[runs] = 0.0

@@ -50,7 +50,7 @@ class Score:
 
 
 def members(effect: Effect) -> list[dict[str, float]]:
-    """Values to try: each shape, at the plausible size."""
+    """Return values to try: each shape, at the plausible size."""
     result: list[dict[str, float]] = [{}]
     for i, parameter in enumerate(effect.parameters):
         # one that is refined in its logarithm has its plausible value, others a plausible step
@@ -64,7 +64,7 @@ def members(effect: Effect) -> list[dict[str, float]]:
 def candidates(
     fitted: MixedModelFit, effects: Sequence[Effect], *, tolerant: bool = True
 ) -> list[Candidate]:
-    """Every effect in each of its shapes, as columns at the present model.
+    """Return every effect in each of its shapes, as columns at the present model.
 
     Not `tolerant`: its form alone, without the ways in which it may differ.
     """
@@ -122,7 +122,7 @@ class Projected:
 
 
 def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Score:
-    """Evidence of a candidate at given noise."""
+    """Return evidence of a candidate at given noise."""
     A, b = projected.normal(study, candidate.columns)
     D, U = np.linalg.eigh(0.5 * (A + A.T))
     D = np.maximum(D, 0.0)
@@ -145,12 +145,12 @@ def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Sc
 
 
 def averaged(log_bayes: Sequence[float]) -> float:
-    """Ln of the mean Bayes factor of shapes of which nobody knows beforehand which it is."""
+    """Return ln of the mean Bayes factor of shapes of which nobody knows beforehand which it is."""
     return float(np.logaddexp.reduce(log_bayes) - np.log(len(log_bayes)))
 
 
 def allowed(one: Score) -> bool:
-    """Whether the size is one that the effect can have: some have a sign."""
+    """Return whether the size is one that the effect can have: some have a sign."""
     effect = one.candidate.effect
     if effect is None:
         return True
@@ -193,12 +193,12 @@ def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
 
 
 def prior_terms(fitted: MixedModelFit) -> float:
-    """Ln of the determinant of the priors of the effects that are in the model already."""
+    """Return ln of the determinant of the priors of the effects that are in the model already."""
     return float(np.sum(np.log(fitted.linear.data.precision[fitted.problem.bases.size :])))
 
 
 def unit_values(effect: Effect, values: Values, amplitude: float) -> dict[str, float]:
-    """Values of an effect whose columns were found with this amplitude."""
+    """Return values of an effect whose columns were found with this amplitude."""
     size, result = effect.amplitude, dict(values)
     if not size.starting_values and size.log:
         result[size.name] = size.neutral * float((values[size.name] / size.neutral) ** amplitude)

@@ -27,7 +27,7 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
 
 
 def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]]:
-    """What the effect changes in each configuration that has it."""
+    """Return what the effect changes in each configuration that has it."""
     one, study = fitted.found[index], fitted.problem.study
     others = tuple(f.active for f in fitted.found if f is not one)
     result = []
@@ -49,7 +49,7 @@ def _share(fitted: MixedModelFit, whole: FloatArray, deviation: FloatArray) -> f
 
 
 def _on_base(fitted: MixedModelFit, column: FloatArray) -> FloatArray:
-    """The part of a column that the base parameters can take up."""
+    """Return the part of a column that the base parameters can take up."""
     size, study = fitted.problem.bases.size, fitted.problem.study
     layout, W = study.layout, fitted.solution.weights
     X = layout.pad(fitted.linear.columns[:, :size])

@@ -1,4 +1,4 @@
-"""Forward search: which candidate explains what is left, is it worth it, and what is left then."""
+"""Forward selection: add the best candidate while its evidence exceeds the threshold."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from model.measurements import FloatArray
 
 @dataclass
 class SelectionStep:
-    """One turn of the search."""
+    """One step of forward selection."""
 
     before: MixedModelFit
     ranking: list[RankedCandidate]
@@ -45,7 +45,7 @@ class SelectionStep:
 
 @dataclass
 class SearchResult:
-    """How the search went."""
+    """The steps of forward selection, and the model it ends with."""
 
     base: MixedModelFit
     turns: list[SelectionStep]
@@ -96,7 +96,7 @@ def search(
 
 
 def _share(contender: RankedCandidate) -> float:
-    """How much of an effect is deviation from its form."""
+    """Return how much of an effect is deviation from its form."""
     return 0.0 if contender.fitted is None else form_share(contender.fitted, -1)
 
 
@@ -117,8 +117,8 @@ def _forward(
             outcome.turns.append(turn)
             break
         top, first = turn.ranking[0], turn.ranking[0].score.candidate
-        sure = top.gain >= threshold + FURTHER_EFFECT_LN
-        if first.location == "outlier" and sure and rounds_of_outliers < OUTLIER_ROUNDS:
+        clear = top.gain >= threshold + FURTHER_EFFECT_LN
+        if first.location == "outlier" and clear and rounds_of_outliers < OUTLIER_ROUNDS:
             rounds_of_outliers += 1
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
@@ -133,7 +133,7 @@ def _forward(
 
 
 def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) -> MixedModelFit:
-    """The model without these conditions; the base is fitted without them, too."""
+    """Return the model without these conditions; the base is fitted without them, too."""
     outcome.outliers += numbers
     problem, base = without(fitted.problem, numbers), outcome.base
     again = fit_mixed_model(problem, fitted.theta, fitted.found)
@@ -163,7 +163,7 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
 
 
 def _rows(fitted: MixedModelFit) -> FloatArray:
-    """What all effects of a model do to the rows, (N,)."""
+    """Return what all effects of a model do to the rows, (N,)."""
     study, active = fitted.problem.study, fitted.active
     rows = np.zeros(study.layout.size)
     for one in active:
@@ -176,7 +176,7 @@ def _rows(fitted: MixedModelFit) -> FloatArray:
 
 
 def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
-    """The best effect of the catalogue whose form is in the data, if they ask for it."""
+    """Return the best effect of the catalogue whose form is in the data, if they ask for it."""
     threshold += FURTHER_EFFECT_LN if turn.before.found else 0.0
     rest = _rest_of_forms(turn)
     for one in turn.ranking:

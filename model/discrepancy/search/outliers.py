@@ -86,7 +86,7 @@ def _setups(fitted: MixedModelFit) -> list[Candidate]:
 
 
 def condition_runs(problem: FitProblem) -> list[int]:
-    """The run of each condition, by its number over all configurations."""
+    """Return the run of each condition, by its number over all configurations."""
     layout = problem.study.layout
     return [layout.runs.index(one.run) for look in problem.study.looks for one in look.seen]
 
@@ -98,7 +98,7 @@ def _at(size: int, rows: Index, value: float) -> FloatArray:
 
 
 def numbers_of(name: str) -> list[int]:
-    """The conditions of an outlier candidate."""
+    """Return the conditions of an outlier candidate."""
     return [int(n) for n in name.removeprefix("outlier:").split(",")]
 
 
@@ -109,7 +109,7 @@ def condition_name(problem: FitProblem, number: int) -> str:
 
 
 def without(problem: FitProblem, numbers: list[int]) -> FitProblem:
-    """The same data with some conditions so noisy that they do not count."""
+    """Return the same data with some conditions so noisy that they do not count."""
     fixed, study = problem.noise.fixed.copy(), problem.study
     first = 0
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):

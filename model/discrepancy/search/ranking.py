@@ -1,4 +1,4 @@
-"""Everything that could be added to a model, with what it is worth; the best first."""
+"""Rank everything that could be added to a model by its log Bayes factor."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def rank(
 
 
 def _among(fitted: MixedModelFit, shapes: Sequence[Candidate], solution: Solution) -> float:
-    """Ln of the mean of what an effect's shapes explain over what the best of them does."""
+    """Return ln of the mean of what an effect's shapes explain over what the best of them does."""
     if len(shapes) == 1:
         return 0.0
     study = fitted.problem.study
@@ -113,14 +113,14 @@ def _among(fitted: MixedModelFit, shapes: Sequence[Candidate], solution: Solutio
 def best_scores(
     fitted: MixedModelFit, every: Sequence[Candidate], solution: Solution
 ) -> dict[str, Score]:
-    """The best score of each name, at given scatter; best first."""
+    """Return the best score of each name, at given scatter; best first."""
     return {name: found[0] for name, found in _by_name(fitted, every, solution).items()}
 
 
 def _by_name(
     fitted: MixedModelFit, every: Sequence[Candidate], solution: Solution
 ) -> dict[str, list[Score]]:
-    """The scores of all shapes of each name, at given scatter; best first."""
+    """Return the scores of all shapes of each name, at given scatter; best first."""
     study = fitted.problem.study
     projected = Projected.of(study, fitted.linear, solution)
     scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
@@ -156,14 +156,14 @@ def _other_shapes(chosen: Score, scores: Sequence[Score]) -> tuple[Score, ...]:
 
 
 def _shape(one: Score) -> tuple[float, ...]:
-    """Values of the parameters that stay as they are tried."""
+    """Return values of the parameters that stay as they are tried."""
     effect = one.candidate.effect
     stay = () if effect is None else effect.parameters[1:]
     return tuple(one.candidate.values[k.name] for k in stay if not k.log)
 
 
 def _alike(one: Score, other: Score) -> bool:
-    """Whether they are the same columns of the same scale."""
+    """Return whether they are the same columns of the same scale."""
     return one.candidate is other.candidate and one.scale == other.scale
 
 

@@ -1,4 +1,4 @@
-"""Contenders put into the model: solved with it, all values fitted, from where that leads."""
+"""Fit the best candidates in the model, all values free, from several starting values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ INSIDE = 0.9  # of its bounds that a size may have to begin with
 
 
 def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[RankedCandidate]:
-    """The effects of the catalogue that are close to the best one, refined; best first."""
+    """Return the effects of the catalogue that are close to the best one, refined; best first."""
     known = [c for c in ranking if c.known]
     if not known:
         return ranking
@@ -58,7 +58,7 @@ def refined(
 ) -> RankedCandidate:
     """With the effect in the model, its values fitted and everything linearised there.
 
-    Which of several shapes it has is told by fits: a straight line can hardly tell them apart.
+    Fits decide which of several shapes it has: linearised at zero they look alike.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
@@ -69,7 +69,7 @@ def refined(
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:
-    """Base parameters that forces and the curves at 0 V ask for.
+    """Return base parameters that forces and the curves at 0 V ask for.
 
     What curves under voltage say may be the very thing that is to be explained.
     """
@@ -113,7 +113,7 @@ def _refined_again(
 def _better(
     fitted: MixedModelFit, contender: RankedCandidate, one: Score, other: MixedModelFit | None
 ) -> RankedCandidate:
-    """The contender, or with this shape and fit where they are better than what it has."""
+    """Return the contender, or with this shape and fit where they are better than what it has."""
     best = contender.fitted
     if other is None:
         return contender
@@ -132,7 +132,7 @@ def _rank(fitted: MixedModelFit) -> tuple[bool, float]:
 
 
 def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
-    """A scored effect at a multiple of its own size."""
+    """Return a scored effect at a multiple of its own size."""
     effect = one.candidate.effect
     if effect is None:
         raise TypeError(f"{one.candidate.name} is no effect of the catalogue")
@@ -152,7 +152,7 @@ def _begun(
 
 
 def _strained(fitted: MixedModelFit) -> bool:
-    """Whether set-ups seem to differ by much more than is usual."""
+    """Return whether set-ups seem to differ by much more than is usual."""
     times = fitted.solution.log_sigma - fitted.problem.guess
     return bool(np.max(times[: len(ASSUMED)]) > np.log(DOUBTFUL_SCATTER_RATIO))
 
@@ -164,7 +164,7 @@ def _settled(
     log_sigma: FloatArray | None,
     form: float = 1.0,
 ) -> MixedModelFit | None:
-    """A model with these effects, from there on; None where it does not settle.
+    """Return a model with these effects, from there on; None where it does not settle.
 
     `form` is how much of the tolerance of the effects' forms there is.
     """
@@ -175,7 +175,7 @@ def _settled(
 
 
 def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:
-    """The one that explains most, and those that would with the usual scatter."""
+    """Return the one that explains most, and those that would with the usual scatter."""
     return {max(done, key=lambda c: c.gain).name, *_plain(fitted, done)}
 
 
@@ -189,6 +189,6 @@ def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str
 
 
 def _doubtful(contender: RankedCandidate) -> bool:
-    """Whether its size may have been found at the wrong place."""
+    """Return whether its size may have been found at the wrong place."""
     best = contender.fitted
     return best is None or form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)

@@ -1,4 +1,4 @@
-"""What these data could see at all, and which effects look alike in them."""
+"""Detectability of effects in these data, and which of them are indistinguishable."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from model.measurements import FloatArray
 
 
 def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) -> list[Candidate]:
-    """One candidate for each effect: the shape that was found, or the middle one."""
+    """Return one candidate for each effect: the shape that was found, or the middle one."""
     groups: dict[str, list[Candidate]] = {}
     for one in pool:
         groups.setdefault(one.name, []).append(one)
@@ -63,7 +63,7 @@ def signatures(
 def invisible(
     fitted: MixedModelFit, found: Signatures, effects: Mapping[str, Effect]
 ) -> dict[str, str]:
-    """Effects that these data cannot show at any likely size, with what would show them."""
+    """Return effects that these data cannot show at any likely size, with what would show them."""
     result = {}
     streams = _streams(fitted)
     for name, length in zip(found.names, found.detectability, strict=True):
@@ -81,7 +81,7 @@ def invisible(
 
 
 def _streams(fitted: MixedModelFit) -> bool:
-    """Whether there are repeats in order or series."""
+    """Return whether there are repeats in order or series."""
     parts = fitted.problem.study.layout.parts
     return any(len(p.bin_rows) or np.any(~p.is_mean) for p in parts)
 
@@ -108,7 +108,7 @@ def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ..
 
 
 def class_of(name: str, found: Signatures, size: FloatArray | None = None) -> tuple[str, ...]:
-    """Effects closer than `SEPARATION_SIGMA` to one, at its size."""
+    """Return effects closer than `SEPARATION_SIGMA` to one, at its size."""
     del size
     if name not in found.names:
         return ()

@@ -14,7 +14,7 @@ from model.measurements import Measurements
 
 
 def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
-    """One sentence for each oddity."""
+    """Yield one sentence for each oddity."""
     yield from _moduli(base)
     yield from _out_of_reach(base)
     yield from _of_no_run(measurements)

@@ -1,4 +1,4 @@
-"""From how the search went to what is told: names, verdict, gaps, and what to measure next."""
+"""From the result of the search to the diagnosis: names, verdict, prediction errors, next step."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class _LeftOut:
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A search that is over, and what it was asked."""
+    """A finished search, with its options and data."""
 
     measurements: Measurements
     options: Options
@@ -91,7 +91,7 @@ class Finding:
 
     @cached_property
     def diagnosis(self) -> Diagnosis:
-        """Everything that is told."""
+        """Return everything that is reported."""
         base, decision = self.outcome.base, self._decision()
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
@@ -142,7 +142,7 @@ class Finding:
         return setups(self.ready) >= FEWEST_SETUPS
 
     def _decision(self) -> _Decision:
-        """Names, or what is unknown, or both."""
+        """Return names, or what is unknown, or both."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
         rest = self._unexplained(known)
@@ -177,7 +177,7 @@ class Finding:
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
 
     def _doubt(self, decision: _Decision) -> str:
-        """Why these data cannot tell, where nothing is found; empty: they can."""
+        """Return why these data cannot tell, where nothing is found; empty: they can."""
         if not self._enough:
             return too_few(setups(self.ready))
         if decision.named or decision.unknown is not None:
@@ -217,7 +217,7 @@ class Finding:
         return _LeftOut(both, closed, chosen, gaps.table(base, final, before, after))
 
     def _next(self, named: Sequence[Named]) -> Next | None:
-        """What would tell a name from the first one that it may be confused with."""
+        """Return what would tell a name from the first one that it may be confused with."""
         pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
         ranked = {c.name: c for t in self.outcome.turns for c in t.ranking if c.known}
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
@@ -248,7 +248,7 @@ class Finding:
 
 
 def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
-    """Whether one free form explains more than all the names together."""
+    """Return whether one free form explains more than all the names together."""
     explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
     return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
 

@@ -52,7 +52,7 @@ def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
 
 
 def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:
-    """An effect's values with their uncertainty, derived ones included."""
+    """Return an effect's values with their uncertainty, derived ones included."""
     values = dict(one.values[configuration])
     sigma = one.sigma.get(configuration, {})
     result = {

@@ -60,7 +60,7 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
 def _strongest(
     fitted: MixedModelFit, found: list[BasisShape], columns: FloatArray, beta: FloatArray
 ) -> Key:
-    """The part of which the waves explain most, of the configuration where they do."""
+    """Return the part of which the waves explain most, of the configuration where they do."""
     noise = variance(fitted)
 
     def weight(key: Key) -> float:
@@ -99,7 +99,7 @@ def _seen_wrong(
 
 
 def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
-    """The model with a free form in it, as far as a straight line goes."""
+    """Return the model with a free form in it, as far as a straight line goes."""
     columns = contender.score.candidate.columns
     linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
     known = fitted.solution if contender.solution is None else contender.solution
@@ -137,7 +137,7 @@ def unknown_effect(one: Unknown) -> ActiveEffect:
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:
-    """How much of an effect is deviation from its form, and the form along the sheet."""
+    """Return how much of an effect is deviation from its form, and the form along the sheet."""
     one, span = fitted.found[index], fitted.spans[index]
     steps, share = steps_of(fitted, index), form_share(fitted, index)
     if not steps:
@@ -152,7 +152,7 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
 
 
 def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index) -> FormCurve:
-    """An effect along the sheet where it is largest, without and with its deviation."""
+    """Return an effect along the sheet where it is largest, without and with its deviation."""
     scene, solution = fitted.problem.study.scenes[c], fitted.solution
     G = scene.count
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]

@@ -68,7 +68,7 @@ def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
 
 
 def _excess(z: FloatArray) -> float:
-    """How far several numbers together stand out, in sigmas of one; 0: not clearly."""
+    """Return how far several numbers together stand out, in sigmas of one; 0: not clearly."""
     n, chi2 = len(z), float(np.sum(z**2))
     return float(np.sqrt(chi2 - n)) if chi2 > n + 3.0 * np.sqrt(2.0 * n) else 0.0
 

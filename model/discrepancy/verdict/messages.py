@@ -1,4 +1,4 @@
-"""What was found, in sentences."""
+"""Sentences for verdicts and notes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def sentence(
     left_out: BeforeAfter,
     doubt: str,
 ) -> str:
-    """The answer. `doubt`: why the data cannot tell, where they cannot."""
+    """Return the answer. `doubt`: why the data cannot tell, where they cannot."""
     if verdict == "cannot_tell":
         return f"These data cannot tell what is missing: {doubt}."
     if verdict == "nothing_missing":
@@ -43,7 +43,7 @@ def sentence(
 
 
 def too_few(setups: int) -> str:
-    """Why few set-ups say nothing."""
+    """Return why few set-ups say nothing."""
     return (
         f"there are {setups} set-ups of the load cell, too few to know how much one set-up differs"
         f" from the next; measure at least {FEWEST_SETUPS} positions, or set three of them anew"
@@ -51,7 +51,7 @@ def too_few(setups: int) -> str:
 
 
 def scattered(name: str, times: float) -> str:
-    """Why set-ups that differ too much say nothing."""
+    """Return why set-ups that differ too much say nothing."""
     return (
         f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as is usual;"
         " set three positions anew to see whether that is chance"
@@ -59,7 +59,7 @@ def scattered(name: str, times: float) -> str:
 
 
 def refused(name: str) -> str:
-    """Why an effect that explains something is not named."""
+    """Return why an effect that explains something is not named."""
     return (
         f"{name} would explain some of what is left, but not on positions that are left out, or"
         " only in another form than its own"
@@ -76,13 +76,13 @@ def _gap(left_out: BeforeAfter) -> str:
         )
         if math.isfinite(old) and math.isfinite(new)
     ]
-    told = [f"from {old:.3f} to {new:.3f} {unit}" for old, new, unit in means]
+    changes = [f"from {old:.3f} to {new:.3f} {unit}" for old, new, unit in means]
     old, new = (math.sqrt(g.chi2_per_dof) for g in (before, after))
     if old > REPORTED_GAP_RATIO * new and not any(
         one > REPORTED_GAP_RATIO * other for one, other, _ in means
     ):
-        told.append(f"from {old:.2f} to {new:.2f} times the noise")  # it is in fine shapes
-    told += [
+        changes.append(f"from {old:.2f} to {new:.2f} times the noise")  # it is in fine shapes
+    changes += [
         f"{what} from {old:.{digits}f} to {new:.{digits}f} {unit}"
         for what, old, new, unit, digits in (
             ("along a run", before.drift_rmse_mN, after.drift_rmse_mN, "mN", 3),
@@ -91,15 +91,15 @@ def _gap(left_out: BeforeAfter) -> str:
         )
         if old > REPORTED_GAP_RATIO * new
     ]
-    if not told:
+    if not changes:
         return "there is no position to be left out, so that the gap cannot be told"
-    first, last = told[:-1], told[-1]
+    first, last = changes[:-1], changes[-1]
     both = f"{', '.join(first)} and {last}" if first else last
     return f"the gap on left-out positions goes {both}"
 
 
 def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:
-    """What to know besides; `chosen`: the best name with each position left out."""
+    """Yield what to know besides; `chosen`: the best name with each position left out."""
     if outliers:
         yield f"left out, since nothing else is like it: {', '.join(outliers)}"
     other = sorted({c for c in chosen if c} - {n.name for n in named})

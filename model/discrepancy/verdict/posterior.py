@@ -1,4 +1,4 @@
-"""From the search's turns to names: which, how surely, and what they may be confused with."""
+"""Posterior probabilities of names, and what each may be confused with."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
 
 
 def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choice:
-    """What was chosen from a ranking, and how surely."""
+    """Return what was chosen from a ranking, and how surely."""
     effect = chosen.score.candidate.effect
     if effect is None:
         raise TypeError(f"{chosen.name} is no effect of the catalogue")
@@ -70,7 +70,7 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
 def choices(
     outcome: SearchResult, effects: Sequence[Effect], threshold: float, rests: bool = False
 ) -> tuple[list[Choice], MixedModelFit]:
-    """Every effect that was found, each against its alternatives with the others in place.
+    """Return every effect that was found, each against its alternatives with the others in place.
 
     An effect that the others make superfluous is taken out again, and so is, unless `rests`, what
     is rather left of another one's form; what the model had before the search stays.
@@ -103,7 +103,7 @@ def choices(
 
 
 def with_shapes(fitted: MixedModelFit, named: Sequence[Choice]) -> MixedModelFit:
-    """The model with uncertainties that hold the other shapes of each effect, too.
+    """Return the model with uncertainties that hold the other shapes of each effect, too.
 
     A shape that explains as much may have other values.
     """
@@ -138,7 +138,7 @@ def _mixed(one: Found, tried: Sequence[MixedModelFit]) -> Found:
 
 
 def rest_of_another(named: Sequence[Choice]) -> int | None:
-    """Place of an effect that is rather what is left of a stronger one's form.
+    """Return place of an effect that is rather what is left of a stronger one's form.
 
     Forms differ in more ways than are tolerated. What several effects of several locations explain
     as well is such a rest, and so is a change in time beside another one if it is no clear name.
@@ -178,7 +178,7 @@ class Leftover:
 def leftover(
     outcome: SearchResult, final: MixedModelFit, effects: Sequence[Effect]
 ) -> Leftover | None:
-    """How much free forms could still explain."""
+    """Return how much free forms could still explain."""
     first = [c for c in outcome.turns[0].ranking if c.name.startswith("unknown:")]
     if not first:
         return None

@@ -27,7 +27,7 @@ class Cells:
 
 
 def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
-    """Where all that stands; conditions `without`, by number over all, do not count."""
+    """Return where all that stands; conditions `without`, by number over all, do not count."""
     study, first = fitted.problem.study, 0
     found = Cells(
         force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(study.layout.size)
@@ -57,7 +57,7 @@ def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
 
 
 def _each(rows: Index) -> tuple[Index, ...]:
-    """Every row a group of its own."""
+    """Return every row a group of its own."""
     return tuple(np.asarray(rows, dtype=np.int64).reshape(-1, 1))
 
 
@@ -70,7 +70,7 @@ def variance(fitted: MixedModelFit) -> FloatArray:
 
 
 def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
-    """Root mean squares; chi2 of mean forces and curves, each row by itself."""
+    """Return root mean squares; chi2 of mean forces and curves, each row by itself."""
     both = [*where.force, *where.curve]
     chi2 = np.nan
     if both:
@@ -80,7 +80,7 @@ def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
 
 
 def floor(variance_: FloatArray, where: Cells) -> Gap:
-    """What the noise alone would leave."""
+    """Return what the noise alone would leave."""
     return _gap(variance_, where, 1.0)
 
 
@@ -128,7 +128,7 @@ def closed_share(left_out: BeforeAfter, least: Gap) -> float:
 
 
 def refitted(fitted: MixedModelFit) -> FloatArray:
-    """Residuals (N,) with the linear parameters where they are best."""
+    """Return residuals (N,) with the linear parameters where they are best."""
     beta = fitted.solution.beta
     result: FloatArray = fitted.linear.residual - fitted.linear.columns @ beta
     return result
@@ -179,7 +179,7 @@ def table(
 def _simulated(
     fitted: MixedModelFit, c: int, k: int
 ) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
-    """Places (x, y) of a curve's points as a model has them, and how far off they are."""
+    """Return places (x, y) of a curve's points as a model has them, and how far off they are."""
     study = fitted.problem.study
     scene, solved = study.scenes[c], fitted.linear.states[c].solved
     s, x, y = scene.measured(k)

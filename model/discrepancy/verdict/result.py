@@ -91,7 +91,7 @@ class Gap:
     drift_rmse_mm: float = float("nan")  # how far out the readings' curves are, along the run
 
     def to_json(self) -> dict[str, float | None]:
-        """Numbers that do not exist are null."""
+        """Return numbers that do not exist are null."""
         return {k: _number(v) for k, v in self.__dict__.items()}
 
 
@@ -193,7 +193,7 @@ class Diagnosis:
     plugins: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """The object that `diagnose --json` prints."""
+        """Return the object that `diagnose --json` prints."""
         return {
             "verdict": self.verdict,
             "effects": [_named(e) for e in self.effects],

@@ -27,7 +27,7 @@ def session(tmp_path_factory):
     return record_with(path, schedule, with_pictures(curvature), frame_shape=(260, 360))
 
 
-def test_both_ways_are_stored_and_told_with_their_difference(session, capsys):
+def test_both_ways_are_stored_and_reported_with_their_difference(session, capsys):
     analyze(session)
     zero, plus, _ = load_measurements(session).conditions
     for condition in (zero, plus):

@@ -99,7 +99,7 @@ def test_extras_become_conditions_of_their_own_kind(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_load_cell_that_weighs_wrong_is_told(tmp_path):
+def test_a_load_cell_that_weighs_wrong_is_reported(tmp_path):
     extras = Extras(dead_weights_N=(0.01, 0.02))
     schedule = make_schedule(TRAIN, [Place("long", (0.0,))], extras=extras)
 
@@ -164,7 +164,7 @@ def test_two_processes_find_the_same_as_one(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_sheet_that_moved_between_frames_is_told(tmp_path):
+def test_a_sheet_that_moved_between_frames_is_reported(tmp_path):
     schedule = make_schedule(TRAIN, [Place("long", (0.005,))])
 
     def wandering(voltage_V, reading):
@@ -193,7 +193,7 @@ def test_the_analysis_is_kept_in_the_session_and_can_be_made_again(pictured, tmp
     assert same(analyze(path), made)
 
 
-def test_frames_without_a_sheet_are_told_once_for_each_condition(tmp_path):
+def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
     path = record_with(tmp_path / "s.h5", make_schedule(TRAIN, [Place("long", (0.0,))]))
     with open_session(path) as session:
         found = measure(session)
@@ -216,7 +216,7 @@ def test_frames_without_a_sheet_are_told_once_for_each_condition(tmp_path):
         ({"sheet.toml": SHEET, "load_cell.toml": "date = 3"}, "load_cell.toml: .*date"),
     ],
 )
-def test_what_a_session_lacks_is_told(tmp_path, texts, said):
+def test_what_a_session_lacks_is_reported(tmp_path, texts, said):
     path = record_with(tmp_path / "s.h5", small_schedule(), texts=texts)
     with pytest.raises(BadInputError, match=said):
         analyze(path)

@@ -13,7 +13,7 @@ PX_PER_MM, FREE_MM = 9.0, 100.0
 
 @pytest.fixture(scope="module")
 def frayed():
-    """A picture (700, 1100) of a frayed strip 15 pixels thick, and its middle line in pixels."""
+    """An image (700, 1100) of a frayed strip 15 pixels thick, and its middle line in pixels."""
     rng = np.random.default_rng(4)
     s = np.linspace(0.0, FREE_MM * PX_PER_MM, 2001)
     phi = 0.75 * (1 - np.exp(-s / 400))
@@ -69,7 +69,7 @@ def lit(line, lighter):
 @pytest.mark.slow
 @pytest.mark.parametrize("lighter", [1.0, 1.4, 2.0])
 def test_light_on_one_side_draws_no_curve_aside(frayed, lighter):
-    """Edges are where the picture changes most; the middle of the light is up to 1.3 pixels off."""
+    """Edges are where the image changes most; the middle of the light is up to 1.3 pixels off."""
     _, line = frayed
     curve = neutral_curve(lit(line, lighter), *parts(line))
     assert curve.ok, curve.why
@@ -102,7 +102,7 @@ ASKEW = LENS | {"homography": [[9.0, 0.3, 100], [-0.2, -8.8, 210], [1e-5, 2e-5, 
 
 @pytest.mark.parametrize("calibration", [LENS, ASKEW])
 @pytest.mark.parametrize("by", [2, 5])
-def test_the_calibration_of_a_reduced_picture_says_the_same(calibration, by):
+def test_the_calibration_of_a_reduced_image_says_the_same(calibration, by):
     optics = Optics.from_json(json.dumps(calibration))
     small = downscaled_optics(optics, by)
     places_m = np.array([[0.0, 0.0], [0.03, 0.01], [0.05, -0.02]])
@@ -111,6 +111,6 @@ def test_the_calibration_of_a_reduced_picture_says_the_same(calibration, by):
     assert small.clamp_m() == pytest.approx(optics.clamp_m(), abs=1e-7)
 
 
-def test_a_pixel_of_a_reduced_picture_has_its_centre_in_the_middle_of_its_pixels():
+def test_a_pixel_of_a_reduced_image_has_its_centre_in_the_middle_of_its_pixels():
     first, last = np.array([0.0, 0.0]), np.array([2.0, 2.0])
     assert scaled_places((first + last) / 2, 1 / 3) == pytest.approx(np.zeros(2))

@@ -51,7 +51,7 @@ def test_a_stage_that_is_where_it_says_is_not_doubted(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_stage_that_is_elsewhere_is_told_with_where_the_picture_shows_it(tmp_path):
+def test_a_stage_that_is_elsewhere_is_reported_with_where_the_image_shows_it(tmp_path):
     made = analysed(tmp_path, SHIFTED)
     miss, sigma = misses_m(made, 1.8e-3).T
     assert (np.abs(miss) < np.maximum(3 * sigma, 60e-6)).all()

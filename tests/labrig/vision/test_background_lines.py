@@ -1,4 +1,4 @@
-"""Straight things through the picture: found at the border or beside a curve, and left out."""
+"""Straight things through the image: found at the border or beside a curve, and left out."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from labrig.vision.search.straight_lines import find_branches, find_wires
 
 
 def drawn(paths, noise=6.0, seed=0):
-    """A picture (300, 400) with bright lines two pixels wide along some paths [(u, v), ...]."""
+    """An image (300, 400) with bright lines two pixels wide along some paths [(u, v), ...]."""
     v, u = np.mgrid[0:300, 0:400].astype(float)
     grey = np.full(u.shape, 60.0)
     for (u0, v0), (u1, v1) in paths:
@@ -33,7 +33,7 @@ def wires_in(image, known, plain, sign=1.0):
 
 
 @pytest.mark.parametrize("noise", [1.0, 16.0])
-def test_a_wire_through_the_picture_is_found_once_and_to_a_pixel(known, plain, noise):
+def test_a_wire_through_the_image_is_found_once_and_to_a_pixel(known, plain, noise):
     line = ((-20.0, 40.0), (430.0, 210.0))
     (wire,) = wires_in(drawn([line], noise), known, plain)
     du, dv = np.subtract(*line[::-1]) / np.hypot(*np.subtract(*line))
@@ -55,7 +55,7 @@ def test_neither_is_an_edge_nor_a_line_of_the_other_brightness(known, plain):
     assert wires_in(drawn([((-20.0, 40.0), (430.0, 210.0))]), known, plain, sign=-1.0) == []
 
 
-def test_a_wire_that_ends_in_the_picture_is_followed_to_its_end(known, plain):
+def test_a_wire_that_ends_in_the_image_is_followed_to_its_end(known, plain):
     (wire,) = wires_in(drawn([((410.0, 250.0), (150.0, 90.0))]), known, plain)
     assert wire.path[-1] == pytest.approx([150.0, 90.0], abs=12)
 
@@ -112,7 +112,7 @@ def branches_of(curve, lines, known, plain):
 LINE = ((40.0, 100.0), (340.0, 100.0))  # ends in the picture on both sides
 
 
-def test_a_line_that_goes_on_where_the_curve_bends_away_is_found_to_both_its_ends(known, plain):
+def test_a_line_that_continues_where_the_curve_bends_away_is_found_to_both_its_ends(known, plain):
     t = np.arange(160.0)
     ahead = np.stack([50 + t, np.full(160, 100.0)], axis=1)
     turn = np.arange(1, 90) / 60
@@ -187,7 +187,7 @@ def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.3
 
 
-def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_goes_on_behind_the_clamp(
+def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_continues_behind_the_clamp(
     scenes, known
 ):
     scene = scenes.make_scene(

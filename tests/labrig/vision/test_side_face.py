@@ -35,7 +35,7 @@ def test_another_look_is_refused_with_what_there_is(silhouette, capsys):
 
 
 @pytest.mark.parametrize("radius_px", [2.0, 2.6])
-def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radius_px):
+def test_a_lens_far_out_of_focus_is_not_taken_for_a_side_face(scenes, known, radius_px):
     """It draws discs, not bells: the sheet looks wider, to both its sides."""
     scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True, blur_px=0.6, snr=4000))
     v, u = np.mgrid[-4:5, -4:5]
@@ -50,7 +50,9 @@ def test_a_lens_far_out_of_focus_is_not_taken_for_a_far_face(scenes, known, radi
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "face"), [(960_061, 0.85), (960_029, 0.85), (3_100_054, 0.85)])
-def test_a_face_that_is_not_told_from_the_edge_widens_the_band(scenes, known, seed, face):
+def test_a_face_that_is_not_separated_from_the_edge_widens_the_credible_band(
+    scenes, known, seed, face
+):
     """A thicker sheet, blur in much noise, something in one place: each explains as much."""
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
@@ -64,7 +66,7 @@ def test_a_face_that_is_not_told_from_the_edge_widens_the_band(scenes, known, se
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "face"), [(960_024, 0.2), (960_057, 0.7)])
-def test_a_faint_face_is_found_in_a_picture_of_little_noise(scenes, known, seed, face):
+def test_a_faint_face_is_found_in_an_image_of_little_noise(scenes, known, seed, face):
     """Taken for blur, it pulled the curve by 0.18 and 0.48 pixels."""
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))

@@ -1,4 +1,4 @@
-"""How smooth a curve is, as the picture says: mean and covariance over many priors."""
+"""How smooth a curve is, as the image says: mean and covariance over many priors."""
 
 import numpy as np
 import pytest

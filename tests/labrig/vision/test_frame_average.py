@@ -59,7 +59,7 @@ def test_the_average_and_its_scatter_are_those_along_the_normal():
     assert average.frames == 3
 
 
-def test_a_mean_image_beside_the_frames_mean_is_told():
+def test_a_mean_image_beside_the_frames_mean_is_reported():
     frames = [line(offset) for offset in (-1e-6, 0.0, 1e-6)]
     assert compare_with_frames(line(1e-6), frames, PX_PER_MM).agree
     found = compare_with_frames(line(4e-5), frames, PX_PER_MM)
@@ -67,7 +67,7 @@ def test_a_mean_image_beside_the_frames_mean_is_told():
     assert "0.040 mm (RMS) from the mean" in found.warnings[0]
 
 
-def test_movement_is_told_without_a_curve_of_the_mean_image():
+def test_movement_is_reported_without_a_curve_of_the_mean_image():
     frames = [line(offset) for offset in (-2e-4, 2e-4)]
     for missing in (None, NeutralCurve(ok=False, why="two sheets.")):
         found = compare_with_frames(missing, frames, PX_PER_MM)

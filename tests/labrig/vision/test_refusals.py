@@ -16,11 +16,11 @@ def refused(image, optics, strip, said):
     assert curve.points_px.shape == (0, 2)
 
 
-def test_a_black_picture(plain, known):
+def test_a_black_image(plain, known):
     refused(np.zeros_like(plain.image), *known(plain), "uniform")
 
 
-def test_a_saturated_picture(plain, known):
+def test_a_saturated_image(plain, known):
     image = np.full_like(plain.image, 255)
     image[:40, :40] = 0
     refused(image, *known(plain), "saturated")
@@ -39,7 +39,7 @@ def test_not_an_image(plain, known):
     refused(np.full((480, 640), np.nan), *known(plain), "finite")
 
 
-def test_a_picture_of_another_size_than_the_calibration(plain, known):
+def test_an_image_of_another_size_than_the_calibration(plain, known):
     refused(plain.image[:400], *known(plain), "calibrated for 640 x 480")
 
 
@@ -65,7 +65,7 @@ def test_a_clamp_that_is_somewhere_else(plain, known):
 
 
 @pytest.mark.slow
-def test_a_clamp_outside_the_picture(plain, known):
+def test_a_clamp_outside_the_image(plain, known):
     optics, strip = known(plain)
     curve = neutral_curve(plain.image, optics.model_copy(update={"clamp_px": (-90, -90)}), strip)
     assert not curve.ok
@@ -93,7 +93,7 @@ def test_a_sheet_of_another_length(plain, known, factor):
 
 
 @pytest.mark.slow
-def test_a_sheet_that_leaves_the_picture(scenes, known):
+def test_a_sheet_that_leaves_the_image(scenes, known):
     scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True))
     edge = int(scene.truth_px[:, 0].max()) - 60
     optics, strip = known(scene, image_size=[edge, 480])
@@ -159,7 +159,7 @@ def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [700_047, 700_052])
 def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed):
-    """It goes on for too long, up to the picture's border."""
+    """It goes on for too long, up to the image's border."""
     recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=3 + seed % 17)
     scene = scenes.make_scene(recipe)
     curve = neutral_curve(scene.image, *known(scene))
@@ -169,7 +169,7 @@ def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed)
 
 
 @pytest.mark.slow
-def test_a_line_that_goes_on_beyond_what_crosses_its_stated_end_is_no_sheet(scenes, known):
+def test_a_line_that_continues_beyond_what_crosses_its_stated_end_is_no_sheet(scenes, known):
     """The brighter line that crosses it there hides that it is 90 pixels too long."""
     recipe = replace(scenes.mixed(12_400_120), sheet=False, rolls=False, clutter=17)
     scene = scenes.make_scene(recipe)
@@ -180,7 +180,7 @@ def test_a_line_that_goes_on_beyond_what_crosses_its_stated_end_is_no_sheet(scen
 
 @pytest.mark.slow
 @pytest.mark.thorough
-def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
+def test_sheetless_and_cluttered_images_give_no_curve(scenes, known):
     for seed in range(2000, 2030):
         recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=(seed % 3) * 8)
         scene = scenes.make_scene(recipe)
@@ -189,7 +189,9 @@ def test_sheetless_and_cluttered_pictures_give_no_curve(scenes, known):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("share", "along_px"), [(0.23, 4), (0.35, 4), (0.3, -4)])
-def test_a_reflection_that_touches_the_sheet_is_in_the_band(scenes, known, share, along_px):
+def test_a_reflection_that_touches_the_sheet_is_in_the_credible_band(
+    scenes, known, share, along_px
+):
     """Its light on one side pulls the curve by a tenth of a pixel, five times what noise does."""
     recipe = scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8)
     scene = scenes.make_scene(recipe)

@@ -1,4 +1,4 @@
-"""The contact found in the picture: rolls, or the crossing of the arc."""
+"""The contact found in the image: rolls, or the crossing of the arc."""
 
 from dataclasses import replace
 

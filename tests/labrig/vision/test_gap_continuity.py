@@ -20,7 +20,7 @@ def test_a_drawn_line_that_leaves_the_rolls_is_not_taken_for_the_sheets_end(scen
 
 
 def turned_beyond_a_disc(scene, turn_rad):
-    """The picture with the sheet's last quarter turned about its beginning, which a disc hides."""
+    """The image with the sheet's last quarter turned about its beginning, which a disc hides."""
     at = 3 * len(scene.truth_px) // 4
     centre = tuple(float(each) for each in scene.truth_px[at])
     size = scene.image.shape[::-1]
@@ -67,7 +67,7 @@ def two_lines(gap_px, turn_rad, contrast):
 @pytest.mark.slow
 @pytest.mark.parametrize("contrast", [20, 100])
 @pytest.mark.parametrize(("turn_rad", "ok"), [(0.0, True), (0.6, False)])
-def test_a_line_that_begins_beyond_plain_background_is_no_sheet_unless_it_goes_on(
+def test_a_line_that_begins_beyond_plain_background_is_no_sheet_unless_it_continues(
     plain, known, contrast, turn_rad, ok
 ):
     """A hole as short as the windows that contrast is measured in is a hole all the same."""

@@ -21,7 +21,7 @@ def folder(tmp_path, plain, scenes):
     return tmp_path
 
 
-def test_a_folder_gives_a_file_for_each_picture(folder, plain, scenes, tmp_path):
+def test_a_folder_gives_a_file_for_each_image(folder, plain, scenes, tmp_path):
     out = tmp_path / "results" / "today"
     seen = []
     result = extract_curves([folder], out, progress=lambda name, curve: seen.append(name))
@@ -67,7 +67,7 @@ def test_what_is_missing_is_said(tmp_path, plain, scenes):
         extract_curves([tmp_path / "a.png"], tmp_path / "out")
 
 
-def test_two_pictures_never_write_one_file(tmp_path, plain, scenes):
+def test_two_images_never_write_one_file(tmp_path, plain, scenes):
     scenes.save(plain, tmp_path, "a")
     cv2.imwrite(str(tmp_path / "a.bmp"), plain.image)
     with pytest.raises(BadInputError, match=r"both be written to a\.json"):
@@ -94,7 +94,7 @@ def test_a_sheet_file_may_be_small_or_whole(tmp_path):
         load_strip(path)
 
 
-def test_a_fault_beside_one_picture_costs_that_picture_only(folder, plain, scenes):
+def test_a_fault_beside_one_image_costs_that_image_only(folder, plain, scenes):
     for name in ("alone", "bent", "cut"):
         scenes.save(plain, folder, name)
     (folder / "alone.optics.json").write_text('{"px_per_mm": -1, "clamp_px": [80, 240]}')
@@ -109,7 +109,7 @@ def test_a_fault_beside_one_picture_costs_that_picture_only(folder, plain, scene
     assert "not a video" in result.failed["cut"]
 
 
-def test_what_one_picture_lacks_costs_that_picture_only(tmp_path, plain, scenes):
+def test_what_one_image_lacks_costs_that_image_only(tmp_path, plain, scenes):
     scenes.save(plain, tmp_path, "whole")
     scenes.save(plain, tmp_path, "lacking")
     (tmp_path / "lacking.sheet.toml").unlink()
@@ -118,7 +118,7 @@ def test_what_one_picture_lacks_costs_that_picture_only(tmp_path, plain, scenes)
     assert "neither lacking.sheet.toml nor sheet.toml" in result.failed["lacking"]
 
 
-def test_a_fault_in_what_serves_all_pictures_is_found_before_the_first(folder):
+def test_a_fault_in_what_serves_all_images_is_found_before_the_first(folder):
     (folder / "sheet.toml").write_text("free_length_mm = -5\n")
     with pytest.raises(BadInputError, match="free_length_mm"):
         extract_curves([folder], folder / "out")

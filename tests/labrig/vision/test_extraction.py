@@ -46,7 +46,7 @@ def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known)
 
 
 @pytest.mark.slow
-def test_a_picture_knows_no_scale(scenes, known):
+def test_an_image_knows_no_scale(scenes, known):
     """A strip of 3 mm from near looks as one of 40 mm does from afar, and bends 13 times as much.
 
     So it is found as well, with as many points.
@@ -79,7 +79,7 @@ def faced(request, scenes):
 
 
 @pytest.mark.slow
-def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
+def test_the_side_face_hardly_moves_the_curve_and_is_reported(faced, scenes, known):
     curve = neutral_curve(faced.image, *known(faced))
     assert curve.ok
     assert curve.side_face_share == pytest.approx(faced.recipe.face, abs=0.12)
@@ -95,7 +95,9 @@ def test_the_far_face_hardly_moves_the_curve_and_is_told(faced, scenes, known):
     ("seed", "face"),
     [(960_082, 0.7), (960_115, 0.85), pytest.param(960_154, 0.85, marks=pytest.mark.thorough)],
 )
-def test_a_face_beside_a_bent_or_a_short_sheet_is_told_from_its_edge(scenes, known, seed, face):
+def test_a_face_beside_a_bent_or_a_short_sheet_is_separated_from_its_edge(
+    scenes, known, seed, face
+):
     """Taken for a part of the edge it moved these curves by 1.2 to 1.3 pixels."""
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))
     curve = neutral_curve(scene.image, *known(scene))
@@ -122,7 +124,7 @@ def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
 
 
 @pytest.mark.parametrize("thickness_mm", [0.1, 0.21, 0.5, 1.2])
-def test_a_thickness_that_nobody_stated_is_taken_from_the_picture(scenes, known, thickness_mm):
+def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, thickness_mm):
     recipe = scenes.Recipe(seed=3, physical=True, thickness_mm=thickness_mm)
     scene = scenes.make_scene(recipe)
     optics, _ = known(scene)
@@ -181,7 +183,7 @@ def test_world_coordinates_and_curvature_are_those_of_the_truth(plain, known):
     assert np.sqrt(np.mean((curve.curvature_per_m - k) ** 2)) < 2.0
 
 
-def test_the_calibrations_uncertainty_is_in_the_band(plain, known):
+def test_the_calibrations_uncertainty_is_in_the_credible_band(plain, known):
     optics, strip = known(plain)
     rough = optics.model_copy(update={"px_per_mm_sigma": 0.05})
     fine, wide = neutral_curve(plain.image, optics, strip), neutral_curve(plain.image, rough, strip)
@@ -224,7 +226,7 @@ def test_a_lost_sheet_is_found_again(scenes, known):
     assert scenes.rmse_px(again.points_px, then.truth_px) < 0.05
 
 
-def test_a_picture_without_a_sheet_does_not_end_the_tracking(plain, known):
+def test_an_image_without_a_sheet_does_not_end_the_tracking(plain, known):
     tracker = Tracker(*known(plain))
     assert tracker.curve(plain.image).ok
     assert not tracker.curve(np.full_like(plain.image, 60)).ok

@@ -1,4 +1,4 @@
-"""Where the picture lies beside the curve, and no model of it says why, the band must hold that."""
+"""Where the image lies beside the curve, and no model of it says why, the band must hold that."""
 
 import json
 
@@ -32,7 +32,7 @@ def knotted():
 
 
 @pytest.mark.slow
-def test_the_band_holds_the_middle_of_a_strip_where_it_is_too_thick_to_be_used(knotted):
+def test_the_credible_band_holds_the_middle_of_a_strip_where_it_is_too_thick_to_be_used(knotted):
     image, upper, lower = knotted
     optics = {"px_per_mm": PX_PER_MM, "clamp_px": [60.0, 150.0]}
     strip = StripGeometry(FREE_MM / 1000, 0.0, THICK_PX / PX_PER_MM / 1000)
@@ -72,8 +72,8 @@ def stepped():
 
 
 @pytest.mark.slow
-def test_the_band_holds_the_sheet_beside_a_jump_of_its_curvature(stepped, known):
-    """Without what the picture says there it holds a quarter."""
+def test_the_credible_band_holds_the_sheet_beside_a_jump_of_its_curvature(stepped, known):
+    """Without what the image says there it holds a quarter."""
     held = []
     for scene in stepped:
         curve = neutral_curve(scene.image, *known(scene))
