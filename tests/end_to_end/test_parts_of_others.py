@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from labrig.session.guarded import guard_report_path
 
 from labrig.session import open_session
+from labrig.session.reading.guard_report import guard_report_path
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, serving
 

@@ -74,7 +74,7 @@ def test_the_runs_of_a_session_of_version_1_are_copied_into_a_new_one_when_it_is
             frame_shape=FRAME_SHAPE,
         )
         with writer:
-            Resumption(session).tell(writer.handle, 500.0)
+            Resumption(session).publish(writer.handle, 500.0)
             stopped = ev.SessionStopped(
                 900.0, outcome=Outcome.COMPLETED, reason="done", output=ev.OutputState.SAFE, wall=""
             )
