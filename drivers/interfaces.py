@@ -253,6 +253,7 @@ class ForceSensor(Protocol):
     def read_force(self) -> float:
         """Return the force now, in N; blocks for one exchange, and at most for 2 s.
 
+        A run asks again and again, and ends when no reading has come for 1 s.
         Raises OverloadError beyond its range, DeviceTimeoutError, DeviceError.
         """
 

@@ -77,6 +77,7 @@ class MeteredInput:
             self.board.close()
             raise
         self._closing.clear()
+        self._fault = None
         self._good_s = self._clock.now()
         self._thread = self._clock.start_thread(self._read_until_closed, "force meter")
 
@@ -92,7 +93,7 @@ class MeteredInput:
         block = self.board.read_available()
         self._check_meter()
         self._append(block)
-        when, force = self._history()
+        when, force = self._history(self._times(self._first_index, 1)[0])
         known = self._count_until(when[-1]) if when.size else 0
         first, volts = self._first_index, self._waiting[:, :known]
         self._waiting, self._first_index = self._waiting[:, known:], first + known
@@ -114,7 +115,7 @@ class MeteredInput:
             self._clock.sleep_until(self._clock.now() + _TICK_S)
         count = volts.shape[1]
         times = ended_s - np.arange(count, 0, -1) / self.rate_hz
-        return np.vstack([np.interp(times, *self._history()), volts])
+        return np.vstack([np.interp(times, *self._history(times[0])), volts])
 
     def close(self) -> None:
         """See `SignalInput.close`."""
@@ -150,10 +151,18 @@ class MeteredInput:
             raise DeviceError("the inputs are not acquiring: start them first")
         return self._sample_clock
 
-    def _history(self) -> tuple[FloatArray, FloatArray]:
-        """Return times and forces of the meter's readings."""
+    def _history(self, since_s: float) -> tuple[FloatArray, FloatArray]:
+        """Return times and forces of the meter's readings, from the last one before `since_s` on.
+
+        All of them would cost the working loop a millisecond at each call.
+        """
+        found: list[tuple[float, float]] = []
         with self._lock:
-            rows = np.array(self._readings, dtype=float).reshape(-1, 2)
+            for reading in reversed(self._readings):
+                found.append(reading)
+                if reading[0] <= since_s:
+                    break
+        rows = np.array(found[::-1], dtype=float).reshape(-1, 2)
         return rows[:, 0], rows[:, 1]
 
     def _check_meter(self) -> None:

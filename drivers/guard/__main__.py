@@ -16,7 +16,7 @@ from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.watch import Ending, ParentWatchdog, messages_from, parent_watch
 from drivers.interfaces import DeviceError, RealClock
 from drivers.plugins import UnknownPartError
-from drivers.safe_shutdown import SafetyReport
+from drivers.safe_shutdown import SafetyReport, attempt, report_of
 
 _PERSIST_S = 8.0  # with boards that refuse, or do not answer
 _BETWEEN_TRIES_S = 0.2
@@ -35,13 +35,16 @@ def main() -> int:
     except DeviceError as fault:
         _send(FAILED, str(fault))
         return _FAILED_CODE
+    except Exception as fault:  # noqa: BLE001 - the boards' code may be another distribution's
+        _send(FAILED, f"unexpected {type(fault).__name__}: {' '.join(str(fault).split())}")
+        return _FAILED_CODE
     lives = parent_watch(settings.program_pid)
     _send(READY)
     ending = ParentWatchdog(
         settings, clock, messages_from(0), lambda: _send(ALIVE), lives
     ).until_end()
     if ending is Ending.DISARMED:
-        rescue.close()
+        attempt([], rescue.close)
         return _SAFE_CODE
 
     def end_the_program() -> None:
@@ -66,28 +69,31 @@ def _rescue_of(settings: GuardSettings, clock: RealClock) -> OutputRescue:
 
 
 def _act(rescue: OutputRescue, clock: RealClock, on_held: Callable[[], None]) -> SafetyReport:
-    """Make the output safe; again, on a new connection, when that did not end in 0 V."""
+    """Make the output safe; again, on a new connection, when that did not end in 0 V.
+
+    Nothing that the boards' code raises ends this early.
+    """
     until_s = clock.now() + _PERSIST_S
-    report = rescue.make_safe(_PATIENCE_S, on_held)
+    report = report_of(lambda: rescue.make_safe(_PATIENCE_S, on_held))
     while not report.is_safe and clock.now() < until_s:
-        rescue.close()
+        attempt([], rescue.close)
         clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
-        with contextlib.suppress(DeviceError):
-            rescue.open()
-        report = rescue.make_safe(_PATIENCE_S, on_held)
-    rescue.close()
+        attempt([], rescue.open)
+        report = report_of(lambda: rescue.make_safe(_PATIENCE_S, on_held))
+    attempt([], rescue.close)
     return report
 
 
 def _report(settings: GuardSettings, ending: Ending, report: SafetyReport) -> None:
     facts = {"why": ending.value, **asdict(report)}
-    _send(REPORT, json.dumps(facts))
+    text = json.dumps(facts, default=float)  # a number may be numpy's
+    _send(REPORT, text)
     with contextlib.suppress(OSError):
         sys.stderr.write(f"labrig's output guard: {ending.value}; {report.text}\n")
         sys.stderr.flush()
     if settings.report_path is not None:
         with contextlib.suppress(OSError):
-            Path(settings.report_path).write_text(json.dumps(facts), encoding="utf-8")
+            Path(settings.report_path).write_text(text, encoding="utf-8")
 
 
 def _first_line() -> str:

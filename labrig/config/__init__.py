@@ -3,7 +3,7 @@
 from labrig.config.base import parse_json, parse_toml, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
 from labrig.config.protocol import PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
-from labrig.config.rig import ReplayConfig, RigConfig, load_rig, parse_rig
+from labrig.config.rig import ReplayConfig, RigConfig, load_output, load_rig, parse_rig
 from labrig.config.sheet import load_sheet, parse_sheet
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "ReplayConfig",
     "RigConfig",
     "load_load_cell",
+    "load_output",
     "load_protocol",
     "load_rig",
     "load_sheet",

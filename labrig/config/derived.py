@@ -18,7 +18,8 @@ import functools
 import types
 import typing
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -36,6 +37,20 @@ from labrig.errors import RenamedKeyWarning
 
 _BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "pattern")
 SIMULATED = "simulated"  # instead of an address, a port or a source; no part's check sees it
+
+
+@contextmanager
+def raising_value_errors() -> Iterator[None]:
+    """Make a fault of the file of whatever a part's own code raises: it has read the file's values.
+
+    A ValueError passes as it is.
+    """
+    try:
+        yield
+    except ValueError:
+        raise
+    except Exception as fault:
+        raise ValueError(f"its part failed with {type(fault).__name__}: {fault}") from fault
 
 
 class SettingsModel(ClosedModel):
@@ -60,7 +75,8 @@ class SettingsModel(ClosedModel):
     @model_validator(mode="after")
     def _fits_together(self) -> typing.Self:
         """Make the dataclass: what it refuses (ValueError) is a fault of this table."""
-        self.settings()
+        with raising_value_errors():
+            self.settings()
         return self
 
     def settings(self) -> Any:
@@ -163,7 +179,8 @@ def _item(wanted: Any, items: Mapping[str, Any] | None) -> Any:
 def _checked(check: Callable[[Any], object]) -> Callable[[Any], Any]:
     def after(value: Any) -> Any:
         if value != SIMULATED and value is not None:
-            check(value)
+            with raising_value_errors():
+                check(value)
         return value
 
     return after

@@ -30,6 +30,7 @@ from protocols.execution.events import Event, RunStarted, RunStopped
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
 _NEAR_S = 0.4
+_FURTHER = 3  # the first input of the default family's board that is not one of its own three
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
 
 
@@ -48,15 +49,19 @@ def replay_plan(session: RecordedSession) -> Plan:
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
         )
-    return make_plan(_on_simulated_boards(rig), session.texts)
+    return make_plan(on_simulated_boards(rig), session.texts)
 
 
-def _on_simulated_boards(rig: RigConfig) -> RigConfig:
+def on_simulated_boards(rig: RigConfig) -> RigConfig:
     """Replace the boards by the default family, through which recordings are played."""
     tables: dict[str, Any] = {DEFAULT: {"address": SIMULATED}}
     if rig.boards_kind != DEFAULT:
         tables[DEFAULT]["sample_rate_hz"] = rig.boards.sample_rate_hz
         tables[rig.boards_kind] = None
+        tables["channels"] = {
+            name: {**each.model_dump(), "input": f"PCI6034E/ai{number}"}
+            for number, (name, each) in enumerate(rig.channels.items(), start=_FURTHER)
+        }
     return rig.changed(**tables)
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from drivers.amplifier import Amplifier
-from drivers.interfaces import DeviceError, RealClock
-from drivers.safe_shutdown import Safety, SafetyReport
-from labrig.config import ReplayConfig, RigConfig, load_rig
+from drivers.boards import OutputRescue
+from drivers.interfaces import RealClock
+from drivers.safe_shutdown import Safety, SafetyReport, attempt, report_of
+from labrig.config import ReplayConfig, RigConfig, load_output
 
 _PATIENCE_S = 5.0  # with a device that another program still holds
 
@@ -35,8 +36,8 @@ def output_place(config: RigConfig) -> dict[str, Any]:
 
 
 def make_rig_safe(rig: Path) -> SafeReport:
-    """Free the rig's tasks, write 0 V, read it back. Raises only for what rig.toml says wrongly."""
-    config = load_rig(rig)
+    """Free the rig's tasks, write 0 V, read it back. Raises only for rig.toml's own faults."""
+    config = load_output(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
         return SafeReport(is_safe=True, text="a simulated output ends with its program: 0 V")
     report = _made_safe(config)
@@ -44,15 +45,22 @@ def make_rig_safe(rig: Path) -> SafeReport:
 
 
 def _made_safe(config: RigConfig) -> SafetyReport:
-    if config.family.rescue is None:
+    make = config.family.rescue
+    if make is None:
         why = f"boards of [{config.boards_kind}] cannot be made safe by another process"
         return SafetyReport(Safety.UNKNOWN, None, (why,))
-    try:
-        rescue = config.family.rescue(output_place(config), RealClock())
+    failures: list[str] = []
+    opened: list[OutputRescue] = []
+
+    def open_one() -> None:
+        rescue = make(output_place(config), RealClock())
+        opened.append(rescue)
         rescue.open()
-    except DeviceError as fault:
-        return SafetyReport(Safety.UNKNOWN, None, (str(fault),))
+
     try:
-        return rescue.make_safe(_PATIENCE_S, lambda: None)
+        if not attempt(failures, open_one):
+            return SafetyReport(Safety.UNKNOWN, None, tuple(failures))
+        return report_of(lambda: opened[0].make_safe(_PATIENCE_S, lambda: None))
     finally:
-        rescue.close()
+        for rescue in opened:
+            attempt([], rescue.close)

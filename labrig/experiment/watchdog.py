@@ -82,10 +82,13 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
             rig.interlock.open()
         except DeviceError as fault:
             raise NotReadyError(str(fault)) from fault
+        except Exception as fault:
+            why = f"the interlock's line cannot be opened: {type(fault).__name__}: {fault}"
+            raise NotReadyError(why) from fault
         try:
             yield InterlockWatchdog(watch, rig.interlock)
         finally:
-            with suppress(DeviceError):  # without edges it drops, which is the safe side
+            with suppress(Exception):  # without edges it drops, which is the safe side
                 rig.interlock.close()
 
 
@@ -95,20 +98,26 @@ def _guard_of(rig: Rig, session: Path) -> Iterator[Watchdog]:
     if rig.config.is_simulated:
         yield NoWatchdog()
         return
-    limit_s = rig.config.limits.time_under_voltage_s + _GRACE_S
-    report = str(guard_report_path(session).absolute())
-    settings = GuardSettings(
-        boards=rig.config.boards_kind,
-        place=output_place(rig.config),
-        time_under_voltage_s=limit_s,
-        report_path=report,
-    )
     try:
-        guard = Guard.start(settings)
+        guard = Guard.start(_settings(rig, session))
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
+    except Exception as fault:
+        raise NotReadyError(
+            f"the output guard cannot be told of the boards of [{rig.config.boards_kind}]: "
+            f"{type(fault).__name__}: {fault}"
+        ) from fault
     try:
         yield guard
     finally:
         guard.disarm()  # acts first when 0 V was not confirmed
         forget_guard_report(session)  # we live, so the session itself says how it ended
+
+
+def _settings(rig: Rig, session: Path) -> GuardSettings:
+    return GuardSettings(
+        boards=rig.config.boards_kind,
+        place=output_place(rig.config),
+        time_under_voltage_s=rig.config.limits.time_under_voltage_s + _GRACE_S,
+        report_path=str(guard_report_path(session).absolute()),
+    )

@@ -197,3 +197,36 @@ def test_everything_is_let_go_at_the_end_and_can_be_opened_again(bench):
     bench.signals.start()
     bench.wait(0.2)
     assert bench.signals.read_available().volts.shape[1] > 0
+
+
+def test_an_overload_from_before_it_was_closed_is_not_raised_again(bench):
+    bench.meter.fault = OverloadError("unload the cell")
+    bench.wait(0.1)
+    bench.signals.close()
+    bench.meter.fault = None
+    bench.signals.open()
+    bench.signals.start()
+    bench.signals.read_available()
+
+
+def test_a_read_looks_at_no_more_readings_than_its_samples_need(bench):
+    bench.signals.start()
+    bench.wait(10.0)
+    bench.signals.read_available()
+    bench.wait(0.1)
+    looked = []
+
+    class Counted(type(bench.signals._readings)):
+        def __iter__(self):
+            looked.extend(range(len(self)))
+            return super().__iter__()
+
+        def __reversed__(self):
+            for each in super().__reversed__():
+                looked.append(each)
+                yield each
+
+    bench.signals._readings = Counted(bench.signals._readings)
+    looked.clear()
+    assert np.isfinite(bench.signals.read_available().volts).all()
+    assert 0 < len(looked) < 10

@@ -84,6 +84,9 @@ def opened(rig: Rig) -> Iterator[Rig]:
                 take()
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
+            except Exception as fault:
+                why = f"a device cannot be opened: {type(fault).__name__}: {fault}"
+                raise NotReadyError(why) from fault
             releases.append(release)
         yield rig
     finally:
@@ -91,11 +94,11 @@ def opened(rig: Rig) -> Iterator[Rig]:
 
 
 def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
-    unknown: DeviceError | None = None
+    unknown: Exception | None = None
     for release in reversed(releases):
         try:
             release()
-        except DeviceError as fault:
+        except Exception as fault:  # noqa: BLE001 - whatever a device raises, the next is released
             if release == rig.output.close:
                 unknown = fault
     if unknown is not None:

@@ -3,19 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from drivers.amplifier import Amplifier, SheetDrive
-from drivers.boards import BoardConnection
+from drivers.boards import BOARD_FAMILIES, BoardConnection
 from drivers.cameras import CAMERAS
 from drivers.force_sensors import FORCE_SENSORS
 from drivers.force_sensors.metered_input import MeteredInput
-from drivers.interfaces import Camera, Clock, Operator, Positioner, RealClock, SignalInput
+from drivers.interfaces import (
+    Camera,
+    Clock,
+    DeviceError,
+    Operator,
+    Positioner,
+    RealClock,
+    SignalInput,
+)
+from drivers.plugins import PluginFolder
 from drivers.positioners import POSITIONERS
 from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
 from labrig.config.derived import SIMULATED
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError, NotReadyError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
@@ -69,6 +79,21 @@ def _addresses(config: RigConfig) -> Iterator[tuple[str, object]]:
     yield "[force_sensor] port", getattr(config.force_sensor, "port", None)
 
 
+@contextmanager
+def _part(folder: PluginFolder[Any], kind: str) -> Iterator[None]:
+    """Name the part whose code raises what no contract knows."""
+    try:
+        yield
+    except (DeviceError, LabrigError):
+        raise
+    except Exception as fault:
+        origin = folder.origins().get(kind)
+        raise NotReadyError(
+            f"the {folder.what} '{kind}'{f' of {origin}' if origin else ''} cannot be used: "
+            f"{type(fault).__name__}: {fault}"
+        ) from fault
+
+
 def _wired(
     plan: Plan,
     clock: Clock,
@@ -78,20 +103,24 @@ def _wired(
 ) -> Rig:
     config = plan.rig
     transport = stand_ins.boards(config.boards_kind) if stand_ins else None
-    boards = config.family.connect(config.boards.settings(), clock, transport)
+    with _part(BOARD_FAMILIES, config.boards_kind):
+        boards = config.family.connect(config.boards.settings(), clock, transport)
     asked = RecordedOperator(operator, clock, emit)
-    interlock = config.interlock
+    with _part(BOARD_FAMILIES, config.boards_kind):
+        output = sheet_drive(config, boards)
+        line = config.interlock
+        interlock = None if line is None else boards.interlock(line.line)
     return Rig(
         config=config,
         clock=clock,
         boards=boards,
-        output=sheet_drive(config, boards),
+        output=output,
         signals=_signals(config, boards, clock, stand_ins),
         camera=_camera(plan, clock, stand_ins),
         stage=_stage(plan, clock, asked, stand_ins),
         operator=asked,
         calibration=plan.calibration,
-        interlock=None if interlock is None else boards.interlock(interlock.line),
+        interlock=interlock,
         threaded=stand_ins is None,
     )
 
@@ -109,11 +138,14 @@ def _signals(
     inputs = inputs_of(config)
     sensor = config.force_sensor
     make = FORCE_SENSORS.get(sensor.kind).make
+    by_board = [each for each in inputs if make is None or each.name != FORCE]
+    with _part(BOARD_FAMILIES, config.boards_kind):
+        read = boards.signal_input(by_board)
     if make is None:
-        return boards.signal_input(inputs)
-    others = [each for each in inputs if each.name != FORCE]
-    meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
-    return MeteredInput(boards.signal_input(others), meter, clock)
+        return read
+    with _part(FORCE_SENSORS, sensor.kind):
+        meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
+    return MeteredInput(read, meter, clock)
 
 
 def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | None:
@@ -123,7 +155,8 @@ def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | No
     if stand_ins is not None:
         return stand_ins.camera()
     make = CAMERAS.get(camera.kind).make
-    return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+    with _part(CAMERAS, camera.kind):
+        return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
 
 
 def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | None) -> Positioner:
@@ -134,7 +167,8 @@ def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | N
         arc_radius_m=plan.arc_radius_m,
         transport=_line(stand_ins, "stage", stage.kind) if hasattr(stage, "port") else None,
     )
-    return POSITIONERS.get(stage.kind).make(stage.settings(), around)
+    with _part(POSITIONERS, stage.kind):
+        return POSITIONERS.get(stage.kind).make(stage.settings(), around)
 
 
 def _line(stand_ins: StandIns | None, table: str, kind: str) -> Callable[..., Any] | None:

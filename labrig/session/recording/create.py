@@ -13,11 +13,13 @@ from typing import Any
 import h5py
 import numpy as np
 
+from labrig.config.load_cell import FORCE_UNIT
 from labrig.session.format import layout
 from labrig.session.format.channels import channel_rows
 from labrig.session.format.layout import Array
 from labrig.session.format.setup import SessionSetup
 from protocols import run_to_dict, schedule_to_dict
+from protocols.execution.channels import FORCE
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedRun
 
@@ -133,7 +135,14 @@ def _signals(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     chunk = layout.signal_chunk(setup.rate_hz)
     for name in (*setup.channels, "time"):
         column = _column(group, name, "<f8", chunk)
-        set_attributes(column, units="s" if name == "time" else "V")
+        set_attributes(column, units=_unit_of(name, setup))
+
+
+def _unit_of(name: str, setup: SessionSetup) -> str:
+    """Return the unit of raw samples: volts, but for a force that a meter reports by itself."""
+    if name == FORCE and setup.resolved.get(FORCE_UNIT) == "N":
+        return "N"
+    return "s" if name == "time" else "V"
 
 
 def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
@@ -109,3 +110,14 @@ def test_a_channel_that_a_session_cannot_hold_is_refused(change, says):
         setup_of(
             settings(small_schedule()) | {"channels": (*CHANNELS, replace(TEMPERATURE, **change))}
         )
+
+
+@pytest.mark.parametrize(("unit", "found"), [("N", "N"), ("V", "V"), (None, "V")])
+def test_the_raw_force_has_the_unit_in_which_it_was_read(tmp_path, unit, found):
+    resolved = {} if unit is None else {"force_channel_unit": unit}
+    with SessionWriter(tmp_path / "s.h5", **settings(small_schedule()) | {"resolved": resolved}):
+        pass
+    with h5py.File(tmp_path / "s.h5") as file:
+        signals = file["session/run_000/signals"]
+        units = {name: signals[name].attrs["units"].decode() for name in signals}
+    assert units == {"force": found, "current": "V", "drive": "V", "time": "s"}

@@ -1,0 +1,182 @@
+"""Parts of other distributions that break their contract while the output is made safe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from drivers.guard import __main__ as guard
+from drivers.interfaces import RealClock
+from drivers.safe_shutdown import Safety, SafetyReport
+from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.experiment import safety, watchdog
+from labrig.experiment.rig.rig import Rig, opened
+from labrig.experiment.safe_shutdown import SafeShutdown
+from sim_hardware.clock import VirtualClock
+
+SAFE = SafetyReport(Safety.SAFE, 0.0, ())
+
+
+class Device:
+    """Notes its calls; those named `broken` raise what no contract knows."""
+
+    channels = ("force", "current", "drive")
+
+    def __init__(self, *broken: str) -> None:
+        self.broken = broken
+        self.calls: list[str] = []
+
+    def __getattr__(self, name: str) -> Any:
+        def call(*_arguments: object) -> Any:
+            self.calls.append(name)
+            if name in self.broken:
+                raise RuntimeError(f"{name} is broken")
+
+        setattr(self, name, call)
+        return call
+
+
+def rig_of(**devices: object) -> Rig:
+    every = {name: Device() for name in ("boards", "output", "signals", "stage")} | devices
+    limits = SimpleNamespace(safe_below_V=0.05)
+    config = SimpleNamespace(limits=limits)
+    rig = SimpleNamespace(
+        **every, camera=None, clock=VirtualClock(), config=config, read_back=every["signals"]
+    )
+    return cast("Rig", rig)
+
+
+@pytest.mark.parametrize("broken", ["stage", "signals"])
+def test_a_device_that_breaks_when_released_does_not_keep_the_output_open(broken: str) -> None:
+    rig = rig_of(**{broken: Device("close")})
+    with opened(rig):
+        pass
+    assert cast("Device", rig.output).calls == ["open", "close"]
+    assert cast("Device", rig.boards).calls == ["open", "close"]
+
+
+def test_an_output_that_breaks_when_released_is_not_known_to_be_safe() -> None:
+    rig = rig_of(output=Device("close"))
+    said = "close is broken; switch the amplifier off"
+    with pytest.raises(OutputUnknownError, match=said), opened(rig):
+        pass
+
+
+class Acting:
+    """A watchdog that makes the output safe."""
+
+    def new_run(self) -> None: ...
+
+    def beat(self) -> None: ...
+
+    def energised(self, on: bool) -> None: ...
+
+    def act(self) -> SafetyReport:
+        return SAFE
+
+
+def test_boards_that_break_when_released_do_not_keep_the_guard_from_acting() -> None:
+    rig = rig_of(
+        output=Device("write", "open", "abandon"), signals=Device("close"), boards=Device("close")
+    )
+    shutdown = SafeShutdown(rig)
+    shutdown.watchdog = Acting()
+    assert shutdown.make_safe().is_safe
+
+
+class Rescue:
+    def __init__(self, *, breaks: int = 0, breaks_on: str = "make_safe") -> None:
+        self.left, self.on, self.tries = breaks, breaks_on, 0
+
+    def _do(self, name: str) -> None:
+        if name == self.on and self.left:
+            self.left -= 1
+            raise RuntimeError(f"{name} is broken")
+
+    def open(self) -> None:
+        self._do("open")
+
+    def make_safe(self, _patience_s: float, _on_held: object) -> SafetyReport:
+        self.tries += 1
+        self._do("make_safe")
+        return SAFE if self.tries > 1 else SafetyReport(Safety.UNKNOWN, None, ())
+
+    def close(self) -> None:
+        self._do("close")
+
+
+@pytest.mark.parametrize("on", ["make_safe", "open", "close"])
+def test_the_guard_tries_again_whatever_the_boards_code_raises(on: str) -> None:
+    rescue = Rescue(breaks=1, breaks_on=on)
+    assert guard._act(rescue, RealClock(), lambda: None).is_safe
+    assert rescue.tries == 2
+
+
+def test_the_guard_says_why_foreign_boards_cannot_be_guarded(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(guard, "_ignore_signals", lambda: None)
+    monkeypatch.setattr(guard, "_first_line", lambda: '{"boards": "ni", "place": {}}')
+    monkeypatch.setattr(guard, "_rescue_of", lambda *_: Rescue(breaks=1, breaks_on="open"))
+    assert guard.main() == 3
+    assert capsys.readouterr().out == "failed unexpected RuntimeError: open is broken\n"
+
+
+@pytest.mark.parametrize("on", ["make_safe", "open"])
+def test_labrig_safe_names_the_amplifier_when_the_boards_code_breaks(
+    monkeypatch: pytest.MonkeyPatch, on: str
+) -> None:
+    monkeypatch.setattr(safety, "output_place", lambda _config: {})
+    rescue = Rescue(breaks=1, breaks_on=on)
+    family = SimpleNamespace(rescue=lambda *_: rescue)
+    report = safety._made_safe(cast("Any", SimpleNamespace(family=family, boards_kind="other")))
+    assert not report.is_safe
+    assert f"{on} is broken" in report.text
+    assert "switch the amplifier off" in report.text
+
+
+def test_labrig_safe_survives_a_rescue_that_cannot_be_closed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(safety, "output_place", lambda _config: {})
+    rescue = Rescue(breaks=1, breaks_on="close")
+    rescue.tries = 1
+    family = SimpleNamespace(rescue=lambda *_: rescue)
+    assert safety._made_safe(
+        cast("Any", SimpleNamespace(family=family, boards_kind="other"))
+    ).is_safe
+
+
+class Elsewhere:
+    """A rig's config with boards whose place is no plain data."""
+
+    is_simulated = False
+    boards_kind = "other"
+    limits = SimpleNamespace(time_under_voltage_s=1.0)
+
+
+def test_boards_that_the_guard_cannot_be_told_of_are_not_ready(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(watchdog, "output_place", lambda _config: {"place": object()})
+    rig = cast("Rig", SimpleNamespace(config=Elsewhere(), interlock=None))
+    said = r"cannot be told of the boards of \[other\]: TypeError"
+    with pytest.raises(NotReadyError, match=said), watchdog.watched(rig, tmp_path / "s.h5"):
+        pass
+
+
+def test_an_interlock_that_breaks_is_not_ready_or_left_behind(tmp_path: Path) -> None:
+    config = SimpleNamespace(is_simulated=True)
+    rig = SimpleNamespace(config=config, interlock=Device("open"))
+    with (
+        pytest.raises(NotReadyError, match="RuntimeError: open is broken"),
+        watchdog.watched(cast("Rig", rig), tmp_path / "s.h5"),
+    ):
+        pass
+    rig.interlock = Device("close")
+    with watchdog.watched(cast("Rig", rig), tmp_path / "s.h5"):
+        pass
+    assert rig.interlock.calls == ["open", "close"]
