@@ -7,7 +7,7 @@ PYTEST := $(BIN)/python -m pytest
 # The two share nothing that is compiled, so that side by side they compile nothing twice.
 MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model/test_design.py \
 	tests/model/test_equilibrium_reference.py
-PICTURES := tests/sim_hardware/test_optics_pictures.py tests/sim_hardware/test_world_chain.py \
+PICTURES := tests/sim_hardware/test_optics_images.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
 	tests/labrig/vision/test_batch.py
 # Without a time-out: a compilation that is cut short is not kept.

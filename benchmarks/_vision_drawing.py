@@ -27,7 +27,16 @@ def draw(recipe: Recipe, rng, ideal, raw, s, K, dist, optics, rolls):
     if recipe.wire:
         picture = _wire(picture, rng, ideal, contrast)
     if recipe.sheet:
-        picture = _sheet(picture, recipe, ideal, s, K, dist, base, contrast)
+        picture = _sheet(
+            picture=picture,
+            recipe=recipe,
+            ideal=ideal,
+            s=s,
+            K=K,
+            dist=dist,
+            base=base,
+            contrast=contrast,
+        )
     jaw = base + (0.6 if rng.random() < 0.5 else -0.25) * contrast
     if recipe.clamp:
         picture = _jaw(picture, recipe, raw, jaw)

@@ -42,12 +42,22 @@ def measurements(session: ReducedSession, world: WorldSettings) -> Measurements:
     conditions = []
     for c in session.conditions:
         kind = "kept" if c.voltage_V else "zero"
-        readings = tuple(Reading(i, kind, float(f)) for i, f in enumerate(c.forces_N))
+        readings = tuple(
+            Reading(index=i, kind=kind, force_N=float(f)) for i, f in enumerate(c.forces_N)
+        )
         sigma = np.full(len(c.s_m), c.curve_sigma_m)
-        curve = Curve(c.s_m, c.x_m, c.y_m, sigma_m=sigma)
-        conditions.append(Condition(c.configuration, c.position_m, c.voltage_V, readings, curve))
+        curve = Curve(s_m=c.s_m, x_m=c.x_m, y_m=c.y_m, sigma_m=sigma)
+        conditions.append(
+            Condition(
+                configuration=c.configuration,
+                position_m=c.position_m,
+                voltage_V=c.voltage_V,
+                readings=readings,
+                curve=curve,
+            )
+        )
     names = dict.fromkeys(c.configuration for c in session.conditions)
-    return Measurements({n: geometry(world, n) for n in names}, tuple(conditions))
+    return Measurements(sheets={n: geometry(world, n) for n in names}, conditions=tuple(conditions))
 
 
 def geometry(world: WorldSettings, name: str) -> SheetGeometry:
@@ -57,9 +67,15 @@ def geometry(world: WorldSettings, name: str) -> SheetGeometry:
     s = np.linspace(0.0, length, 6) if length > 0.02 else np.zeros(1)
     rest = np.round(np.asarray(sheet.rest_curvature(s)), 1)
     return SheetGeometry(
-        name, length, sheet.width_mm * 1e-3, sheet.thickness_mm * 1e-3, sheet.elongation_m,
-        world.arc.radius_mm * 1e-3, float(np.radians(world.arc.origin_deg)), (s, rest),
-    )  # fmt: skip
+        configuration=name,
+        free_length_m=length,
+        width_m=sheet.width_mm * 1e-3,
+        thickness_m=sheet.thickness_mm * 1e-3,
+        elongation_m=sheet.elongation_m,
+        arc_radius_m=world.arc.radius_mm * 1e-3,
+        arc_origin_rad=float(np.radians(world.arc.origin_deg)),
+        initial_curvature=(s, rest),
+    )
 
 
 def tally(world: WorldSettings, seeds: Iterable[int]) -> Tally:

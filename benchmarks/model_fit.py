@@ -42,11 +42,24 @@ def made(seed: int = 0) -> Measurements:
     """Measurements of the base model with noise."""
     random = np.random.default_rng(seed)
     k0 = (np.zeros(1), np.array([REST]))
-    sheet = SheetGeometry("long", 0.05, 0.011, 0.21e-3, 0.0, R, 0.0, k0)
-    eibm = {v: Along.constant(Parameter(B * k, 0.0, "N m")) for v, k in BENDS.items()}
+    sheet = SheetGeometry(
+        configuration="long",
+        free_length_m=0.05,
+        width_m=0.011,
+        thickness_m=0.21e-3,
+        elongation_m=0.0,
+        arc_radius_m=R,
+        arc_origin_rad=0.0,
+        initial_curvature=k0,
+    )
+    eibm = {
+        v: Along.constant(Parameter(value=B * k, sigma=0.0, unit="N m")) for v, k in BENDS.items()
+    }
     rest = Along(*k0, np.zeros(1), "1/m")
     model = SheetModel(
-        sheets={"long": ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)}
+        sheets={
+            "long": ConfiguredSheet(sheet, Parameter(value=B, sigma=0.0, unit="N m^2"), rest, eibm)
+        }
     )
     conditions = []
     for position in np.linspace(0.0, 0.03, 7):
@@ -58,9 +71,19 @@ def made(seed: int = 0) -> Measurements:
             )
             forces = p.F_N + 5e-5 * random.standard_normal(10)
             kind = "kept" if voltage else "zero"
-            readings = tuple(Reading(i, kind, float(f)) for i, f in enumerate(forces))
-            conditions.append(Condition("long", float(position), voltage, readings, Curve(s, x, y)))
-    return Measurements({"long": sheet}, tuple(conditions))
+            readings = tuple(
+                Reading(index=i, kind=kind, force_N=float(f)) for i, f in enumerate(forces)
+            )
+            conditions.append(
+                Condition(
+                    configuration="long",
+                    position_m=float(position),
+                    voltage_V=voltage,
+                    readings=readings,
+                    curve=Curve(s_m=s, x_m=x, y_m=y),
+                )
+            )
+    return Measurements(sheets={"long": sheet}, conditions=tuple(conditions))
 
 
 class _Counted(ForwardModel):

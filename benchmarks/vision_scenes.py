@@ -68,13 +68,33 @@ def make_scene(recipe: Recipe) -> Scene:
     optics["clamp_px"] = (raw[0] + jitter).tolist()
     optics["clamp_angle_rad"] = float(rng.normal(0, 0.008)) if recipe.jitter else 0.0
     rolls: list[list[float]] = []
-    image = draw(recipe, rng, ideal, raw, s, K, dist, optics, rolls)
+    image = draw(
+        recipe=recipe,
+        rng=rng,
+        ideal=ideal,
+        raw=raw,
+        s=s,
+        K=K,
+        dist=dist,
+        optics=optics,
+        rolls=rolls,
+    )
     strip = {
         "free_length_mm": recipe.free_mm,
         "elongation_mm": recipe.elongation_mm,
         "thickness_mm": recipe.thickness_mm,
     }
-    return Scene(image, optics, strip, xy, raw, s, k, recipe, rolls)
+    return Scene(
+        image=image,
+        optics=optics,
+        strip=strip,
+        truth_mm=xy,
+        truth_px=raw,
+        s_mm=s,
+        k_per_m=k,
+        recipe=recipe,
+        rolls_px=rolls,
+    )
 
 
 def rmse_px(found_px: np.ndarray, truth_px: np.ndarray) -> float:

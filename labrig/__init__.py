@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from model.discrepancy import diagnose as diagnose
     from model.effects import Effect as Effect
     from model.effects import EffectParameter as EffectParameter
+    from model.locations.contract import Location as Location
     from protocols import ProtocolKind as ProtocolKind
     from sim_hardware.ni.boards import BoardModel as BoardModel
 
@@ -115,6 +116,7 @@ _HOMES = {
         "Effect",
         "EffectParameter",
     ),
+    "model.locations.contract": ("Location",),
     "protocols": ("ProtocolKind",),
     "sim_hardware.ni.boards": ("BoardModel",),
 }

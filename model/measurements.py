@@ -22,7 +22,7 @@ class ModelError(ValueError):
     """Data, or a question, that the model cannot answer; the text is one sentence for the user."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SheetGeometry:
     """One configuration of sheet.toml."""
 
@@ -39,7 +39,7 @@ class SheetGeometry:
     clamped_length_m: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Curve:
     """A neutral curve, from the clamp (s = 0) to the visible end of sheet or elongation."""
 
@@ -52,7 +52,7 @@ class Curve:
     curvature_sigma_per_m: FloatArray | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contact:
     """Where the rolls touch the sheet as the picture shows it, beside what the stage says."""
 
@@ -67,7 +67,7 @@ class Contact:
     rolls_m: tuple[tuple[float, float, float], ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Reading:
     """One force reading, and the curve of its own frame where there is one."""
 
@@ -84,7 +84,7 @@ class Reading:
     other_values: Mapping[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Condition:
     """All that was measured at one configuration, position, voltage and mounting."""
 
@@ -104,7 +104,7 @@ class Condition:
         return tuple(r for r in self.readings if r.valid and r.kind in ("zero", "kept"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TimeSeries:
     """The signals of one run over time, each of shape (samples,)."""
 
@@ -118,7 +118,7 @@ class TimeSeries:
     run: int = 0  # as of the conditions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Measurements:
     """Everything that is known of a session's outcome."""
 

@@ -12,7 +12,7 @@ from model.measurements import ModelError
 FARTHEST = 20.0  # of a logarithm; beyond it nothing is known
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Parameter:
     """A fitted or assumed number."""
 
@@ -35,7 +35,13 @@ class Parameter:
     def scaled(self, factor: float, unit: str) -> Parameter:
         """The same in another unit, or divided by an exact number."""
         sigma = self.sigma * abs(factor)
-        return Parameter(self.value * factor, sigma, unit, self.freedom, self.positive)
+        return Parameter(
+            value=self.value * factor,
+            sigma=sigma,
+            unit=unit,
+            freedom=self.freedom,
+            positive=self.positive,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
@@ -62,7 +68,7 @@ class Parameter:
         if sigma < 0.0 or freedom <= 0.0:
             raise ModelError(f"{where}: sigma must not be negative, freedom must be positive")
         unit, positive = str(data.get("unit", "")), data.get("positive") is True
-        return Parameter(value, sigma, unit, freedom, positive)
+        return Parameter(value=value, sigma=sigma, unit=unit, freedom=freedom, positive=positive)
 
 
 def finite(value: object, where: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -36,9 +37,10 @@ def test_it_is_made_once_and_whole_in_each_worker(tmp_path: Path, workers: int) 
     (tmp_path / "test_some.py").write_text(TESTS)
     options = ["-q", "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), "-n", str(workers)]
     options += ["--dist", "load", "--basetemp", str(tmp_path / "temp")]
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_XDIST")}
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *options, str(tmp_path / "test_some.py")],
-        cwd=ROOT, capture_output=True, text=True, check=False,
+        cwd=ROOT, env=environment, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert "8 passed" in done.stdout, done.stdout + done.stderr
     assert (tmp_path / "temp" / "log.txt").read_text() == "made\n"

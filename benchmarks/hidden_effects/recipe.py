@@ -48,9 +48,14 @@ class Recipe:
     def bump(self, of: str, at_mm: float, width_mm: float, amount: float, name: str = "") -> None:
         """Make a place along the sheet unlike its neighbours."""
         self.world["bumps"].append(
-            {"of": of, "at_mm": at_mm, "width_mm": width_mm, "amount": amount,
-             "configuration": name}
-        )  # fmt: skip
+            {
+                "of": of,
+                "at_mm": at_mm,
+                "width_mm": width_mm,
+                "amount": amount,
+                "configuration": name,
+            }
+        )
 
     def weigh_moment(self, name: str, by: float) -> None:
         """Multiply the EIBM of a configuration."""
@@ -126,8 +131,15 @@ def geometry(recipe: Recipe) -> dict[str, SheetGeometry]:
     world = recipe.settings()
     return {
         name: SheetGeometry(
-            name, sheet.free_length_m, sheet.width_mm / 1e3, sheet.thickness_mm / 1e3,
-            sheet.elongation_m, world.arc.radius_mm / 1e3, 0.0, recipe.stated[name], RISE_S,
+            configuration=name,
+            free_length_m=sheet.free_length_m,
+            width_m=sheet.width_mm / 1e3,
+            thickness_m=sheet.thickness_mm / 1e3,
+            elongation_m=sheet.elongation_m,
+            arc_radius_m=world.arc.radius_mm / 1e3,
+            arc_origin_rad=0.0,
+            initial_curvature=recipe.stated[name],
+            rise_time_s=RISE_S,
         )
         for name, sheet in world.configurations.items()
-    }  # fmt: skip
+    }

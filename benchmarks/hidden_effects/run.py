@@ -128,37 +128,64 @@ def _measured_further(one: Made, found: Diagnosis, first: Record) -> Record:
             for t, d, alone in zip(first.truth, visible.d, visible.alone, strict=True)
         ]
         seen = replace(
-            first, truth=truth, near=dict(visible.near), left=dict(visible.left),
-            left_tolerant=dict(visible.left_tolerant), further=further,
-        )  # fmt: skip
+            first,
+            truth=truth,
+            near=dict(visible.near),
+            left=dict(visible.left),
+            left_tolerant=dict(visible.left_tolerant),
+            further=further,
+        )
         now = _answered(seen, found)
     return now
 
 
 def _not_made(task: Task, why: str) -> Record:
     return Record(
-        task.key, task.family, code_digest(), [], {}, {}, {}, 0.0, 0.0, _in_words(task),
+        key=task.key,
+        family=task.family,
+        code=code_digest(),
+        truth=[],
+        near={},
+        left={},
+        left_tolerant={},
+        force_gap_mN=0.0,
+        curve_gap_mm=0.0,
+        conditions=_in_words(task),
         error=f"not made: {why}",
-    )  # fmt: skip
+    )
 
 
 def _truth(one: Made) -> Record:
     visible = one.visible
     truth = [
         Hid(
-            e.effect, e.form, e.size, e.slot, list(e.accepted_slots),
-            None if e.place_mm is None else list(e.place_mm), e.parameters,
-            as_in_catalogue(e.effect, e.form), d, alone,
+            effect=e.effect,
+            form=e.form,
+            size=e.size,
+            slot=e.slot,
+            accepted_slots=list(e.accepted_slots),
+            place_mm=None if e.place_mm is None else list(e.place_mm),
+            parameters=e.parameters,
+            as_in_catalogue=as_in_catalogue(e.effect, e.form),
+            d=d,
+            alone=alone,
         )
         for e, d, alone in zip(one.hidden.truth.effects, visible.d, visible.alone, strict=True)
-    ]  # fmt: skip
+    ]
     gaps = (0.0, 0.0)
     if truth:
         gaps = force_gap_mN(one.hidden, one.bare), curve_gap_mm(one.hidden, one.bare)
     return Record(
-        one.task.key, one.task.family, code_digest(), truth, dict(visible.near),
-        dict(visible.left), dict(visible.left_tolerant), *gaps, _in_words(one.task),
-    )  # fmt: skip
+        one.task.key,
+        one.task.family,
+        code_digest(),
+        truth,
+        dict(visible.near),
+        dict(visible.left),
+        dict(visible.left_tolerant),
+        *gaps,
+        _in_words(one.task),
+    )
 
 
 def _in_words(task: Task) -> str:

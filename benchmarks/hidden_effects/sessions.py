@@ -80,9 +80,16 @@ def prepared(case: Case) -> tuple[Recipe, tuple[HiddenEffect, ...]]:
 
 def _described(form: Form, size: float) -> HiddenEffect:
     return HiddenEffect(
-        form.effect, form.form, size, form.unit, form.effect in CATALOGUE, form.slot,
-        (form.slot, *form.accepted), form.place_mm, form.parameters(size) if size else {},
-    )  # fmt: skip
+        effect=form.effect,
+        form=form.form,
+        size=size,
+        unit=form.unit,
+        in_catalogue=form.effect in CATALOGUE,
+        slot=form.slot,
+        accepted_slots=(form.slot, *form.accepted),
+        place_mm=form.place_mm,
+        parameters=form.parameters(size) if size else {},
+    )
 
 
 def _mean_eibm(world: WorldSettings, name: str) -> dict[float, float]:
@@ -130,7 +137,9 @@ def _measured(case: Case, recipe: Recipe, runs: list[TimedRun]) -> Measurements:
     series: tuple[TimeSeries, ...] = ()
     if case.streams == "all":
         series = tuple(_series(run) for run in runs)
-    return Measurements(geometry(recipe), conditions, series, source="forces.csv")
+    return Measurements(
+        sheets=geometry(recipe), conditions=conditions, series=series, source="forces.csv"
+    )
 
 
 def _conditions(case: Case, run: TimedRun) -> Iterator[Condition]:
@@ -138,27 +147,45 @@ def _conditions(case: Case, run: TimedRun) -> Iterator[Condition]:
     for voltage, points in run.curves_m.items():
         readings = tuple(_reading(case, run, r) for r in run.readings if r.voltage_V == voltage)
         yield Condition(
-            visit.configuration, visit.position_m, voltage, readings,
-            None if visit.load_cell_alone else _curve(run.s_m, points, run.curve_sigma_m),
-            visit.mounting, visit.approach, np.pi if visit.turned_over else 0.0, visit.turn,
-        )  # fmt: skip
+            configuration=visit.configuration,
+            position_m=visit.position_m,
+            voltage_V=voltage,
+            readings=readings,
+            curve=None if visit.load_cell_alone else _curve(run.s_m, points, run.curve_sigma_m),
+            mounting=visit.mounting,
+            approach=visit.approach,
+            tilt_rad=np.pi if visit.turned_over else 0.0,
+            run=visit.turn,
+        )
 
 
 def _reading(case: Case, run: TimedRun, r: TimedReading) -> Reading:
     if case.streams == "means":
-        return Reading(r.index, r.kind, r.force_N)
+        return Reading(index=r.index, kind=r.kind, force_N=r.force_N)
     return Reading(
-        r.index, r.kind, r.force_N, r.time_s, run.start_s + r.time_s, run.wet_s + r.time_s,
+        index=r.index,
+        kind=r.kind,
+        force_N=r.force_N,
+        time_s=r.time_s,
+        session_s=run.start_s + r.time_s,
+        wetted_s=run.wet_s + r.time_s,
         curve=_curve(run.s_m, r.curve_m, run.reading_sigma_m),
-    )  # fmt: skip
+    )
 
 
 def _curve(s_m: np.ndarray, points: np.ndarray, sigma_m: float) -> Curve:
-    return Curve(s_m, points[:, 0], points[:, 1], sigma_m=np.full(len(s_m), sigma_m))
+    return Curve(s_m=s_m, x_m=points[:, 0], y_m=points[:, 1], sigma_m=np.full(len(s_m), sigma_m))
 
 
 def _series(run: TimedRun) -> TimeSeries:
     visit = run.visit
     force = None if visit.position_m is None else run.force_N
-    return TimeSeries(visit.configuration, visit.position_m, run.time_s, run.drive_V, force,
-                      mounting=visit.mounting, run=visit.turn)  # fmt: skip
+    return TimeSeries(
+        configuration=visit.configuration,
+        position_m=visit.position_m,
+        time_s=run.time_s,
+        drive_V=run.drive_V,
+        force_N=force,
+        mounting=visit.mounting,
+        run=visit.turn,
+    )

@@ -12,8 +12,6 @@ from typing import Any, Protocol
 from rich.console import Console
 from rich.table import Table
 
-from labrig.serialise import finite
-
 # Also with an uncertainty, an interval, a count out of another, or nothing known.
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
 _NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
@@ -41,7 +39,18 @@ def warn(text: str) -> None:
 
 def print_json(value: Any) -> None:
     """Print one JSON object to standard output; NaN and infinities become null."""
-    sys.stdout.write(json.dumps(finite(value), indent=2, allow_nan=False) + "\n")
+    _print_json(value, indent=2)
+
+
+def print_json_line(value: Any) -> None:
+    """Print one JSON object to a line of standard output."""
+    _print_json(value, indent=None)
+
+
+def _print_json(value: Any, *, indent: int | None) -> None:
+    from labrig.serialise import finite  # slow to import
+
+    sys.stdout.write(json.dumps(finite(value), indent=indent, allow_nan=False) + "\n")
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

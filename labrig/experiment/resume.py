@@ -134,7 +134,7 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
     clock = type(clock)(clock.start_s + shift_s, clock.start_uncertainty_s, clock.rate_hz)
     shape = run.image(0).shape if run.frame_count else None
     yield ev.RunStarted(
-        zero_s,
+        time_s=zero_s,
         run=planned,
         sample_clock=clock,
         channels=run.channels,
@@ -158,7 +158,7 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
             who=str(mark["who"]),
         )
     yield ev.RunStopped(
-        zero_s + planned.duration_s,
+        time_s=zero_s + planned.duration_s,
         run=planned.index,
         completed=True,
         lost_samples=counts.lost_samples,

@@ -12,13 +12,13 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
-    from labrig.testing.conformance import board_family_faults as board_family_faults
+    from labrig.testing.conformance import board_kind_faults as board_kind_faults
     from labrig.testing.conformance import camera_faults as camera_faults
     from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
     from labrig.testing.conformance import command_faults as command_faults
+    from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import effect_faults as effect_faults
-    from labrig.testing.conformance import extractor_faults as extractor_faults
     from labrig.testing.conformance import family_faults as family_faults
     from labrig.testing.conformance import force_sensor_faults as force_sensor_faults
     from labrig.testing.conformance import force_sensor_kind_faults as force_sensor_kind_faults
@@ -42,14 +42,14 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.testing.conformance": (
-        "board_family_faults",
+        "family_faults",
+        "board_kind_faults",
         "camera_faults",
         "camera_kind_faults",
         "command_faults",
         "curve_faults",
         "effect_faults",
-        "extractor_faults",
-        "family_faults",
+        "curve_extractor_faults",
         "force_sensor_faults",
         "force_sensor_kind_faults",
         "interlock_faults",

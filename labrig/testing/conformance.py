@@ -1,4 +1,8 @@
-"""The conformance function of each kind of part, under one name each."""
+"""The conformance functions, under one name each.
+
+Those of a kind of part take the part alone: the loader runs them, too. Those of a device or of an
+answer (`camera_faults`, `signal_faults`, `curve_faults` ...) take an open device, or an answer.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from drivers.boards.conformance import (
     rescue_faults,
     signal_faults,
 )
-from drivers.boards.contract import faults as board_family_faults
+from drivers.boards.contract import faults as board_kind_faults
 from drivers.cameras.conformance import camera_faults
 from drivers.cameras.contract import faults as camera_kind_faults
 from drivers.force_sensors.conformance import force_sensor_faults
@@ -17,7 +21,7 @@ from drivers.force_sensors.contract import faults as force_sensor_kind_faults
 from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.contract import faults as positioner_kind_faults
 from labrig.cli.command import faults as command_faults
-from labrig.extractors.conformance import faults as extractor_faults
+from labrig.extractors.conformance import faults as curve_extractor_faults
 from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
@@ -29,13 +33,13 @@ from sim_hardware.ni.boards import faults as simulated_board_faults
 from sim_hardware.serial_devices.contract import faults as simulated_serial_device_faults
 
 __all__ = [
-    "board_family_faults",
+    "board_kind_faults",
     "camera_faults",
     "camera_kind_faults",
     "command_faults",
+    "curve_extractor_faults",
     "curve_faults",
     "effect_faults",
-    "extractor_faults",
     "family_faults",
     "force_sensor_faults",
     "force_sensor_kind_faults",

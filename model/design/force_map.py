@@ -142,7 +142,7 @@ def propagate(
             )
         variance += (0.5 * (moved[0] - moved[1])) ** 2
     return [
-        Parameter(float(v), float(np.sqrt(s)), unit)
+        Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit)
         for v, s, unit in zip(values, variance, units, strict=True)
     ]
 

@@ -76,7 +76,9 @@ class Joint:
         """
         variance = float(direction @ self.covariance @ direction)
         degrees = freedom(self.fitted.solution, self.spread, direction)
-        return Parameter(value, float(np.sqrt(variance + more**2)), unit, degrees)
+        return Parameter(
+            value=value, sigma=float(np.sqrt(variance + more**2)), unit=unit, freedom=degrees
+        )
 
     def stiffness(self, n: int) -> Parameter:
         """B of a configuration."""

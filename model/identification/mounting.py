@@ -97,4 +97,4 @@ class _SetUp:
         # what makes the common value doubtful in a systematic way is no less so here
         doubt = max(0.0, common.sigma**2 - float(direction @ self.C @ direction))
         sigma = float(np.sqrt(max(0.0, float(variance)) + doubt * share**2))
-        return Parameter(common.value * share, sigma, common.unit)
+        return Parameter(value=common.value * share, sigma=sigma, unit=common.unit)

@@ -85,9 +85,11 @@ def check_sheet(sheet: SheetGeometry) -> None:
     """Refuse a geometry that means nothing."""
     name = sheet.configuration
     for what, value in (
-        ("free length", sheet.free_length_m), ("width", sheet.width_m),
-        ("thickness", sheet.thickness_m), ("arc radius", sheet.arc_radius_m),
-    ):  # fmt: skip
+        ("free length", sheet.free_length_m),
+        ("width", sheet.width_m),
+        ("thickness", sheet.thickness_m),
+        ("arc radius", sheet.arc_radius_m),
+    ):
         if not (np.isfinite(value) and value > 0.0):
             raise ModelError(
                 f"the {what} of configuration '{name}' must be positive, not {value:g} m"
@@ -120,15 +122,22 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
     mean = float(np.mean(forces)) if len(forces) and not free else np.nan
     variance = float(np.var(forces, ddof=1)) if len(forces) > 1 and not free else np.nan
     run = (
-        condition.configuration, condition.position_m if not free else np.inf,
-        condition.mounting, condition.run,
-    )  # fmt: skip
+        condition.configuration,
+        condition.position_m if not free else np.inf,
+        condition.mounting,
+        condition.run,
+    )
     curve = None if condition.curve is None else checked_curve(condition.curve, where)
     return Observation(
-        configuration=condition.configuration, position_m=condition.position_m,
-        voltage_V=condition.voltage_V, run=(run[0], float(run[1] or 0.0), run[2], run[3]),
-        force_N=mean, force_variance_N2=variance, readings=len(forces), curve=curve,
-    )  # fmt: skip
+        configuration=condition.configuration,
+        position_m=condition.position_m,
+        voltage_V=condition.voltage_V,
+        run=(run[0], float(run[1] or 0.0), run[2], run[3]),
+        force_N=mean,
+        force_variance_N2=variance,
+        readings=len(forces),
+        curve=curve,
+    )
 
 
 def _place(condition: Condition) -> str:
@@ -162,6 +171,10 @@ def checked_curve(curve: Curve, where: str) -> Curve:
         return None if values is None else np.asarray(values, dtype=float)[keep]
 
     return Curve(
-        s[keep], x[keep], y[keep], thin(curve.curvature_per_m), thin(curve.sigma_m),
-        thin(curve.curvature_sigma_per_m),
-    )  # fmt: skip
+        s_m=s[keep],
+        x_m=x[keep],
+        y_m=y[keep],
+        curvature_per_m=thin(curve.curvature_per_m),
+        sigma_m=thin(curve.sigma_m),
+        curvature_sigma_per_m=thin(curve.curvature_sigma_per_m),
+    )

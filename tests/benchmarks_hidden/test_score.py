@@ -29,7 +29,18 @@ pytestmark = pytest.mark.thorough
 
 
 def hid(effect: str, d: float = 20.0, **other: Any) -> Hid:
-    plain = Hid(effect, "a", 1.0, "eibm", ["eibm"], None, {}, False, d, d)
+    plain = Hid(
+        effect=effect,
+        form="a",
+        size=1.0,
+        slot="eibm",
+        accepted_slots=["eibm"],
+        place_mm=None,
+        parameters={},
+        as_in_catalogue=False,
+        d=d,
+        alone=d,
+    )
     return replace(plain, **other)
 
 
@@ -38,7 +49,18 @@ def said(name: str, confidence: float = 0.99, *also: str, **parameters: Any) -> 
 
 
 def record(family: str, truth: list[Hid], named: list[Name], **other: Any) -> Record:
-    plain = Record(f"{family}:0:0", family, "", truth, {}, {}, {}, 0.3, 0.1, "")
+    plain = Record(
+        key=f"{family}:0:0",
+        family=family,
+        code="",
+        truth=truth,
+        near={},
+        left={},
+        left_tolerant={},
+        force_gap_mN=0.3,
+        curve_gap_mm=0.1,
+        conditions="",
+    )
     near = {"gravity": 9.0}
     return replace(plain, near=near, named=named, verdict="effect_named", **other)
 

@@ -149,7 +149,8 @@ def force(*effects):
 
 flat = Profile(along="position", at=(0.0, 0.03), values=(10.0, 10.0), sigma=(0.0, 0.0), unit="%")
 scale = ActiveEffect(name="unknown", location="cell_scale", profile=flat)
-pickup = ActiveEffect(name="cable_pickup", parameters={"force_mN": Parameter(1.0, 0.0, "mN")})
+one_mN = Parameter(value=1.0, sigma=0.0, unit="mN")
+pickup = ActiveEffect(name="cable_pickup", parameters={"force_mN": one_mN})
 print(json.dumps([list(locations()), force(), force(scale), force(pickup)]))
 """
     (tmp_path / "script.py").write_text(script)
@@ -209,12 +210,12 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
     (tmp_path / "sheet.toml").write_text(
         f"free_length_mm = {1e3 * STRIP.free_length_m}\nthickness_mm = {1e3 * STRIP.thickness_m}\n"
     )
-    labrig(path, tmp_path, "curves", "strip.png", "--extractor", "column_means", "-o", "out")
-    assert list((tmp_path / "out").rglob("*.csv"))
+    said = labrig(path, tmp_path, "curves", "strip.png", "--extractor", "column_means")
+    assert "strip: 30.0 mm" in said
 
 
 def test_a_section_and_a_command_use_an_analysed_session(path, tmp_path):
-    measure(session(tmp_path / "made.h5", None))
+    session(tmp_path / "made.h5", measure())
     labrig(path, tmp_path, "report", "made.h5", "-o", "report")
     assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
     assert int(labrig(path, tmp_path, "count-readings", "made.h5")) > 0

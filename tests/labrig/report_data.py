@@ -50,7 +50,9 @@ def truth(*names: str) -> SheetModel:
         }
         nodes, k0 = sheet.initial_curvature
         rest = Along(nodes, k0, np.zeros(len(nodes)), "1/m")
-        sheets[name] = ConfiguredSheet(sheet, Parameter(B, 0.0, "N m^2"), rest, eibm)
+        sheets[name] = ConfiguredSheet(
+            sheet, Parameter(value=B, sigma=0.0, unit="N m^2"), rest, eibm
+        )
     return SheetModel(sheets=sheets)
 
 
@@ -66,7 +68,9 @@ def measure(*names: str, curves: bool = True, seed: int = 1) -> Measurements:
     )
     sheets = {name: one.sheet for name, one in model.sheets.items()}
     series = tuple(_series(name) for name in sheets)
-    return Measurements(sheets, conditions, series, "made.h5", "ab" * 32)
+    return Measurements(
+        sheets=sheets, conditions=conditions, series=series, source="made.h5", checksum="ab" * 32
+    )
 
 
 def _condition(model, name, position_m, volts, rng, curves) -> Condition:
@@ -75,22 +79,42 @@ def _condition(model, name, position_m, volts, rng, curves) -> Condition:
     kind = "zero" if volts == 0 else "kept"
     first, step = {0.0: (0, 1), 2.0: (12, 2), -2.0: (13, 2)}[volts]
     readings = tuple(
-        Reading(first + step * i, kind, float(F), time_s=0.6 * (first + step * i) + 0.5)
+        Reading(
+            index=first + step * i,
+            kind=kind,
+            force_N=float(F),
+            time_s=0.6 * (first + step * i) + 0.5,
+        )
         for i, F in enumerate(force)
     )
     curve = None
     if curves:
         away = rng.normal(0.0, 1e-6, len(found.s_m))
         sigma = np.full(len(found.s_m), 2e-6)
-        curve = Curve(found.s_m, found.x_m, found.y_m + away, found.curvature_per_m, sigma)
-    return Condition(name, position_m, volts, readings, curve)
+        curve = Curve(
+            s_m=found.s_m,
+            x_m=found.x_m,
+            y_m=found.y_m + away,
+            curvature_per_m=found.curvature_per_m,
+            sigma_m=sigma,
+        )
+    return Condition(
+        configuration=name, position_m=position_m, voltage_V=volts, readings=readings, curve=curve
+    )
 
 
 def _series(name: str) -> TimeSeries:
     time = np.arange(0, 19.2, 0.005)
     pulse = np.floor(time / 0.6).astype(int)
     drive = np.where(pulse < 10, 0.0, np.where(pulse % 2 == 0, 2.0, -2.0))
-    return TimeSeries(name, POSITIONS_M[0], time, drive, None, 0.005 * drive)
+    return TimeSeries(
+        configuration=name,
+        position_m=POSITIONS_M[0],
+        time_s=time,
+        drive_V=drive,
+        force_N=None,
+        current_A=0.005 * drive,
+    )
 
 
 def invalid(measurements: Measurements, name: str, why: str) -> Measurements:

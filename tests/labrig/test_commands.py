@@ -45,6 +45,15 @@ def test_the_order_of_the_commands_is_given_by_themselves() -> None:
     assert len(set(orders)) == len(orders)
 
 
+def test_to_list_the_commands_imports_nothing_slow() -> None:
+    code = (
+        "import sys; from labrig.cli.app import all_commands; all_commands(); "
+        "print({'numpy', 'pydantic', 'scipy', 'h5py', 'cv2'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout == "set()\n"
+
+
 def nothing() -> None: ...
 
 

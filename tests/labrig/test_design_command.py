@@ -18,13 +18,22 @@ pytestmark = pytest.mark.slow
 @pytest.fixture
 def model_file(tmp_path: Path) -> Path:
     """A short sheet with an elongation, nearly straight, driven both ways alike."""
-    sheet = SheetGeometry("short", 4.5e-3, 11e-3, 0.21e-3, 40e-3, 40e-3, 0.0, None)
+    sheet = SheetGeometry(
+        configuration="short",
+        free_length_m=4.5e-3,
+        width_m=11e-3,
+        thickness_m=0.21e-3,
+        elongation_m=40e-3,
+        arc_radius_m=40e-3,
+        arc_origin_rad=0.0,
+        initial_curvature=None,
+    )
     s = np.array([0.0, 4.5e-3])
     zero = np.zeros(2)
     B = 8.5e-7
     one = ConfiguredSheet(
         sheet=sheet,
-        B=Parameter(B, 0.01 * B, "N m^2"),
+        B=Parameter(value=B, sigma=0.01 * B, unit="N m^2"),
         rest=Along(s, np.full(2, 28.0), zero, "1/m"),
         eibm={
             2.0: Along(s, np.full(2, 7e-5), np.full(2, 7e-7), "N m"),

@@ -138,7 +138,9 @@ def scattered():
     conditions = []
     for c in made.conditions:
         B = one.B.value * (1.0 + CHANGES[c.position_m])
-        other = SheetModel(sheets={"long": replace(one, B=Parameter(B, 0.0, "N m^2"))})
+        other = SheetModel(
+            sheets={"long": replace(one, B=Parameter(value=B, sigma=0.0, unit="N m^2"))}
+        )
         asked = (c.position_m, c.voltage_V)
         there = predict(other, "long", *asked)
         moved = there.F_N - predict(truth("long"), "long", *asked).F_N

@@ -139,16 +139,25 @@ def test_a_line_needs_three_positions(measured):
 
 
 def test_the_mean_force_leaves_out_what_does_not_count():
-    readings = [Reading(i, "kept", 1e-3) for i in range(3)]
-    readings += [Reading(3, "kept", 9.0, valid=False), Reading(4, "discarded", 9.0)]
-    force = mean_force(Condition("long", 0.0, 2.0, tuple(readings)))
+    readings = [Reading(index=i, kind="kept", force_N=1e-3) for i in range(3)]
+    readings += [
+        Reading(index=3, kind="kept", force_N=9.0, valid=False),
+        Reading(index=4, kind="discarded", force_N=9.0),
+    ]
+    force = mean_force(
+        Condition(configuration="long", position_m=0.0, voltage_V=2.0, readings=tuple(readings))
+    )
     assert (force.mean_N, force.readings) == (pytest.approx(1e-3), 3)
 
 
 def test_scatter_is_taken_about_the_drift():
     force = 1e-3 + 1e-5 * np.arange(10)
-    readings = tuple(Reading(2 * i, "kept", float(F)) for i, F in enumerate(force))
-    scatter_N, drift_N = scatter_and_drift(Condition("long", 0.0, 2.0, readings))
+    readings = tuple(
+        Reading(index=2 * i, kind="kept", force_N=float(F)) for i, F in enumerate(force)
+    )
+    scatter_N, drift_N = scatter_and_drift(
+        Condition(configuration="long", position_m=0.0, voltage_V=2.0, readings=readings)
+    )
     assert scatter_N < 1e-12
     assert drift_N == pytest.approx(9e-5)
 

@@ -27,7 +27,7 @@ LONG_B, SHORT_B = 1.27e-6, 8.5e-7
 
 
 def exact(value: float, unit: str) -> Parameter:
-    return Parameter(value, 0.0, unit)
+    return Parameter(value=value, sigma=0.0, unit=unit)
 
 
 def geometry(name: str, k0: float | None = None) -> SheetGeometry:
@@ -37,7 +37,14 @@ def geometry(name: str, k0: float | None = None) -> SheetGeometry:
     if k0 is not None:
         rest = (np.zeros(1), np.array([k0]))
     return SheetGeometry(
-        name, 0.05 if long else 0.0045, 0.011, 0.21e-3, 0.0 if long else 0.04, 0.04, 0.0, rest
+        configuration=name,
+        free_length_m=0.05 if long else 0.0045,
+        width_m=0.011,
+        thickness_m=0.21e-3,
+        elongation_m=0.0 if long else 0.04,
+        arc_radius_m=0.04,
+        arc_origin_rad=0.0,
+        initial_curvature=rest,
     )
 
 
@@ -87,14 +94,34 @@ def measure(truth: SheetModel) -> MakeMeasurements:
                     assert p.reachable, p.why
                     forces = p.F_N + force_N * random.standard_normal(10)
                     kind = "kept" if voltage else "zero"
-                    readings = tuple(Reading(i, kind, float(f)) for i, f in enumerate(forces))
+                    readings = tuple(
+                        Reading(index=i, kind=kind, force_N=float(f)) for i, f in enumerate(forces)
+                    )
                     curve = noisy(p.s_m, p.x_m, p.y_m, curve_m, random) if curves else None
-                    conditions.append(Condition(name, position * 1e-3, voltage, readings, curve))
+                    conditions.append(
+                        Condition(
+                            configuration=name,
+                            position_m=position * 1e-3,
+                            voltage_V=voltage,
+                            readings=readings,
+                            curve=curve,
+                        )
+                    )
             for voltage in (0.0, 2.0, -2.0) if free else ():
                 curve = noisy(*predict_free(model, name, voltage), curve_m, random)
-                conditions.append(Condition(name, None, voltage, (), curve))
+                conditions.append(
+                    Condition(
+                        configuration=name,
+                        position_m=None,
+                        voltage_V=voltage,
+                        readings=(),
+                        curve=curve,
+                    )
+                )
         return Measurements(
-            {n: model.sheets[n].sheet for n in names}, tuple(conditions), source="made"
+            sheets={n: model.sheets[n].sheet for n in names},
+            conditions=tuple(conditions),
+            source="made",
         )
 
     return make
@@ -109,7 +136,7 @@ def noisy(s, x, y, size, random) -> Curve:
         * (bumps @ random.standard_normal(bumps.shape[1]) + random.standard_normal(len(s)))
         / 1.6
     )
-    return Curve(s, x - off * np.sin(phi), y + off * np.cos(phi))
+    return Curve(s_m=s, x_m=x - off * np.sin(phi), y_m=y + off * np.cos(phi))
 
 
 def _shaken(model: SheetModel, name: str, B: float, eibm: float) -> SheetModel:

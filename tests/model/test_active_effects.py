@@ -19,7 +19,9 @@ NOT_IN_MEANS = {"force_drift", "stiffness_drift", "eibm_drift", "back_relaxation
 
 
 def active(name: str, **values: float) -> ActiveEffect:
-    return ActiveEffect(name=name, parameters={k: Parameter(v, 0.0, "") for k, v in values.items()})
+    return ActiveEffect(
+        name=name, parameters={k: Parameter(value=v, sigma=0.0, unit="") for k, v in values.items()}
+    )
 
 
 def along(*values: float, along: str = "s") -> Profile:
@@ -238,7 +240,9 @@ def test_an_unknown_age_of_pictures_bends_shapes_but_not_forces(truth: SheetMode
 def test_each_configuration_may_have_its_own_value(truth: SheetModel):
     effect = ActiveEffect(
         name="initial_curvature",
-        by_configuration={"long": {"curvature_error_per_m": Parameter(4.0, 0.1, "1/m")}},
+        by_configuration={
+            "long": {"curvature_error_per_m": Parameter(value=4.0, sigma=0.1, unit="1/m")}
+        },
     )
     model = truth.with_effects(effect)
     same = truth.with_effects(active("initial_curvature", curvature_error_per_m=4.0))
@@ -254,7 +258,9 @@ def test_a_model_with_everything_in_it_survives_being_written_and_read(truth: Sh
         replace(unknown("eibm", along(0.1, -0.1)), configurations=("long",)),
         ActiveEffect(
             name="clamp_angle",
-            by_configuration={"short": {"angle_rad": Parameter(0.01, 0.001, "rad")}},
+            by_configuration={
+                "short": {"angle_rad": Parameter(value=0.01, sigma=0.001, unit="rad")}
+            },
         ),
     )
     model = truth.with_effects(*effects)

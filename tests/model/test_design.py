@@ -27,7 +27,7 @@ LOW, HIGH = 0.0, 0.03
 def unsure(truth: SheetModel) -> SheetModel:
     """The same sheets with 3 % on B and nothing else."""
     sheets = {
-        name: replace(one, B=Parameter(one.B.value, 0.03 * one.B.value, "N m^2"))
+        name: replace(one, B=Parameter(value=one.B.value, sigma=0.03 * one.B.value, unit="N m^2"))
         for name, one in truth.sheets.items()
     }
     return SheetModel(sheets=sheets)

@@ -164,7 +164,10 @@ def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth,
 
 def test_one_eibm_for_both_polarities_when_asked(measure, truth):
     one = truth.sheet("short")
-    even = {v: Along.constant(Parameter(np.sign(v) * 6e-5, 0.0, "N m")) for v in (2.0, -2.0)}
+    even = {
+        v: Along.constant(Parameter(value=np.sign(v) * 6e-5, sigma=0.0, unit="N m"))
+        for v in (2.0, -2.0)
+    }
     model = SheetModel(sheets={"short": ConfiguredSheet(one.sheet, one.B, one.rest, even)})
     found = fit(measure(seed=9, names=("short",), model=model), FitOptions(symmetric=True))
     eibm = found.configurations["short"].eibm

@@ -74,7 +74,7 @@ def test_a_curve_of_unequal_columns(data):
 
 
 def test_a_curve_of_two_points(data):
-    short = Curve(*(np.array([0.0, 0.01]) for _ in range(3)))
+    short = Curve(**{name: np.array([0.0, 0.01]) for name in ("s_m", "x_m", "y_m")})
     with pytest.raises(ModelError, match="at least 4"):
         fit(changed(data, 4, curve=short))
 

@@ -66,7 +66,9 @@ def test_a_voltage_between_those_fitted_gives_a_moment_in_proportion(truth: Shee
 
 
 def test_a_model_survives_being_written_and_read(truth: SheetModel):
-    effect = ActiveEffect(name="gravity", parameters={"load_N_per_m": Parameter(1e-3, 1e-4, "N/m")})
+    effect = ActiveEffect(
+        name="gravity", parameters={"load_N_per_m": Parameter(value=1e-3, sigma=1e-4, unit="N/m")}
+    )
     model = replace(
         truth.with_effects(effect), source="a.h5", checksum="ff", held_out=("long, 5 mm, +2 V",),
         merit={"force_rmse_N": 1e-4},

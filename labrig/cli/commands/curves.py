@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.screen import say, warn
+from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
-from labrig.serialise import finite
 
 if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
@@ -99,7 +96,7 @@ def _of_images(
     for name, image, curve in curves_of(sources, options):
         found[name] = curve
         if as_json:
-            sys.stdout.write(json.dumps(finite(curve_json(curve)), allow_nan=False) + "\n")
+            print_json_line(curve_json(curve))
         else:
             say(f"{name}: {_summary(curve)}")
         if overlay is not None and image is not None:
@@ -153,7 +150,7 @@ def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) 
             line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
             line["by_frame"] = _by_frame_json(c)
             line["contact"] = _contact_json(c.contact)
-            sys.stdout.write(json.dumps(finite(line), allow_nan=False) + "\n")
+            print_json_line(line)
         else:
             points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
             say(f"{name}: {points}{_by_frame_text(c)}{_contact_text(c.contact)}")

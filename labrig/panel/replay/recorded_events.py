@@ -95,7 +95,7 @@ def _of_run(run: RunRecord, stopped_s: float) -> list[ev.Event]:
         since_wetting_s=run.since_wetting_s,
     )
     ended = ev.RunStopped(
-        stopped_s,
+        time_s=stopped_s,
         run=index,
         completed=run.completed,
         lost_samples=counts.lost_samples,

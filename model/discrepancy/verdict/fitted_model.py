@@ -57,7 +57,11 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     sigma = one.sigma.get(configuration, {})
     result = {
         k.name: Parameter(
-            values[k.name], sigma.get(k.name, _step(k)), k.unit, INTERVAL_FREEDOM, k.log
+            value=values[k.name],
+            sigma=sigma.get(k.name, _step(k)),
+            unit=k.unit,
+            freedom=INTERVAL_FREEDOM,
+            positive=k.log,
         )
         for k in one.effect.parameters
     }
@@ -70,7 +74,12 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
     for name, value in derived.items():
         slope = (moved[name] - value) / h
         unit = one.effect.extra.get(name, "")
-        result[name] = Parameter(value, abs(slope) * sigma.get(size, 0.0), unit, INTERVAL_FREEDOM)
+        result[name] = Parameter(
+            value=value,
+            sigma=abs(slope) * sigma.get(size, 0.0),
+            unit=unit,
+            freedom=INTERVAL_FREEDOM,
+        )
     return result
 
 
@@ -87,7 +96,9 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     scene, theta = study.scenes[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
-    stiffness = Parameter(B, B * float(sigma[part.stiffness]), "N m^2", INTERVAL_FREEDOM)
+    stiffness = Parameter(
+        value=B, sigma=B * float(sigma[part.stiffness]), unit="N m^2", freedom=INTERVAL_FREEDOM
+    )
     stated = scene.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
@@ -100,7 +111,12 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     for volts, (i, sign) in part.eibm.items():
         level = B * float(theta[i])
         relative = np.hypot(sigma[part.stiffness], sigma[i] / max(abs(theta[i]), 1e-9))
-        value = Parameter(sign * level, abs(level) * float(relative), "N m", INTERVAL_FREEDOM)
+        value = Parameter(
+            value=sign * level,
+            sigma=abs(level) * float(relative),
+            unit="N m",
+            freedom=INTERVAL_FREEDOM,
+        )
         eibm[volts] = Along.constant(value)
     geometry = replace(scene.sheet, initial_curvature=(along.s_m, along.values))
     return ConfiguredSheet(geometry, stiffness, along, eibm)
@@ -114,7 +130,10 @@ def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
         own = {"B_Nm2": sheet.B}
         for volts, along in sorted(sheet.eibm.items()):
             own[f"EIBM {volts:+g} V"] = Parameter(
-                float(along.values[0]), float(along.sigma[0]), "N m", INTERVAL_FREEDOM
+                value=float(along.values[0]),
+                sigma=float(along.sigma[0]),
+                unit="N m",
+                freedom=INTERVAL_FREEDOM,
             )
         result[name] = own
     return result

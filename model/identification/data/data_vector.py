@@ -282,7 +282,7 @@ def _curves(
 
 def _mean_curve(curves: tuple[Curve, ...]) -> Curve:
     s, x, y = (np.mean([getattr(c, a) for c in curves], axis=0) for a in ("s_m", "x_m", "y_m"))
-    return Curve(s, x, y)
+    return Curve(s_m=s, x_m=x, y_m=y)
 
 
 def _pulses(series: TimeSeries, seen: tuple[ConditionData, ...]) -> Iterator[PulseSeries]:

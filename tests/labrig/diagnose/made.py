@@ -38,13 +38,16 @@ def constant(model: SheetModel) -> SheetModel:
     """The same sheets with the mean of their EIBM all along."""
     sheets = {}
     for name, one in model.sheets.items():
-        eibm = {v: Along.constant(Parameter(one.mean_eibm(v), 0.0, "N m")) for v in one.eibm}
+        eibm = {
+            v: Along.constant(Parameter(value=one.mean_eibm(v), sigma=0.0, unit="N m"))
+            for v in one.eibm
+        }
         sheets[name] = replace(one, eibm=eibm)
     return replace(model, sheets=sheets)
 
 
 def named_effect() -> ActiveEffect:
-    decay = Parameter(1e3 * DECAY_M, 0.4, "mm")
+    decay = Parameter(value=1e3 * DECAY_M, sigma=0.4, unit="mm")
     return ActiveEffect(name="nonuniform_eibm", parameters={"decay_length_mm": decay})
 
 
@@ -71,8 +74,8 @@ def found() -> Diagnosis:
                 name="nonuniform_eibm",
                 location="eibm",
                 parameters={
-                    "decay_length_mm": Parameter(12.0, 0.4, "mm"),
-                    "end_to_root_ratio": Parameter(0.016, 0.002, ""),
+                    "decay_length_mm": Parameter(value=12.0, sigma=0.4, unit="mm"),
+                    "end_to_root_ratio": Parameter(value=0.016, sigma=0.002, unit=""),
                 },
                 by_configuration={},
                 confidence=0.993,
@@ -170,8 +173,8 @@ def found() -> Diagnosis:
         seconds=3.4,
         base={
             name: {
-                "B_Nm2": Parameter(B, 0.006e-6, "N m^2"),
-                "EIBM_Nm +2 V": Parameter(3.6e-5, 1e-7, "N m"),
+                "B_Nm2": Parameter(value=B, sigma=0.006e-6, unit="N m^2"),
+                "EIBM_Nm +2 V": Parameter(value=3.6e-5, sigma=1e-7, unit="N m"),
             }
             for name, B in STIFFNESS.items()
             if name in measurements.sheets

@@ -157,10 +157,22 @@ def model_file(tmp_path):
 
     from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
 
-    sheet = SheetGeometry("long", 0.05, 0.011, 2.1e-4, 0.0, 0.04, 0.0, None)
+    sheet = SheetGeometry(
+        configuration="long",
+        free_length_m=0.05,
+        width_m=0.011,
+        thickness_m=2.1e-4,
+        elongation_m=0.0,
+        arc_radius_m=0.04,
+        arc_origin_rad=0.0,
+        initial_curvature=None,
+    )
     rest = Along(np.array([0.0]), np.array([10.0]), np.array([0.1]), "1/m")
-    eibm = {v: Along.constant(Parameter(m, 1e-7, "N m")) for v, m in ((2.0, 9e-6), (-2.0, -8e-6))}
-    one = ConfiguredSheet(sheet, Parameter(5e-7, 1e-9, "N m^2"), rest, eibm)
+    eibm = {
+        v: Along.constant(Parameter(value=m, sigma=1e-7, unit="N m"))
+        for v, m in ((2.0, 9e-6), (-2.0, -8e-6))
+    }
+    one = ConfiguredSheet(sheet, Parameter(value=5e-7, sigma=1e-9, unit="N m^2"), rest, eibm)
     (tmp_path / "elsewhere").mkdir()
     path = tmp_path / "elsewhere" / ".made.toml"
     save_model(SheetModel(sheets={"long": one}), path)

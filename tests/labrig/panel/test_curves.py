@@ -31,9 +31,15 @@ def a_model() -> SheetModel:
     assert sheet.initial_curvature is not None
     s_m, per_m = sheet.initial_curvature
     rest = Along(s_m, per_m, np.zeros(len(s_m)), "1/m")
-    eibm = {v: Along.constant(Parameter(v * 4e-6, 1e-7, "N m")) for v in (2.0, -2.0)}
+    eibm = {
+        v: Along.constant(Parameter(value=v * 4e-6, sigma=1e-7, unit="N m")) for v in (2.0, -2.0)
+    }
     return SheetModel(
-        sheets={"long": ConfiguredSheet(sheet, Parameter(5e-7, 0.0, "N m^2"), rest, eibm)}
+        sheets={
+            "long": ConfiguredSheet(
+                sheet, Parameter(value=5e-7, sigma=0.0, unit="N m^2"), rest, eibm
+            )
+        }
     )
 
 

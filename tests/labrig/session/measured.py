@@ -22,8 +22,15 @@ def curve(seed: int, points: int = 30, *, full: bool = True) -> Curve:
     s = np.linspace(0, 0.05, points)
     x, y = 0.05 * np.sin(20 * s), 0.05 * (1 - np.cos(20 * s)) + rng.normal(0, 1e-6, points)
     if not full:
-        return Curve(s, x, y)
-    return Curve(s, x, y, rng.normal(20, 1, points), rng.random(points), rng.random(points))
+        return Curve(s_m=s, x_m=x, y_m=y)
+    return Curve(
+        s_m=s,
+        x_m=x,
+        y_m=y,
+        curvature_per_m=rng.normal(20, 1, points),
+        sigma_m=rng.random(points),
+        curvature_sigma_per_m=rng.random(points),
+    )
 
 
 def readings(rng, count: int, *, curves: bool) -> tuple[Reading, ...]:
@@ -48,32 +55,118 @@ def measurements() -> Measurements:
     rng = np.random.default_rng(5)
     nodes = (np.array([0.0, 0.025, 0.05]), np.array([24.0, 14.6, 6.9]))
     sheets = {
-        "long": SheetGeometry("long", 0.05, 0.011, 0.00021, 0.0, 0.04, 0.1, nodes, 0.03, 0.0015),
-        "short": SheetGeometry("short", 0.0045, 0.011, 0.00021, 0.04, 0.04, 0.0, None),
+        "long": SheetGeometry(
+            configuration="long",
+            free_length_m=0.05,
+            width_m=0.011,
+            thickness_m=0.00021,
+            elongation_m=0.0,
+            arc_radius_m=0.04,
+            arc_origin_rad=0.1,
+            initial_curvature=nodes,
+            rise_time_s=0.03,
+            clamped_length_m=0.0015,
+        ),
+        "short": SheetGeometry(
+            configuration="short",
+            free_length_m=0.0045,
+            width_m=0.011,
+            thickness_m=0.00021,
+            elongation_m=0.04,
+            arc_radius_m=0.04,
+            arc_origin_rad=0.0,
+            initial_curvature=None,
+        ),
     }
     rolls = ((0.039, 0.006, 0.0012), (0.041, 0.004, 0.00121))
-    seen = Contact(0.041, 0.0396, 0.0051, 0.2, 0.00505, 3e-5, 0.04, rolls)
+    seen = Contact(
+        s_m=0.041,
+        x_m=0.0396,
+        y_m=0.0051,
+        angle_rad=0.2,
+        position_m=0.00505,
+        position_sigma_m=3e-5,
+        radius_m=0.04,
+        rolls_m=rolls,
+    )
     conditions = (
-        Condition("long", 0.005, 2.0, readings(rng, 6, curves=True), curve(50), contact=seen),
-        Condition("long", 0.005, 2.0, readings(rng, 2, curves=False), None, approach="down"),
-        Condition("long", 0.1 / 3, -2.0, readings(rng, 4, curves=False), mounting=2, run=1),
-        Condition("short", None, 0.0, (), curve(51), tilt_rad=0.02),
         Condition(
-            "short",
-            0.0,
-            -2.0,
-            readings(rng, 5, curves=True),
-            curve(52),
+            configuration="long",
+            position_m=0.005,
+            voltage_V=2.0,
+            readings=readings(rng, 6, curves=True),
+            curve=curve(50),
+            contact=seen,
+        ),
+        Condition(
+            configuration="long",
+            position_m=0.005,
+            voltage_V=2.0,
+            readings=readings(rng, 2, curves=False),
+            curve=None,
+            approach="down",
+        ),
+        Condition(
+            configuration="long",
+            position_m=0.1 / 3,
+            voltage_V=-2.0,
+            readings=readings(rng, 4, curves=False),
+            mounting=2,
+            run=1,
+        ),
+        Condition(
+            configuration="short",
+            position_m=None,
+            voltage_V=0.0,
+            readings=(),
+            curve=curve(51),
+            tilt_rad=0.02,
+        ),
+        Condition(
+            configuration="short",
+            position_m=0.0,
+            voltage_V=-2.0,
+            readings=readings(rng, 5, curves=True),
+            curve=curve(52),
             approach="up",
-            contact=Contact(0.04, 0.04, 0.0, 0.0, 1e-5, 5e-5, 0.04),
+            contact=Contact(
+                s_m=0.04,
+                x_m=0.04,
+                y_m=0.0,
+                angle_rad=0.0,
+                position_m=1e-5,
+                position_sigma_m=5e-5,
+                radius_m=0.04,
+            ),
         ),
     )
     time = np.arange(40) / 200
     series = (
-        TimeSeries("long", 0.005, time, np.sign(time - 0.1), rng.random(40), rng.random(40)),
-        TimeSeries("short", None, time, np.sign(time - 0.1), mounting=1, run=2),
+        TimeSeries(
+            configuration="long",
+            position_m=0.005,
+            time_s=time,
+            drive_V=np.sign(time - 0.1),
+            force_N=rng.random(40),
+            current_A=rng.random(40),
+        ),
+        TimeSeries(
+            configuration="short",
+            position_m=None,
+            time_s=time,
+            drive_V=np.sign(time - 0.1),
+            mounting=1,
+            run=2,
+        ),
     )
-    return Measurements(sheets, conditions, series, "file.h5", "ab" * 32, ("a warning, one",))
+    return Measurements(
+        sheets=sheets,
+        conditions=conditions,
+        series=series,
+        source="file.h5",
+        checksum="ab" * 32,
+        warnings=("a warning, one",),
+    )
 
 
 def same(a: object, b: object) -> bool:

@@ -133,7 +133,7 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
         )
         index = clock.index_at(sample_s)
         taken = ev.ReadingTaken(
-            sample_s + 0.1,
+            time_s=sample_s + 0.1,
             run=run.index,
             planned=reading,
             sample_index=index,
@@ -150,7 +150,7 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
         )
         at(sample_s + 0.1, taken)
     yield ev.RunStarted(
-        start_s,
+        time_s=start_s,
         run=run,
         sample_clock=clock,
         channels=NAMES,
@@ -163,7 +163,7 @@ def _run_events(run, start_s: float, block: int, seed: int) -> Iterator[ev.Event
     yield from (event for _, _, event in sorted(happenings, key=lambda each: each[:2]))
     yield ev.OutputChanged(start_s + run.duration_s, ev.OutputState.SAFE, "0 V read back")
     yield ev.RunStopped(
-        start_s + run.duration_s + 0.3,
+        time_s=start_s + run.duration_s + 0.3,
         run=run.index,
         completed=True,
         lost_samples=0,

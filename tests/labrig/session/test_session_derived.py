@@ -40,8 +40,8 @@ def test_measurements_come_back_to_the_last_bit(session):
 
 
 def test_nothing_measured_comes_back_too(session):
-    store_measurements(session, Measurements({}, ()))
-    assert same(load_measurements(session), Measurements({}, ()))
+    store_measurements(session, Measurements(sheets={}, conditions=()))
+    assert same(load_measurements(session), Measurements(sheets={}, conditions=()))
 
 
 def test_raw_data_are_the_same_before_and_after(session, recorded):

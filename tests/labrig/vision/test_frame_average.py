@@ -18,7 +18,7 @@ S_M = np.linspace(0, 0.05, 101)
 def line(offset_m, slope=0.3):
     """A straight sheet, moved along its normal."""
     c, s = np.cos(slope), np.sin(slope)
-    return Curve(S_M, c * S_M - s * offset_m, s * S_M + c * offset_m)
+    return Curve(s_m=S_M, x_m=c * S_M - s * offset_m, y_m=s * S_M + c * offset_m)
 
 
 def session(plain, known, amplitude_px):

@@ -187,9 +187,13 @@ def test_free_shapes_are_as_old_as_their_sheet_s_first_position(measure):
 def alone(m: Measurements, values_mN: Sequence[float], **condition: object) -> Measurements:
     """With readings of the load cell without contact."""
     readings = tuple(
-        Reading(i, "no_contact", 1e-3 * v, 0.6 * i, 0.6 * i) for i, v in enumerate(values_mN)
+        Reading(index=i, kind="no_contact", force_N=1e-3 * v, time_s=0.6 * i, session_s=0.6 * i)
+        for i, v in enumerate(values_mN)
     )
-    added = replace(Condition("long", None, 0.0, readings, run=5), **condition)
+    added = replace(
+        Condition(configuration="long", position_m=None, voltage_V=0.0, readings=readings, run=5),
+        **condition,
+    )
     return replace(m, conditions=(*m.conditions, added))
 
 
@@ -225,7 +229,7 @@ def test_what_is_no_zero_of_the_load_cell_is_left_out(values_mN, condition):
 def test_a_zero_taken_at_a_position_belongs_to_the_run_there():
     m = session()
     c = m.conditions[0]
-    more = tuple(Reading(40 + i, "no_contact", 1e-5 * i) for i in range(3))
+    more = tuple(Reading(index=40 + i, kind="no_contact", force_N=1e-5 * i) for i in range(3))
     with_zero = replace(m, conditions=(replace(c, readings=c.readings + more), *m.conditions[1:]))
     plain, seen = (look(one, "long").seen for one in (m, with_zero))
     assert [s.zero for s in seen] == [False] * len(plain) + [True]
@@ -277,7 +281,9 @@ def made(seconds: float = 7.0, rate: float = 100.0, lag_s: float = 0.03) -> Time
     drive = np.where(k % 2 == 0, 2.0, -2.0)
     left = np.exp(-(t - 0.6 * k) / lag_s)
     force = 1e-3 * drive * (1.0 - 2.0 * left)
-    return TimeSeries("long", 0.005, t, drive, force)
+    return TimeSeries(
+        configuration="long", position_m=0.005, time_s=t, drive_V=drive, force_N=force
+    )
 
 
 def test_parts_of_a_pulse_are_means_less_that_about_the_sample():

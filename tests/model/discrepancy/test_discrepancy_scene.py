@@ -131,7 +131,9 @@ def test_an_effect_adds_to_the_fitted_forces_what_it_adds_to_the_predicted_ones(
     rows, conditions = part.trend_rows[part.is_mean], part.trend_of[part.is_mean]
     active = (AppliedEffect(one, {"long": values}),)
     plain, there = (study.state(0, base(scene, "long"), a).residual[rows] for a in ((), active))
-    parameters = {name: Parameter(value, 0.0, "") for name, value in values.items()}
+    parameters = {
+        name: Parameter(value=value, sigma=0.0, unit="") for name, value in values.items()
+    }
     with_it = truth.with_effects(ActiveEffect(name=effect_name, parameters=parameters))
     added = []
     for k in conditions:

@@ -371,7 +371,7 @@ def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):
 
     best_of = ranking._by_name
     monkeypatch.setattr(ranking, "_by_name", scores)
-    monkeypatch.setattr(ranking, "CONTENDERS", 40)
+    monkeypatch.setattr(ranking, "RESCORED_CANDIDATES", 40)
 
     def rescored(fitted, one):
         seen.append(one.candidate.name)

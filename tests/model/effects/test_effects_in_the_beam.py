@@ -21,7 +21,9 @@ from model.mechanics.field import Field
 
 R, B = 0.04, 1.27e-6
 VOLTS = (0.0, 2.0, -2.0)
-FREE = Curve(np.linspace(0.0, 0.05, 4), np.linspace(0.0, 0.05, 4), np.zeros(4))  # only to be there
+FREE = Curve(
+    s_m=np.linspace(0.0, 0.05, 4), x_m=np.linspace(0.0, 0.05, 4), y_m=np.zeros(4)
+)  # only to be there
 
 
 @dataclass
@@ -55,17 +57,31 @@ def bench(
     volts: tuple[float, ...] = VOLTS,
 ) -> Bench:
     rest = (np.zeros(1), np.array([k0]))
-    sheet = SheetGeometry("it", length_m, 0.011, 0.21e-3, elongation_m, R, 0.0, rest)
+    sheet = SheetGeometry(
+        configuration="it",
+        free_length_m=length_m,
+        width_m=0.011,
+        thickness_m=0.21e-3,
+        elongation_m=elongation_m,
+        arc_radius_m=R,
+        arc_origin_rad=0.0,
+        initial_curvature=rest,
+    )
     conditions = [
         Condition(
-            "it", None if at is None else at * 1e-3, volt,
-            () if at is None else (Reading(i, "kept" if volt else "zero", 0.0),),
-            FREE if at is None else None, approach=approach,
+            configuration="it",
+            position_m=None if at is None else at * 1e-3,
+            voltage_V=volt,
+            readings=()
+            if at is None
+            else (Reading(index=i, kind="kept" if volt else "zero", force_N=0.0),),
+            curve=FREE if at is None else None,
+            approach=approach,
         )
         for at in positions_mm
         for i, volt in enumerate(volts)
-    ]  # fmt: skip
-    seen = look(Measurements({"it": sheet}, tuple(conditions)), "it")
+    ]
+    seen = look(Measurements(sheets={"it": sheet}, conditions=tuple(conditions)), "it")
     scene = ConfigurationModel(seen, Field.constant(k0, length_m))
     eibm = {volt: np.sign(volt) * bend * (1.0 if volt > 0 else 0.8) for volt in VOLTS}
     return Bench(scene, scene.beam(B, eibm))
@@ -98,10 +114,18 @@ def brute(
         _, s_hat, phi_hat, x_end = p
         tail = length - s_hat
         middle = ub[1] + 0.5 * tail * np.cos(ub[0] + 0.25 * free * tail)
-        return np.array([
-            ua[0], ua[1], ua[2], ub[1] - R * np.cos(angle), ub[2] - R * np.sin(angle),
-            ub[0] - phi_hat, ub[3], x_end - middle,
-        ])  # fmt: skip
+        return np.array(
+            [
+                ua[0],
+                ua[1],
+                ua[2],
+                ub[1] - R * np.cos(angle),
+                ub[2] - R * np.sin(angle),
+                ub[0] - phi_hat,
+                ub[3],
+                x_end - middle,
+            ]
+        )
 
     start = solve(problems(Field.constant(free, length), angle, R))
     s_hat, nu = float(start.s_hat_m[0]), float(start.nu[0])
@@ -109,9 +133,14 @@ def brute(
     shape = start.shapes(sigma * s_hat)
     u = np.stack([shape.phi_rad[0], shape.x_m[0], shape.y_m[0], 0.02 * s_hat * (1.0 - sigma)])
     found = solve_bvp(
-        slopes, ends, sigma, u, [nu, s_hat, float(start.phi_hat_rad[0]), 0.04], tol=1e-9,
+        slopes,
+        ends,
+        sigma,
+        u,
+        [nu, s_hat, float(start.phi_hat_rad[0]), 0.04],
+        tol=1e-9,
         max_nodes=20000,
-    )  # fmt: skip
+    )
     assert found.success, found.message
     nu, s_hat, phi_hat, _ = found.p
     gamma = phi_hat - angle
@@ -252,8 +281,9 @@ def test_friction_changes_its_sign_with_the_side_of_approach():
     assert up < smooth < down < 0.0
 
 
-@pytest.mark.parametrize(("scale", "there_mm"), [(0.0, 10.5), (1.0, 10.5 - 1.0 / 3.0),
-                                                (2.0, 10.0 - 0.5 / 3.0)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("scale", "there_mm"), [(0.0, 10.5), (1.0, 10.5 - 1.0 / 3.0), (2.0, 10.0 - 0.5 / 3.0)]
+)
 def test_a_position_error_is_another_position(scale: float, there_mm: float):
     """By one length, in proportion to the position, or to how far it is from 15 mm."""
     one, other = bench((10.0,), bend=25.0), bench((there_mm,), bend=25.0)
