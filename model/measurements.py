@@ -100,7 +100,7 @@ class Condition:
     contact: Contact | None = None  # from the mean image; None: not seen, or there is none
 
     def used(self) -> tuple[Reading, ...]:
-        """The readings that count: zero or kept, and valid."""
+        """Return the readings in use: zero or kept, and valid."""
         return tuple(r for r in self.readings if r.valid and r.kind in ("zero", "kept"))
 
 

@@ -23,7 +23,7 @@ class Parameter:
     positive: bool = False  # its logarithm is what is uncertain, by sigma over value
 
     def interval(self, probability: float = 0.9) -> tuple[float, float]:
-        """The central interval; Student's t for few degrees of freedom."""
+        """Return the central interval; Student's t for few degrees of freedom."""
         from scipy.special import stdtrit  # slow to import
 
         reach = float(stdtrit(self.freedom, 0.5 + 0.5 * probability)) * self.sigma
@@ -33,7 +33,7 @@ class Parameter:
         return self.value - reach, self.value + reach
 
     def scaled(self, factor: float, unit: str) -> Parameter:
-        """The same in another unit, or divided by an exact number."""
+        """Return the parameter in another unit, or divided by an exact number."""
         sigma = self.sigma * abs(factor)
         return Parameter(
             value=self.value * factor,
@@ -72,7 +72,7 @@ class Parameter:
 
 
 def finite(value: object, where: str) -> float:
-    """A finite number, or an error that names the place."""
+    """Return a finite number; raise an error that names the place where it is not finite."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         try:
             number = float(value)

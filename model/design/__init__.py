@@ -1,1 +1,1 @@
-"""Answer what a sheet can do, and which sheet a task needs."""
+"""Predict the abilities of a sheet, and choose the sheet for a task."""

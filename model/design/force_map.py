@@ -85,9 +85,9 @@ def known_voltages(model: SheetModel, configuration: str) -> FloatArray:
 def resized(
     model: SheetModel, configuration: str, length_m: float, elongation_m: float
 ) -> SheetModel:
-    """Return the same material cut to another free length, with another elongation.
+    """Return the same material with another free length and elongation.
 
-    Beyond the length that was measured the material is taken to go on as at its end.
+    Beyond the measured length the material is assumed to be the same as at its end.
     """
     if not (np.isfinite(length_m) and length_m > 0.0 and elongation_m >= 0.0):
         raise ModelError("a sheet needs a positive length, and an elongation of zero or more")

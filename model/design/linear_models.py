@@ -76,7 +76,7 @@ def linearise(
 def fit_linear(
     model: SheetModel, configuration: str, low_m: float, high_m: float
 ) -> tuple[LinearModel, float]:
-    """The plane F(p, V) of least squared error over section and voltages; that error (RMS)."""
+    """Fit the plane F(p, V) over section and voltages (least squares); return it and its RMS."""
     volts = known_voltages(model, configuration)
     p, V = section(low_m, high_m, 31), np.linspace(volts[0], volts[-1], 9)
     middle = 0.5 * (low_m + high_m)

@@ -1,4 +1,4 @@
-"""The sixth question of section 5: the sheet of least area, and what an elongation does."""
+"""The sixth question of section 5: the sheet of least area, and the effect of an elongation."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _per_width(
 def _elongation(
     model: SheetModel, configuration: str, length: float, extra: float, p: FloatArray
 ) -> float:
-    """Return what of the elongation is needed."""
+    """Return the part of the elongation that is needed."""
     if extra == 0.0:
         return 0.0
     found = force_map(
@@ -128,7 +128,7 @@ def _refined(area: Callable[[float], float], lengths: FloatArray, areas: FloatAr
 
 @dataclass(frozen=True)
 class Linearity:
-    """What an elongation does: error of the best line through F(p) against the sheet's length."""
+    """Effect of an elongation: error of the best line through F(p) against the sheet's length."""
 
     lengths_m: FloatArray  # of the sheet; the rest up to the arc is elongation
     relative_error: FloatArray  # RMS error over the range of F; NaN: not reachable

@@ -1,4 +1,4 @@
-"""What a sheet can do in a working section: the first five questions of the paper's section 5.
+"""Forces of a sheet in a working section: the first five questions of the paper's section 5.
 
 Every answer carries the uncertainty of the model's parameters through. The sixth, the sheet of
 least area, is in `sizing.py`; linear models and control in `linear.py`.

@@ -1,4 +1,4 @@
-"""Where simulation and measurement disagree, which effect explains it, and what is left then."""
+"""Disagreement between simulation and measurement: its location, the effects, the remainder."""
 
 from __future__ import annotations
 

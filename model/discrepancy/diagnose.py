@@ -33,7 +33,7 @@ Progress = Callable[[str, float], None]
 def diagnose(
     measurements: Measurements, options: Options | None = None, progress: Progress | None = None
 ) -> Diagnosis:
-    """Find what the base model is missing; a `ModelError` where it cannot even be fitted."""
+    """Find the effects that the base model lacks; raise `ModelError` where it cannot be fitted."""
     began = time.perf_counter()
     options = options or Options()
     say = progress or (lambda *_: None)
@@ -72,7 +72,7 @@ def diagnose(
 def next_measurement(
     measurements: Measurements, between: tuple[str, ...], options: Options | None = None
 ) -> Next:
-    """What to measure to tell effects apart; a `ModelError` where nothing on the menu does."""
+    """Return which measurement separates effects best; raise `ModelError` where none does."""
     ready = prepare(measurements, options or Options())
     chosen = [effect(name) for name in between]
     if len(chosen) < 2:

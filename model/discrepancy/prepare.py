@@ -1,4 +1,4 @@
-"""From measurements to a problem that can be searched, or one sentence that says why not."""
+"""Prepare measurements for the search; a message says why where that is impossible."""
 
 from __future__ import annotations
 
@@ -88,10 +88,10 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
 
 
 def _anchored(study: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
-    """B kept near what (2) says of all conditions, where there are curves.
+    """Return the base models with B kept near its value from (2), where there are curves.
 
-    A base model that is millimetres off would else pay for its misfit under voltage with B, and
-    call the forces at 0 V a wandering zero.
+    A base model that is millimetres off would otherwise compensate its misfit under voltage by B,
+    and explain the forces at 0 V by a wandering zero.
     """
     parts = []
     for scene, one in zip(study.scenes, bases.parts, strict=True):
@@ -101,7 +101,7 @@ def _anchored(study: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
 
 
 def _check_curves(one: DataVector) -> None:
-    """A `ModelError` where a curve has another size than the sheet."""
+    """Raise a `ModelError` where a curve has another size than the sheet."""
     whole = one.sheet.free_length_m + one.sheet.elongation_m
     for seen in one.seen:
         if seen.curve is None:
@@ -119,7 +119,7 @@ def _check_curves(one: DataVector) -> None:
 
 
 def _lacks(looks: list[DataVector]) -> list[str]:
-    """Return what these data cannot say, whatever is missing."""
+    """Return messages about questions that these data cannot answer."""
     notes = []
     for one in looks:
         name, seen = one.sheet.configuration, [s for s in one.seen if not s.zero]
@@ -173,7 +173,7 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
 
 
 def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -> Measurements:
-    """Return what is fitted: all but what is held out."""
+    """Return the data to fit: all except those held out."""
     if not hold_out:
         return measurements
 
@@ -191,12 +191,12 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
 
 
 def setups(prepared: Prepared) -> int:
-    """How many times the load cell was set: what the scatter between set-ups is estimated from."""
+    """Return how often the load cell was set, which is the number of set-ups."""
     return len([r for r in prepared.problem.study.layout.runs if np.isfinite(r[1])])
 
 
 def _check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
-    """A model that was fitted to another sheet cannot explain this one."""
+    """Raise a `ModelError` where the model was fitted to another sheet than this one."""
     for what, a, b in (
         ("free length", sheet.free_length_m, other.free_length_m),
         ("elongation", sheet.elongation_m, other.elongation_m),

@@ -1,4 +1,4 @@
-"""The catalogue of effects: what the base model leaves out, one object and one file each."""
+"""The catalogue of effects that the base model lacks, one object and one file each."""
 
 from model.effects.catalogue import catalogue, effect, origins
 from model.effects.interface import Effect, EffectParameter

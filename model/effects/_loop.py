@@ -1,4 +1,4 @@
-"""What hangs behind a force: backlash, as in a bearing that follows only when pushed over."""
+"""Hysteresis of a force: backlash, as in a bearing that follows only when pushed over."""
 
 from __future__ import annotations
 

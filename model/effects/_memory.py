@@ -1,4 +1,4 @@
-"""What has not forgotten the pulses before: lags behind alternating voltages."""
+"""Memory of earlier pulses: lags behind alternating voltages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SPREAD = EffectParameter(
 
 
 def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:
-    """Return where a lag was as the present pulse began, over where it goes now.
+    """Return a lag's value as the present pulse began, relative to its present aim.
 
     It begins at rest, behind pulses of which each aims at `opposite` times the next one's aim.
     """

@@ -14,7 +14,7 @@ OVER_M = 0.05  # a length of the sheet's plane, not of one sheet: all are seen b
 
 @dataclass(frozen=True)
 class CameraPerspective(Effect):
-    """The scale changes linearly across the picture; it is right at the clamp."""
+    """The scale changes linearly across the image; it is right at the clamp."""
 
     def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.curve`."""

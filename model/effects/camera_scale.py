@@ -1,4 +1,4 @@
-"""The picture's scale is wrong."""
+"""The image's scale is wrong."""
 
 from __future__ import annotations
 

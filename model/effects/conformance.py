@@ -31,7 +31,7 @@ _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"]
 
 
 def faults(effect: object) -> list[str]:
-    """Return what is wrong with an effect, a sentence each without its full stop; none: it is good.
+    """Return the faults of an effect, a sentence each without its full stop; none: it conforms.
 
     What is checked later may rest on what was checked before, so the first faults end it.
     """
@@ -44,7 +44,7 @@ def faults(effect: object) -> list[str]:
 
 
 def faults_of_form(effect: Effect) -> list[str]:
-    """Return what is wrong with how it describes itself; nothing of it is run."""
+    """Return the faults of its description; no code of the effect runs."""
     return [
         *_faults_of_words(effect),
         *(fault for one in effect.parameters for fault in _faults_of_parameter(one)),
@@ -171,7 +171,7 @@ def _untouched() -> Results:
 
 
 def _arrays(beam: BeamProblem) -> Results:
-    """Return what an effect may change of a beam."""
+    """Return the arrays of a beam that an effect may change."""
     kept = ("sheet", "s_m", "piece_m", "clock", "reading_of", "share")
     return {f"beam.{f.name}": getattr(beam, f.name) for f in fields(beam) if f.name not in kept}
 

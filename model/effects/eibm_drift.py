@@ -1,4 +1,4 @@
-"""The EIBM grows or falls while data are taken."""
+"""The EIBM grows or falls during the session."""
 
 from __future__ import annotations
 

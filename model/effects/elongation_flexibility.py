@@ -24,7 +24,7 @@ class ElongationFlexibility(Effect):
 
 
 def _hinged(beam: BeamProblem, compliance: float) -> BeamProblem:
-    """A hinge where the free length ends, which lets the contact go as far as the whole would.
+    """Return the beam with a hinge at the end of its free length; the contact may lie beyond it.
 
     A load F at the lever L bends what is c times as soft as the sheet by c F L^3/3B, and turns a
     hinge of the compliance h/B by F L h/B. Only the load turns it: the EIBM ends with the sheet.

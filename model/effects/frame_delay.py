@@ -1,4 +1,4 @@
-"""The picture is older than the reading."""
+"""The image is older than the reading."""
 
 from __future__ import annotations
 

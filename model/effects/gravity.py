@@ -13,7 +13,7 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class Gravity(Effect):
-    """A load per length along -y, of the sheet and of its elongation alike."""
+    """A load per length along -y, of both the sheet and its elongation."""
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""

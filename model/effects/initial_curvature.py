@@ -1,4 +1,4 @@
-"""The sheet at rest is curved otherwise than sheet.toml says."""
+"""The initial curvature differs from that in sheet.toml."""
 
 from __future__ import annotations
 

@@ -109,15 +109,15 @@ class Effect:
         return ()
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray | None:
-        """Return what is added to the force, N; to readings without contact, too."""
+        """Return the contribution to the force, N; readings without contact get it, too."""
         return None
 
     def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray] | None:
-        """Return what is added to the points' x and y, m."""
+        """Return the contribution to the points' x and y, m."""
         return None
 
     def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
-        """Return relative change of the EIBM in the picture of a reading, at each time."""
+        """Return the relative change of the EIBM in the image of a reading, at each time."""
         return None
 
     def derived(self, p: Values, sheet: SheetGeometry) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""The load cell gives way to the force."""
+"""The load cell yields to the force."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The load cell does not look along the arc."""
+"""The load cell's axis is not along the arc."""
 
 from __future__ import annotations
 

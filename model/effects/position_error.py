@@ -1,4 +1,4 @@
-"""The load cell is not where the stage says."""
+"""The load cell's position differs from the stage's."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The held sheet gives way with time."""
+"""The held sheet creeps."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def _part(
 def _rest_rows(
     scene: ConfigurationModel, sigma_per_m: float | None, *, curves: bool, stated: bool
 ) -> tuple[FloatArray, tuple[float, float]]:
-    """Changes of k0 at the nodes, one by each parameter, with the middle and width of its prior."""
+    """Return one change of k0 at the nodes per parameter, and the middle and width of its prior."""
     none = np.zeros((0, scene.count))
     if not stated:
         return along_sheet(scene, terms(scene.sheet)), (0.0, FREE_REST_PER_M)

@@ -42,7 +42,7 @@ Simple = Callable[[Observed, Field, float, float], Answer]
 
 
 def constant_curvature(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
-    """An arc through the contact, or an arc whose straight elongation passes it."""
+    """Fit an arc through the contact, or an arc whose straight elongation passes through it."""
     R, length = observed.sheet.arc_radius_m, observed.sheet.free_length_m
     k = 2.0 * np.sin(angle) / R
     s_hat = 2.0 * angle / k if abs(k) > 1e-9 else R
@@ -87,7 +87,7 @@ def linear_beam(observed: Observed, rest: Field, bend: float, angle: float) -> A
 
 
 def equivalent_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
-    """The voltage as a force f at the tip: y'' = k0 + (f/B)(l - x) - (N/B)(R - x)."""
+    """Fit the voltage as a force f at the tip: y'' = k0 + (f/B)(l - x) - (N/B)(R - x)."""
     length = observed.sheet.free_length_m
     return _small(observed, rest, lambda x: bend * (length - x) / (0.5 * length), angle)
 

@@ -29,7 +29,7 @@ class SmoothCurve:
     distance_m: FloatArray  # of the measured points along the normal
 
     def sigma_per_m(self, s_m: FloatArray) -> FloatArray:
-        """Standard uncertainty of the curvature from the points' scatter."""
+        """Return the standard uncertainty of the curvature from the points' scatter."""
         by = np.stack(
             [legendre_field(i, self.curvature.length_m)(s_m) for i in range(len(self.coefficients))]
         )
@@ -105,7 +105,7 @@ def smooth(curve: Curve, sheet: SheetGeometry, where: str, terms: int | None = N
 
 
 def touch(curve: SmoothCurve, sheet: SheetGeometry, where: str) -> Touch:
-    """The first place at which the curve, with its elongation, is at the arc's radius."""
+    """Return the first place where the curve, with its elongation, reaches the arc's radius."""
     R, end = sheet.arc_radius_m, sheet.free_length_m + max(sheet.elongation_m, sheet.arc_radius_m)
     s = np.unique(np.append(np.linspace(0.0, end, 200), sheet.free_length_m))
     x, y, phi, _ = free_shape(curve.curvature, s)

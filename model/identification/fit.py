@@ -66,7 +66,7 @@ class Fit:
 
 
 def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
-    """Identify every configuration; `ModelError` says what the data lack."""
+    """Identify every configuration; `ModelError` names the missing data."""
     options = options or FitOptions()
     used, held_out = _without(measurements, options)
     names = options.configurations or tuple(
@@ -167,7 +167,7 @@ class _Part:
 def _without(
     measurements: Measurements, options: FitOptions
 ) -> tuple[Measurements, tuple[str, ...]]:
-    """The measurements less those to be held out, and the names of these."""
+    """Return the measurements without those held out, and the names of the held-out ones."""
     kept, names = [], []
     for condition in measurements.conditions:
         out = any(

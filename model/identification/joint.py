@@ -45,7 +45,7 @@ class Joint:
 
     @property
     def study(self) -> ForwardModel:
-        """What predicts the data."""
+        """Return the forward model, which predicts the data."""
         return self.fitted.problem.study
 
     @property
@@ -62,7 +62,7 @@ class Joint:
         }
 
     def noise(self) -> dict[str, float]:
-        """Standard deviations of force and shape modes."""
+        """Return the standard deviations of force and shape modes."""
         noise = self.fitted.problem.noise
         values = np.exp(self.fitted.solution.log_sigma[len(noise.random_effects) :])
         return dict(zip(noise.names, values.tolist(), strict=True))
@@ -70,9 +70,9 @@ class Joint:
     def parameter(
         self, value: float, direction: FloatArray, unit: str, more: float = 0.0
     ) -> Parameter:
-        """A quantity whose derivatives by all parameters are `direction`.
+        """Return a quantity as a parameter; `direction` holds its derivatives by all parameters.
 
-        `more` is a further standard uncertainty, of the systematic kind.
+        `more` is an additional systematic standard uncertainty.
         """
         variance = float(direction @ self.covariance @ direction)
         degrees = freedom(self.fitted.solution, self.spread, direction)
@@ -113,7 +113,7 @@ class Joint:
         return values, self._sigma(by)
 
     def directions(self, n: int) -> dict[str, FloatArray]:
-        """Derivatives by all parameters of what a bootstrap checks: B and the EIBMs."""
+        """Return derivatives of B and the EIBMs, which a bootstrap checks, by all parameters."""
         result = {"B": self._by_B(n)}
         for voltage in self._part(n).eibm:
             row, _ = self._mean(n, voltage, self._loaded(n, voltage))
@@ -139,7 +139,7 @@ class Joint:
         return result
 
     def rest_sigma(self, n: int, s_m: FloatArray) -> FloatArray:
-        """Standard uncertainty of k0 at s."""
+        """Return the standard uncertainty of k0 at s."""
         by = np.zeros((len(s_m), len(self.fitted.theta)))
         for i, f in zip(self._part(n).rest, self._basis(n), strict=False):
             by[:, i] = f(s_m)

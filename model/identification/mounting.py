@@ -39,7 +39,7 @@ def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
 
 
 def _conditions(joint: Joint, r: int) -> list[int]:
-    """The conditions of a run, but where the load cell alone was read."""
+    """Return the conditions of a run, except those that read the load cell alone."""
     key = joint.study.layout.runs[r]
     seen = joint.study.looks[joint.study.names.index(key[0])].seen
     return [k for k, one in enumerate(seen) if one.run == key and not one.zero]
@@ -89,7 +89,7 @@ class _SetUp:
         )  # fmt: skip
 
     def _here(self, common: Parameter, direction: FloatArray, columns: list[int]) -> Parameter:
-        """A common value times one plus this set-up's shares, with the uncertainty of both."""
+        """Return a common value times (1 + this set-up's shares), with the uncertainty of both."""
         share = 1.0 + float(np.sum(self.added[columns]))
         row, of = share * direction, np.zeros(len(self.added))
         of[columns] = common.value

@@ -63,7 +63,7 @@ class Observed:
 
 
 def observe(measurements: Measurements, configuration: str) -> Observed:
-    """The usable conditions of a configuration; a clear error where there are none."""
+    """Return the usable conditions of a configuration; raise `ModelError` where there are none."""
     sheet = measurements.sheets.get(configuration)
     if sheet is None:
         known = ", ".join(sorted(measurements.sheets)) or "none"
@@ -153,7 +153,7 @@ def _check_position(position_m: float, sheet: SheetGeometry, where: str) -> None
 
 
 def checked_curve(curve: Curve, where: str) -> Curve:
-    """The curve, thinned to a useful number of points; an error where it is not one."""
+    """Return the curve, thinned to a useful number of points; raise `ModelError` for a bad one."""
     s, x, y = (np.asarray(a, dtype=float) for a in (curve.s_m, curve.x_m, curve.y_m))
     if not len(s) == len(x) == len(y):
         raise ModelError(f"the curve of condition {where} has unequal numbers of s, x and y")

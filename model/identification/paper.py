@@ -97,7 +97,7 @@ def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> P
 
 
 def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> Sample:
-    """What one condition says by itself; `exponent` is q of (7)."""
+    """Return the evaluation of a single condition; `exponent` is q of (7)."""
     sheet = observed.sheet
     curve = observed.smoothed(o)
     at = touch(curve, sheet, o.name)

@@ -78,7 +78,7 @@ class _PredictedCondition:
 
 
 def against(observed: Observed, model: SheetModel) -> list[_PredictedCondition]:
-    """A model's force, and its distance from the measured curve, for each condition."""
+    """Return a model's force and its distance from the measured curve, for each condition."""
     if model.effects:
         return [_seen(observed, o, model) for o in observed.observations]
     name, answers = observed.sheet.configuration, []

@@ -68,7 +68,7 @@ def start(
 
 
 def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> None:
-    """A `ModelError` where there are fewer forces than what only forces fix."""
+    """Raise a `ModelError` if there are fewer forces than parameters they must determine."""
     name = observed.sheet.configuration
     forces = sum(bool(np.isfinite(o.force_N)) for o in observed.touching())
     wanted = 1 + len({place for place, _ in part.eibm.values()}) + (0 if stated else 1)

@@ -70,7 +70,7 @@ def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]
 
 
 def example_clock() -> AcquisitionTimes:
-    """A run in the middle of a session: ten readings at 0 V, then 22 pulses of alternating sign."""
+    """Return a run amid a session: ten readings at 0 V, 22 pulses of alternating sign."""
     index = np.arange(READINGS, dtype=float)
     pulse = np.maximum(index - 10.0, -1.0)
     voltage = np.where(pulse < 0.0, 0.0, np.where(pulse % 2 == 0.0, 2.0, -2.0))

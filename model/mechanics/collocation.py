@@ -27,7 +27,7 @@ class Rule(NamedTuple):
 
 @cache
 def rule(nodes: int) -> Rule:
-    """The rule with `nodes` nodes; exact for polynomials of degree 2 n - 1 over the whole panel."""
+    """Return the rule with `nodes` nodes; exact to degree 2 n - 1 over the whole panel."""
     x, w = legendre.leggauss(nodes)
     degrees = np.arange(nodes)
     T = (degrees[:, None] + 0.5) * w[None, :] * legendre.legvander(x, nodes - 1).T

@@ -23,9 +23,10 @@ def _at(batch: Problems, angles: FloatArray) -> Problems:
 
 
 def limit_m(batch: Problems) -> tuple[float, bool]:
-    """The last reachable place (arc length from polar angle 0) on the way to an unreachable one.
+    """Return the last reachable place on the path to an unreachable one, and whether the end slips.
 
-    Also whether it is the sheet's end that slips out there. NaN where no place is reachable.
+    Places are arc lengths from polar angle 0; NaN where none is reachable. The flag is true where
+    the sheet's end slips out there.
     """
     asked = float(batch.angle_rad[0])
     angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)

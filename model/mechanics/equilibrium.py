@@ -260,7 +260,7 @@ def solve(
     engine: Engine = "auto",
     workers: int = 1,
 ) -> Equilibria:
-    """The equilibrium of each problem on its physical branch: that continued from the free shape.
+    """Solve each problem on its physical branch, the one continued from the free shape.
 
     `start`: solutions of the same batch with other numbers, to begin from. `workers`: threads that
     share a large batch.

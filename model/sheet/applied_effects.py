@@ -29,7 +29,7 @@ UNKNOWN = "unknown"
 
 
 def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
-    """The named effects that act in a configuration; a `ModelError` for one that cannot be used."""
+    """Return the effects that act in a configuration; raise `ModelError` for unusable ones."""
     known, result = catalogue(), []
     for one in effects:
         if one.name == UNKNOWN:
@@ -52,7 +52,7 @@ def terms(effects: Sequence[ActiveEffect], configuration: str) -> list[tuple[Loc
 
 
 def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
-    """A value for each parameter; one that only gives the form its shape may be left out."""
+    """Return a value for each parameter; parameters that only shape the form are optional."""
     result = {}
     for parameter in effect.parameters:
         if parameter.name not in values and parameter is effect.amplitude:
@@ -142,7 +142,7 @@ def beam_problem(
 def _setups(
     setups: Sequence[ConditionProblem], plain: BeamProblem, beam: BeamProblem
 ) -> list[ConditionProblem]:
-    """The setups with everything in which a beam differs from the plain one."""
+    """Return the setups with all differences of a beam from the plain one."""
     R = beam.sheet.arc_radius_m
     moment = (beam.eibm + beam.bend) * beam.stiffness[:, None]
     moment = moment - (plain.eibm + plain.bend) * plain.stiffness[:, None]
@@ -169,7 +169,7 @@ def _setups(
 
 
 def _field(beam: BeamProblem, values: FloatArray) -> Field:
-    """The polynomial through values at the nodes."""
+    """Return the polynomial through values at the nodes."""
     length = beam.sheet.free_length_m
     t = 2.0 * beam.s_m / length - 1.0
     row = np.asarray(np.linalg.solve(np.vander(t, increasing=True), values), dtype=float)

@@ -113,7 +113,7 @@ def applied(beam: BeamProblem, contact: ContactSolution, acting: Sequence[Acting
 
 
 def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamProblem:
-    """An effect's change times the factors of the form that was inferred."""
+    """Return an effect's change times the factors of the inferred form."""
     if profile.along in ("force", "time"):
         return after
     by_place = profile.along == "s"

@@ -33,9 +33,9 @@ def load_cell_N(
     voltage_V: float,
     position_m: float,
 ) -> float:
-    """What the load cell adds to the mean of a condition's readings.
+    """Return the load cell's contribution to the mean of a condition's readings, N.
 
-    `rows`: by voltage, which of the solutions it is; all of them are at this position. The run
+    `rows` maps a voltage to its row in the solution; all rows are at this position. The run
     alternates between `voltage_V` and the other driving voltage there.
     """
     others = [v for v in rows if v not in (0.0, voltage_V)]
@@ -54,7 +54,7 @@ def load_cell_N(
 
 
 def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> ConditionProblem:
-    """The sheet as it was when the picture was taken, which may be older than the reading."""
+    """Return the sheet at the time of the image, which may be older than the reading."""
     name = setup.sheet.configuration
     inner = acting(effects, name)
     if setup.voltage_V == 0.0:
@@ -74,7 +74,7 @@ def as_pictured(setup: ConditionProblem, effects: Sequence[ActiveEffect]) -> Con
 def camera_m(
     effects: Sequence[ActiveEffect], setup: ConditionProblem, curve: Shapes
 ) -> tuple[FloatArray, FloatArray]:
-    """What the camera adds to the points of one curve, the first of `curve`."""
+    """Return the camera's contribution to the points of one curve, the first of `curve`."""
     s_m, x_m, y_m, phi_rad = curve.s_m, curve.x_m[0], curve.y_m[0], curve.phi_rad[0]
     name = setup.sheet.configuration
     points = ImagePoints(

@@ -87,10 +87,10 @@ def predict(
     *,
     as_seen: bool = True,
 ) -> Prediction:
-    """The condition's force and shape on the branch that continues the free shape.
+    """Predict a condition's force and shape on the branch that continues the free shape.
 
-    With `as_seen` they are what load cell and camera would show, where the model has effects of
-    these; otherwise what the sheet does.
+    With `as_seen` these are the readings of load cell and camera, where the model has effects of
+    the instruments; otherwise the sheet's own force and shape.
     """
     volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
@@ -154,7 +154,7 @@ def _shape(
 
 
 def _first(found: SolvedProblems) -> Equilibria:
-    """The equilibrium of the first setup, which may lie in a batch with others."""
+    """Return the equilibrium of the first setup, which may lie in a batch with others."""
     return next(part for rows, part in found.parts if rows[0] == 0)
 
 

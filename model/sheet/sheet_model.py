@@ -30,7 +30,7 @@ class Along:
 
     @staticmethod
     def constant(parameter: Parameter) -> Along:
-        """The same everywhere."""
+        """Return the same parameter everywhere along the sheet."""
         return Along(
             np.zeros(1), np.array([parameter.value]), np.array([parameter.sigma]), parameter.unit
         )
@@ -112,7 +112,7 @@ class SheetModel:
     merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
-        """A configuration's parameters."""
+        """Return a configuration's parameters."""
         if configuration not in self.sheets:
             known = ", ".join(sorted(self.sheets)) or "none"
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
@@ -121,7 +121,7 @@ class SheetModel:
     def setup(
         self, configuration: str, position_m: float | None, voltage_V: float
     ) -> ConditionProblem:
-        """The beam problem of a condition, effects included; without a position nothing touches."""
+        """Return a condition's beam problem with effects; no contact without a position."""
         volts = self.beside(configuration, voltage_V) if self.effects else (voltage_V,)
         return self.setups(configuration, [(position_m, v) for v in volts])[0]
 
@@ -137,7 +137,7 @@ class SheetModel:
         return with_effects(plain, [position for position, _ in places], self.effects)
 
     def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
-        """A voltage, and those that it takes turns with in a run: 0 V and the other polarity."""
+        """Return a voltage and those it alternates with in a run: 0 V and the other polarity."""
         known = [0.0, *self.sheet(configuration).eibm]
         opposite = float(np.clip(-voltage_V, min(known), max(known)))
         if voltage_V == 0.0:
@@ -164,7 +164,7 @@ class SheetModel:
         return predict(self, configuration, position_m, voltage_V)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
-        """The same model with these effects."""
+        """Return the same model with these effects."""
         return replace(self, effects=effects)
 
     def to_dict(self) -> dict[str, Any]:

@@ -36,7 +36,7 @@ def free_curvature(setup: ConditionProblem) -> Field:
 
 
 def batch(setups: Sequence[ConditionProblem]) -> Problems:
-    """The beam problems of setups of one sheet, all with the contact on the arc."""
+    """Return the beam problems of setups of one sheet, all with the contact on the arc."""
     return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], setups[0].sheet.arc_radius_m)
 
 

@@ -27,13 +27,13 @@ class TypicalRun:
     kept: npt.NDArray[np.bool_]
 
     def at(self, voltage_V: float) -> npt.NDArray[np.bool_]:
-        """The kept readings of a voltage."""
+        """Return which kept readings belong to a voltage."""
         result: npt.NDArray[np.bool_] = self.kept & (self.clock.voltage_V == voltage_V)
         return result
 
 
 def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> TypicalRun:
-    """The run of a condition at `first_V`; with 0 V as the first only the beginning counts."""
+    """Return the run of a condition at `first_V`; with 0 V first, only its beginning is kept."""
     pulse = np.concatenate([np.full(ZEROS, -1.0), np.arange(PULSES, dtype=float)])
     turn = np.arange(PULSES) % 2
     pulses_V = np.where(turn == 0, first_V, second_V)
@@ -55,7 +55,7 @@ def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> Typical
 def kept_readings(
     runs: Sequence[TypicalRun], voltages_V: Sequence[float]
 ) -> tuple[AcquisitionTimes, npt.NDArray[np.int64]]:
-    """The readings that count of conditions, one after the other, and of which each is: (n,)."""
+    """Return the kept readings of all conditions in order, and each one's condition index: (n,)."""
     use = [run.at(volts) for run, volts in zip(runs, voltages_V, strict=True)]
     clock = AcquisitionTimes.joined([run.clock.of(u) for run, u in zip(runs, use, strict=True)])
     return clock, np.repeat(np.arange(len(use)), [int(np.sum(u)) for u in use])

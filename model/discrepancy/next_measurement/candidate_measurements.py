@@ -1,4 +1,4 @@
-"""What to measure next: for each entry of a menu, how far apart it would put two candidates."""
+"""Candidate measurements: for each, how far apart it puts two candidate effects."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ def _shuffled(one: DataVector) -> tuple[ConditionData, ...]:
 
 
 def _zeros(one: DataVector) -> tuple[ConditionData, ...]:
-    """Return all positions again, and what the load cell shows without contact before each."""
+    """Return all positions again, each after a reading of the load cell without contact."""
     return _repeat(one) + tuple(
         _load_cell_alone(s, 70 + i)
         for i, s in enumerate(s for s in _repeat(one) if s.voltage_V == 0.0)
@@ -359,7 +359,7 @@ def next_measurement(
 
 @dataclass(frozen=True)
 class Suspect:
-    """One of two effects that look alike."""
+    """One of two effects that are indistinguishable so far."""
 
     effect: Effect
     values: dict[str, float]  # its form
@@ -372,9 +372,10 @@ class Suspect:
 
 
 def _as_long(fitted: MixedModelFit, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:
-    """Both as large as they must be to explain what the one that explains more does.
+    """Return both with the amplitudes at which they explain as much as the stronger one.
 
-    The second one's own size may be what the first one has left of it, next to nothing.
+    The second one's own amplitude may be near zero, since it was fitted to the remainder of the
+    first.
     """
     first, second = pair
     units = [separation(fitted, one.forms(fitted)[:1], 1.0) for one in pair]

@@ -50,7 +50,7 @@ def left_out(
 def _information(
     fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Normal equations of all runs but these."""
+    """Return the normal equations of all runs except `runs`."""
     data, layout = fitted.linear.data, fitted.problem.study.layout
     kept = np.setdiff1d(np.arange(len(layout.runs)), runs)
     X = layout.pad(columns)[kept]
@@ -116,7 +116,7 @@ def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:
-    """Runs by position, over all configurations; free shapes are never left out."""
+    """Return runs grouped by position over all configurations; free shapes are never left out."""
     groups: dict[float, list[int]] = {}
     for r, run in enumerate(fitted.problem.study.layout.runs):
         if np.isfinite(run[1]):

@@ -1,4 +1,4 @@
-"""How well each candidate explains what the present model leaves.
+"""Evidence of each candidate for the residual of the present model.
 
 A candidate is a set of columns: its form, and the ways in which the form may differ, with a common
 scale. The scale is integrated over a range of sizes, so that a candidate pays for being flexible
@@ -40,7 +40,7 @@ class Candidate:
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """What a candidate is worth at a solution."""
+    """The evidence of a candidate at a solution."""
 
     candidate: Candidate
     log_bayes: float
@@ -145,7 +145,7 @@ def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Sc
 
 
 def averaged(log_bayes: Sequence[float]) -> float:
-    """Return ln of the mean Bayes factor of shapes of which nobody knows beforehand which it is."""
+    """Return ln of the mean Bayes factor of shapes that are equally probable beforehand."""
     return float(np.logaddexp.reduce(log_bayes) - np.log(len(log_bayes)))
 
 
@@ -172,7 +172,10 @@ def surprise(one: Score) -> float:
 
 
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
-    """Evidence with the noise estimated beside the candidate, which it would else hide in."""
+    """Return the evidence with the noise estimated together with the candidate.
+
+    Otherwise the candidate would hide in the noise.
+    """
     from model.identification.likelihood.linearisation import with_columns
 
     study = fitted.problem.study

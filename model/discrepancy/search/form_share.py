@@ -12,9 +12,9 @@ from model.measurements import FloatArray
 
 
 def form_share(fitted: MixedModelFit, index: int) -> float:
-    """Share of what the effect does to the data, squared, that its form alone would not do.
+    """Return the share of an effect's squared contribution that its form alone cannot make.
 
-    `index` is its place among those found.
+    `index` is its place among the effects found.
     """
     one, span, study = fitted.found[index], fitted.spans[index], fitted.problem.study
     steps = steps_of(fitted, index)
@@ -27,7 +27,7 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
 
 
 def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]]:
-    """Return what the effect changes in each configuration that has it."""
+    """Return the perturbation by the effect in each configuration that has it."""
     one, study = fitted.found[index], fitted.problem.study
     others = tuple(f.active for f in fitted.found if f is not one)
     result = []
@@ -39,7 +39,7 @@ def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]
 
 
 def _share(fitted: MixedModelFit, whole: FloatArray, deviation: FloatArray) -> float:
-    """Of what an effect does, how much no choice of its size in each configuration would do."""
+    """Return the share of a contribution that no amplitude per configuration can make."""
     by = 1.0 / np.sqrt(variance(fitted))
     own = np.stack([w - _on_base(fitted, w) for w in whole.T], axis=1) * by[:, None]
     total = own.sum(axis=1) + (deviation - _on_base(fitted, deviation)) * by

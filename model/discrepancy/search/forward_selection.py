@@ -82,8 +82,8 @@ def search(
 ) -> SearchResult:
     """Add effects while the data ask for them.
 
-    One that is mostly deviation from its form may stand for several others: they are tried without
-    it, and taken where they explain more.
+    An effect that is mostly deviation from its form may stand for several others: these are tried
+    without it, and replace it where they explain more.
     """
     outcome = _forward(problem, theta, effects, threshold, most, found)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
@@ -143,9 +143,9 @@ def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) 
 
 
 def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
-    """Evidence of a further effect where each number may be off by some of what the others do.
+    """Return the evidence of a further effect where the contributions of the others are uncertain.
 
-    What is small against them everywhere may be what is left of their own form.
+    An effect that is small against them everywhere may be a remainder of their form.
     """
     if not fitted.found:
         return contender.gain
@@ -163,7 +163,7 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
 
 
 def _rows(fitted: MixedModelFit) -> FloatArray:
-    """Return what all effects of a model do to the rows, (N,)."""
+    """Return the contribution of all effects of a model to the rows, (N,)."""
     study, active = fitted.problem.study, fitted.active
     rows = np.zeros(study.layout.size)
     for one in active:
@@ -193,6 +193,9 @@ def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
 
 
 def _rest_of_forms(turn: SelectionStep) -> float:
-    """What a free form explains in the location of an effect before: more of that one's form."""
+    """Return the largest gain of a nonparametric term at the location of an effect already found.
+
+    Such a term is more likely a remainder of that effect's form than a further effect.
+    """
     locations = {f"unknown:{f.effect.location}" for f in turn.before.found}
     return max((c.gain for c in turn.ranking if c.name in locations), default=-np.inf)

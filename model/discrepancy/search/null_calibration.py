@@ -1,4 +1,4 @@
-"""The threshold: what the best candidate gains in sessions simulated with nothing missing."""
+"""The evidence threshold: the best candidate's gain in simulated sessions without any effect."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def null_gains(
     seed: int,
     progress: Callable[[str, float], None] | None = None,
 ) -> FloatArray:
-    """Largest evidence of any candidate in each of `count` sessions drawn from the fitted model.
+    """Return the largest evidence of any candidate in `count` sessions drawn from the fitted model.
 
-    Noise and scatter are drawn as they were found, within what is known of them, and are estimated
-    anew in each session.
+    Noise and scatter are drawn with their fitted sizes and uncertainties, and are estimated again
+    in each session.
     """
     random = np.random.default_rng(seed)
     study, linear, problem = fitted.problem.study, fitted.linear, fitted.problem
@@ -49,7 +49,7 @@ def null_gains(
 
 
 def threshold(gains: FloatArray) -> float:
-    """The gain that one in a hundred of such sessions exceeds: by the tail's exponential decay."""
+    """Return the gain that 1 in 100 such sessions exceeds, from the tail's exponential decay."""
     ordered = np.sort(gains)
     start = float(np.quantile(ordered, 0.8))
     excess = ordered[ordered > start] - start

@@ -62,7 +62,7 @@ class RankedCandidate:
 def rank(
     fitted: MixedModelFit, effects: Sequence[Effect], locations: bool = True
 ) -> list[RankedCandidate]:
-    """Everything that could be added, best first; the promising ones with the noise beside them."""
+    """Rank all candidates, best first; estimate the noise together with promising ones."""
     inside = {f.effect.name for f in fitted.found}
     every = candidates(fitted, [e for e in effects if e.name not in inside])
     if locations:
@@ -168,6 +168,9 @@ def _alike(one: Score, other: Score) -> bool:
 
 
 def usual_scatter(fitted: MixedModelFit) -> Solution:
-    """The same fit with no more scatter than is usual: what acts in every set-up hides in it."""
+    """Return the same fit with the scatter limited to its usual size.
+
+    A larger scatter hides effects that act in every set-up.
+    """
     least = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
     return weigh(fitted.linear.data, least)

@@ -56,9 +56,9 @@ def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[R
 def refined(
     fitted: MixedModelFit, contender: RankedCandidate, shapes: Sequence[Score]
 ) -> RankedCandidate:
-    """With the effect in the model, its values fitted and everything linearised there.
+    """Fit the model with the effect in it, linearised at the fitted values.
 
-    Fits decide which of several shapes it has: linearised at zero they look alike.
+    The fits decide between several shapes: linearised at zero they are indistinguishable.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
@@ -69,9 +69,9 @@ def refined(
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:
-    """Return base parameters that forces and the curves at 0 V ask for.
+    """Return the base parameters fitted to forces and to the curves at 0 V.
 
-    What curves under voltage say may be the very thing that is to be explained.
+    Curves under voltage may contain the effect that is to be explained.
     """
     problem, study = fitted.problem, fitted.problem.study
     vague = np.zeros(study.layout.size)
@@ -113,7 +113,7 @@ def _refined_again(
 def _better(
     fitted: MixedModelFit, contender: RankedCandidate, one: Score, other: MixedModelFit | None
 ) -> RankedCandidate:
-    """Return the contender, or with this shape and fit where they are better than what it has."""
+    """Return the contender, with this shape and fit where they are better than its own."""
     best = contender.fitted
     if other is None:
         return contender
@@ -127,7 +127,7 @@ def _better(
 
 
 def _rank(fitted: MixedModelFit) -> tuple[bool, float]:
-    """Smaller: better; what is an effect in name only comes last."""
+    """Return a sort key, smaller is better; mostly deviation from form comes last."""
     return form_share(fitted, -1) > FORM_SHARE_LIMIT, fitted.deviance
 
 
@@ -143,7 +143,7 @@ def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
 def _begun(
     fitted: MixedModelFit, effect: Effect, candidate: Candidate, amplitude: float
 ) -> dict[str, dict[str, float]]:
-    """Its values at a multiple of its own size, within bounds; alike in all configurations."""
+    """Return starting values at a multiple of its amplitude, equal in all configurations."""
     size, values = effect.amplitude, unit_values(effect, candidate.values, amplitude)
     if not (size.starting_values or size.log):
         low, high = INSIDE * size.low, INSIDE * size.high
@@ -180,7 +180,7 @@ def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:
 
 
 def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str]:
-    """The one that explains most with the usual scatter, and another one that comes close."""
+    """Return the best candidates at the usual scatter: the first, and another that comes close."""
     scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
     best = max((s.log_bayes for s in scores.values()), default=0.0)
     return [name for name, s in scores.items() if s.log_bayes >= (1.0 - CURVATURE_SHARE) * best][

@@ -63,7 +63,7 @@ def signatures(
 def invisible(
     fitted: MixedModelFit, found: Signatures, effects: Mapping[str, Effect]
 ) -> dict[str, str]:
-    """Return effects that these data cannot show at any likely size, with what would show them."""
+    """Return effects that these data cannot show at any likely size, with data that could."""
     result = {}
     streams = _streams(fitted)
     for name, length in zip(found.names, found.detectability, strict=True):
@@ -87,7 +87,7 @@ def _streams(fitted: MixedModelFit) -> bool:
 
 
 def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ...], ...]:
-    """Groups of effects that look alike: closer than `SEPARATION_SIGMA` at the sizes compared."""
+    """Return groups of effects closer than `SEPARATION_SIGMA` at the amplitudes compared."""
     names = [n for n in found.names if n not in unseen]
     place = {n: i for i, n in enumerate(found.names)}
     left, result = set(names), []

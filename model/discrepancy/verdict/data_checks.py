@@ -1,4 +1,4 @@
-"""What is odd about data that can be fitted all the same."""
+"""Data checks: oddities of data that can be fitted all the same."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ from model.measurements import Measurements
 
 @dataclass(frozen=True)
 class _Decision:
-    """What the search comes to."""
+    """The decision at the end of the search."""
 
     named: list[Choice]
     known: MixedModelFit  # with the effects that are named
@@ -142,7 +142,7 @@ class Finding:
         return setups(self.ready) >= FEWEST_SETUPS
 
     def _decision(self) -> _Decision:
-        """Return names, or what is unknown, or both."""
+        """Return the effects named, the unknown term, or both."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
         rest = self._unexplained(known)
@@ -162,14 +162,14 @@ class Finding:
         return _Decision(named, with_shapes(known, named), unknown_of(at, free), final)
 
     def _unexplained(self, known: MixedModelFit) -> Leftover | None:
-        """What free forms find beside the names, where it is too much for the rest of a form."""
+        """Return the nonparametric remainder, where it exceeds the rest of a form."""
         rest = leftover(self.outcome, known, self.effects) if self._enough else None
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return None
         return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
 
     def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
-        """What could be seen of the base model, with the noise as it is once the finding is in."""
+        """Return the signatures visible above the base model, at the final model's noise."""
         base = self.outcome.base
         solution = weigh(base.linear.data, decision.final.solution.log_sigma)
         chosen = (t.chosen for t in self.outcome.turns if t.chosen is not None)
@@ -217,7 +217,7 @@ class Finding:
         return _LeftOut(both, closed, chosen, gaps.table(base, final, before, after))
 
     def _next(self, named: Sequence[Named]) -> Next | None:
-        """Return what would tell a name from the first one that it may be confused with."""
+        """Return the measurement that separates a name from the likeliest alternative."""
         pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
         ranked = {c.name: c for t in self.outcome.turns for c in t.ranking if c.known}
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}

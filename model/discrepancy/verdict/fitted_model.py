@@ -1,4 +1,4 @@
-"""What was fitted, as parameters with their uncertainty and as a model for the next job."""
+"""The fitted parameters with their uncertainty, and the fitted model for the next job."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ def sheet_model(
     options: Options,
     merit: Gap,
 ) -> SheetModel:
-    """The model with what was found, an unknown effect as an empirical term; `merit` is its gap."""
+    """Return the model with the effects found; an unknown effect becomes an empirical term.
+
+    `merit` is the model's prediction error.
+    """
     sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.study.names)}
     effects = [_active(f, final) for f in final.found]
     if unknown is not None:

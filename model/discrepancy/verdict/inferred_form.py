@@ -31,7 +31,7 @@ Key = tuple[str, str, str]  # configuration, part, along
 
 
 def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
-    """Return a free form with its band, along the coordinate in which it says most."""
+    """Return a nonparametric term with its credible band, along its strongest coordinate."""
     name = contender.score.candidate.location
     found = shapes(fitted, name, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
@@ -60,7 +60,7 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
 def _strongest(
     fitted: MixedModelFit, found: list[BasisShape], columns: FloatArray, beta: FloatArray
 ) -> Key:
-    """Return the part of which the waves explain most, of the configuration where they do."""
+    """Return the part that the waves explain best, of the configuration where they do."""
     noise = variance(fitted)
 
     def weight(key: Key) -> float:
@@ -111,7 +111,7 @@ def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedMo
 
 
 def _depends(location_name: str, part: str, along: str) -> str:
-    """Return on what a free form depends, for messages."""
+    """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
     if along == "time":
         during = part.rpartition(", ")[2]

@@ -18,9 +18,9 @@ Observable = Literal["force", "curve", "signal"]
 
 
 def staged(base: MixedModelFit) -> FloatArray:
-    """Residuals (N,) with B from 0 V alone, then the EIBM given B: they say where it is wrong.
+    """Return residuals (N,) with B from 0 V alone, then the EIBM given B.
 
-    All at once would smear what acts under voltage over everything.
+    They locate the misfit: a joint fit would spread an effect under voltage over all rows.
     """
     study, problem, linear = base.problem.study, base.problem, base.linear
     layout = study.layout
@@ -46,7 +46,7 @@ def staged(base: MixedModelFit) -> FloatArray:
 
 
 def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
-    """The cells that stand out of noise and scatter (variances (N,)), the strongest first."""
+    """Return the cells that exceed noise and scatter (variances (N,)), the strongest first."""
     residual, study = staged(base), base.problem.study
     z = residual / np.sqrt(noise)
     found: list[Where] = []

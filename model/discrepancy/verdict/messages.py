@@ -21,7 +21,7 @@ def sentence(
     left_out: BeforeAfter,
     doubt: str,
 ) -> str:
-    """Return the answer. `doubt`: why the data cannot tell, where they cannot."""
+    """Return the verdict as a sentence; `doubt` says why the data cannot decide."""
     if verdict == "cannot_tell":
         return f"These data cannot tell what is missing: {doubt}."
     if verdict == "nothing_missing":
@@ -43,7 +43,7 @@ def sentence(
 
 
 def too_few(setups: int) -> str:
-    """Return why few set-ups say nothing."""
+    """Return the message that there are too few set-ups."""
     return (
         f"there are {setups} set-ups of the load cell, too few to know how much one set-up differs"
         f" from the next; measure at least {FEWEST_SETUPS} positions, or set three of them anew"
@@ -51,7 +51,7 @@ def too_few(setups: int) -> str:
 
 
 def scattered(name: str, times: float) -> str:
-    """Return why set-ups that differ too much say nothing."""
+    """Return the message that set-ups differ too much."""
     return (
         f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as is usual;"
         " set three positions anew to see whether that is chance"
@@ -99,7 +99,7 @@ def _gap(left_out: BeforeAfter) -> str:
 
 
 def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:
-    """Yield what to know besides; `chosen`: the best name with each position left out."""
+    """Yield further notes; `chosen` is the best name with each position left out."""
     if outliers:
         yield f"left out, since nothing else is like it: {', '.join(outliers)}"
     other = sorted({c for c in chosen if c} - {n.name for n in named})

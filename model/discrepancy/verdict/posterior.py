@@ -1,4 +1,4 @@
-"""Posterior probabilities of names, and what each may be confused with."""
+"""Posterior probabilities of effects, and the effects each may be confused with."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from model.locations import location
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
-    """A named effect with what it was chosen from."""
+    """A named effect with its alternatives."""
 
     effect: Effect
     confidence: float
@@ -45,7 +45,7 @@ def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
 
 
 def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choice:
-    """Return what was chosen from a ranking, and how surely."""
+    """Return the choice from a ranking, with its posterior probability."""
     effect = chosen.score.candidate.effect
     if effect is None:
         raise TypeError(f"{chosen.name} is no effect of the catalogue")
@@ -160,7 +160,7 @@ def _in_time(one: Choice) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Leftover:
-    """What free forms find in what a model leaves."""
+    """The findings of nonparametric terms in the residual of a model."""
 
     gain: float  # of the best free form on the final model
     total: float  # of the best free form on the base model, or of the catalogue's effects

@@ -1,4 +1,4 @@
-"""How far models are from the data, against what noise alone would leave."""
+"""Prediction errors of models, compared with the error that noise alone causes."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def gap(residual: FloatArray, variance_: FloatArray, where: Cells) -> Gap:
 
 
 def floor(variance_: FloatArray, where: Cells) -> Gap:
-    """Return what the noise alone would leave."""
+    """Return the prediction error that noise alone causes."""
     return _gap(variance_, where, 1.0)
 
 

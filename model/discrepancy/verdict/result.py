@@ -1,4 +1,4 @@
-"""What `diagnose` hands back, and its JSON."""
+"""The result of `diagnose`, and its JSON."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Named:
 
 @dataclass(frozen=True, kw_only=True)
 class FormCurve:
-    """An effect's form as the data have it, beside the catalogue's: the family, not the formula."""
+    """An effect's inferred form, compared with the catalogue's."""
 
     along: str  # "s", "position", ...
     unit: str  # of the coordinate
@@ -97,7 +97,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class BeforeAfter:
-    """The base model, and the model with what was found."""
+    """The base model, and the model with the effects found."""
 
     before: Gap
     after: Gap
@@ -143,7 +143,7 @@ class ErrorRow:
 
 @dataclass(frozen=True, kw_only=True)
 class Next:
-    """What to measure to be sure."""
+    """The next measurement, for a verdict with higher probability."""
 
     why: str
     extra: str  # name of the entry of the menu
@@ -155,7 +155,7 @@ class Next:
 
 @dataclass(frozen=True)
 class Signatures:
-    """How alike effects look in these data."""
+    """How similar effects are in these data."""
 
     names: tuple[str, ...]
     detectability: FloatArray  # (n,) sigmas at the plausible size, the base refitted

@@ -1,7 +1,7 @@
-"""When each reading was taken: in its pulse, in its run, in the session.
+"""Acquisition times of readings: in the pulse, in the run, in the session.
 
-What nobody wrote down is taken as the protocol has it: readings are spaced by the pulses, runs go
-by the order of the table.
+Times that are not recorded follow from the protocol: readings are spaced by the pulses, and runs
+are in the order of the table.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ RunKey = tuple[str, float, int, int, float]
 
 
 def run_key(condition: Condition | TimeSeries) -> RunKey:
-    """What the conditions of one set-up share."""
+    """Return the key that all conditions of one set-up share."""
     position = np.inf if condition.position_m is None else condition.position_m
     # a series does not say how the rig was tilted
     tilt_rad = condition.tilt_rad if isinstance(condition, Condition) else 0.0
@@ -32,9 +32,9 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionTimes:
-    """When in the session readings were taken.
+    """Acquisition times of readings in the session.
 
-    Where nobody wrote it down, runs are taken to have been made in the order of the table.
+    Where they are not recorded, runs are assumed to be in the order of the table.
     """
 
     first_s: float
@@ -68,7 +68,7 @@ class SessionTimes:
 
 @dataclass(frozen=True, kw_only=True)
 class ReadingTimes:
-    """What the clocks of a condition's readings have in common."""
+    """The clock data common to a condition's readings."""
 
     voltage_V: float
     zeros: int  # readings of the run before its first pulse
@@ -140,10 +140,10 @@ def _worked(
 
 
 def first_pulses(conditions: Sequence[Condition]) -> dict[RunKey, int]:
-    """The number that a reading of each run's first pulse has, or would have.
+    """Return for each run the index of the reading at its first pulse, recorded or not.
 
-    Readings that are not recorded, such as those of discarded pulses, may have no number: then
-    their times say how many there were.
+    Readings that are not recorded, such as those of discarded pulses, may have no index: their
+    number then follows from the times.
     """
     readings: dict[RunKey, list[tuple[Reading, float]]] = {}
     for c in conditions:

@@ -77,7 +77,7 @@ class ConditionData:
 
     @property
     def kept_clock(self) -> AcquisitionTimes:
-        """When these were taken."""
+        """Return the acquisition times of the kept readings."""
         return self.clock.of(self.counts)
 
 
@@ -142,10 +142,10 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
 
 
 def means_of(whole: DataVector) -> DataVector:
-    """Return what does not depend on time: mean forces, with their noise, and mean curves.
+    """Return the time-independent data: mean forces, with their noise, and mean curves.
 
-    Trends, first pulses, single curves and pulses say nothing of parameters that do not change in
-    time, and cost most of the rows.
+    Trends, first pulses, single curves and pulses do not inform parameters that are constant in
+    time, and make up most of the rows.
     """
     seen = tuple(
         replace(
@@ -158,7 +158,7 @@ def means_of(whole: DataVector) -> DataVector:
 
 
 def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
-    """A position approached from above is a run of its own, also where nobody says so."""
+    """Give conditions that are approached from above a run of their own, where none is stated."""
 
     def place(one: Condition) -> tuple[object, ...]:
         return one.configuration, one.position_m, one.mounting, one.run, one.tilt_rad
@@ -178,9 +178,10 @@ def _seen(
     ratio: float,
     begun: float,
 ) -> ConditionData | None:
-    """What a condition tells; None: nothing usable. A `ModelError` where a number is not finite.
+    """Return the data of a condition; None where nothing is usable.
 
-    Free shapes are taken before the positions, so as the first of these begins, at `begun`.
+    Raises `ModelError` where a number is not finite. Free shapes are acquired before the positions,
+    so they get the time `begun` at which the first position begins.
     """
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
@@ -220,9 +221,9 @@ def _seen(
 def _load_cell_zero(
     condition: Condition, session: SessionTimes, begun: float
 ) -> ConditionData | None:
-    """What the load cell shows at 0 V without contact; None: nothing, or always the same.
+    """Return the load cell's readings at 0 V without contact; None if absent or all equal.
 
-    Taken at a position it belongs to the run there, else it is a set-up of its own.
+    Readings acquired at a position belong to the run there; others are a set-up of their own.
     """
     chosen = [r for r in condition.readings if r.kind == "no_contact" and r.valid]
     readings = sorted(chosen, key=_index)
@@ -251,15 +252,15 @@ def _alike(curves: list[Curve | None], others: tuple[Curve, ...], name: str) -> 
 
 
 def _index(reading: Reading) -> int:
-    """Readings go by their numbers."""
+    """Return the index by which readings are ordered."""
     return reading.index
 
 
 def _early(condition: Condition) -> list[Reading]:
-    """The valid readings of the discarded first pulses, in time order.
+    """Return the valid readings of the discarded first pulses, in time order.
 
-    Without a reading that counts, there is nothing to which they might be compared; what is
-    discarded later, such as while a sheet relaxes from a hold, is none of them.
+    Empty without kept readings, since nothing is there to compare with. Readings discarded later,
+    such as while a sheet relaxes from a hold, are not included.
     """
     first = min((r.index for r in condition.used()), default=-1)
     found = [r for r in condition.readings if r.kind == "discarded" and r.valid and r.index < first]
@@ -269,7 +270,7 @@ def _early(condition: Condition) -> list[Reading]:
 def _curves(
     condition: Condition, readings: list[Reading], name: str
 ) -> tuple[Curve | None, tuple[Curve, ...]]:
-    """The curve of the mean image, and those of all readings where they can be compared."""
+    """Return the curve of the mean image, and those of all readings where comparable."""
     own = tuple(checked_curve(r.curve, name) for r in readings if r.curve is not None)
     alike = len({len(c.s_m) for c in own}) == 1
     curve = None if condition.curve is None else checked_curve(condition.curve, name)

@@ -44,7 +44,7 @@ PHASES = (cosine, sine)
 
 @dataclass(frozen=True, kw_only=True)
 class PeriodicTerm:
-    """What comes again in all readings, always in the same phase."""
+    """A periodic term of all readings, always in the same phase."""
 
     what: What  # adds to the force, or to the EIBM in proportion to it
     period_s: float
@@ -57,7 +57,7 @@ class PeriodicTerm:
         return _seconds(clock, self.since, self.session_s) / self.period_s
 
     def added_N(self, clock: AcquisitionTimes) -> FloatArray | float:
-        """What it adds to the force of readings: (n,)."""
+        """Return the term's contribution to the force of readings: (n,)."""
         if self.what != "force":
             return 0.0
         phase = self.phase(clock)
@@ -95,7 +95,7 @@ class _Series:
         )  # fmt: skip
 
     def left(self, values: FloatArray) -> FloatArray:
-        """What trends leave of values (n, ...)."""
+        """Return values (n, ...) with their trends removed."""
         result, start = values.copy(), 0
         for T in self.trends:
             own = slice(start, start + T.shape[1])
@@ -104,7 +104,7 @@ class _Series:
         return result
 
     def best(self, what: What, since: Since) -> tuple[PeriodicTerm, float] | None:
-        """The wave that explains most, and the share of what trends leave that it explains."""
+        """Return the wave that explains most of the detrended values, and the share it explains."""
         at_s = _seconds(self.clock, since, self.session_s)
         rates = _rates(float(np.ptp(at_s)))
         if not len(rates):
@@ -142,7 +142,7 @@ class _Series:
 
 
 def wave_in(looks: Sequence[DataVector]) -> PeriodicTerm | None:
-    """The wave that explains most of what trends leave of the readings; None: there is none."""
+    """Return the periodic term that explains most of the detrended readings, or None."""
     session_s = max(look.session_s for look in looks)
     forces = _Series.of([x for look in looks for x in _forces(look)], session_s, LEAST_N)
     curves = _Series.of([x for look in looks for x in _curves(look)], session_s)
@@ -186,7 +186,7 @@ def _with_rest(look: DataVector) -> Iterator[tuple[ConditionData, ConditionData 
 
 
 def _points(curve: Curve, n: int) -> FloatArray:
-    """The first n points' x, then their y."""
+    """Return x, then y, of the first n points."""
     return np.concatenate([curve.x_m[:n], curve.y_m[:n]])
 
 
@@ -198,7 +198,7 @@ def _orthonormal(clock: AcquisitionTimes) -> FloatArray:
 
 
 def _seconds(clock: AcquisitionTimes, since: Since, session_s: float) -> FloatArray:
-    """When readings were taken."""
+    """Return the acquisition times of readings, s."""
     if since == "session":
         return clock.session * session_s
     return np.asarray(clock.run_s if since == "run" else clock.worked_s, dtype=float)

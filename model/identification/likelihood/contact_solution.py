@@ -1,4 +1,4 @@
-"""Solves the conditions of one configuration and says how forces and curves answer to anything.
+"""Solution of the conditions of one configuration, with sensitivities of forces and curves.
 
 Quantities along the sheet are values at Gauss-Legendre nodes; a change of any of them, of
 stiffness, contact or clamp becomes a change of forces and curve modes through one matrix, so that
@@ -37,7 +37,7 @@ class Sensitivities:
 
 @dataclass(frozen=True, kw_only=True)
 class SolvedConditions:
-    """What a `BeamProblem` gives."""
+    """The solution of a `BeamProblem`."""
 
     contact: ContactSolution
     force_N: FloatArray  # (K,) NaN: free
@@ -219,7 +219,7 @@ class ConfigurationModel:
         )
 
     def forces(self, beam: BeamProblem) -> FloatArray:
-        """Forces alone (K,); the solution kept for derivatives stays as it is."""
+        """Return forces alone (K,); the solution kept for derivatives is not changed."""
         last, kept = self._last, self._found
         result = np.full(self.K, np.nan)
         for rows, found in self._equilibria(beam) if len(self.touching) else []:
@@ -241,7 +241,7 @@ class ConfigurationModel:
         return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
 
     def _equilibria(self, beam: BeamProblem) -> list[tuple[Index, Equilibria]]:
-        """Groups of conditions whose contacts lie at the same radius."""
+        """Return groups of conditions with contacts at the same radius, and their equilibria."""
         rows, R = self.touching, self.sheet.arc_radius_m
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
         if not np.any(offset):
@@ -316,7 +316,7 @@ class ConfigurationModel:
     def _hang(
         self, beam: BeamProblem, k: int, contact: ContactSolution
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """A free shape: no force, no solving."""
+        """Return the free shape of condition k, which has no force and needs no solver."""
         G = self.count
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
         at = np.concatenate([self.s_m, self.curve_s[k], [self.length]])
@@ -387,7 +387,7 @@ class ConfigurationModel:
         return result
 
     def change(self, base: BeamProblem, other: BeamProblem, contact: ContactSolution) -> FloatArray:
-        """The step (K, Q) in `columns` from one `BeamProblem` to another, to first order."""
+        """Return the step (K, Q) in `columns` from one `BeamProblem` to another, to first order."""
         G, K, R = self.count, self.K, self.sheet.arc_radius_m
         step = np.zeros((K, self.columns))
         step[:, :G] = (other.rest - base.rest) + (

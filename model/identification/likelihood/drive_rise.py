@@ -1,4 +1,4 @@
-"""What is not known of how all pulses rise alike: columns beside the base model.
+"""Uncertainty of the rise common to all pulses: columns beside the base model.
 
 The rise at the sheet is stated, but not to the last per cent; whoever stamped the samples may have
 stamped all of them half an interval late; and while the voltage crosses 0 the EIBM may follow its

@@ -65,7 +65,7 @@ def whole_step(
     others: tuple[AppliedEffect, ...],
     one: AppliedEffect,
 ) -> Perturbation:
-    """What an effect as it stands changes, to first order, given the others."""
+    """Return the first-order perturbation by an effect at its present values, given the others."""
     without = shaped(base, state, others, study.names[c])
     here = Acting(one.effect, one.values[study.names[c]])
     full = applied(without, state.solved.contact, [here])
@@ -78,7 +78,7 @@ def whole_step(
 def shaped(
     base: BeamProblem, state: ModelState, active: tuple[AppliedEffect, ...], name: str
 ) -> BeamProblem:
-    """The base with effects applied, at a known solution."""
+    """Return the base problem with effects applied, at a known solution."""
     return applied(base, state.solved.contact, acting_in(active, name))
 
 
@@ -88,7 +88,7 @@ Ways = Iterator[tuple[Perturbation, float]]  # steps, each with its standard dev
 def deviations(
     effect: Effect, study: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
 ) -> Ways:
-    """The ways in which the form may differ."""
+    """Yield the perturbations by which the form may differ, each with its standard deviation."""
     scene = study.scenes[c]
     for along in effect.form_error_along:
         if along == "s":
@@ -117,7 +117,7 @@ def deviations(
 
 
 def _from_run_to_run(study: ForwardModel, c: int, step: Perturbation) -> Ways:
-    """What differs in each run, such as how far apart frames and edges are."""
+    """Yield differences between runs, such as the distance of frames from edges."""
     own = [one.run for one in study.looks[c].seen]
     for run in study.layout.runs:
         factor = np.array([float(each == run) for each in own])
@@ -138,7 +138,7 @@ def _along_sheet(
     u: FloatArray,
     waves: tuple[tuple[int, float], ...],
 ) -> Ways:
-    """What changes curvature and softness times waves of a coordinate 0 .. 1, (G,) or (K, G)."""
+    """Yield changes of curvature and compliance times waves of u in 0 .. 1, (G,) or (K, G)."""
     G = study.scenes[c].count
     for j, share in waves:
         beam = np.zeros_like(step.beam)
@@ -177,13 +177,13 @@ def _in_time(
 
 
 def cosine(j: int, t: FloatArray) -> FloatArray:
-    """A wave of unit mean square on a coordinate 0 .. 1."""
+    """Return a wave of unit mean square on a coordinate 0 .. 1."""
     result: FloatArray = np.sqrt(2.0) * np.cos(j * np.pi * np.clip(t, 0.0, 1.0))
     return result
 
 
 def _weighed(study: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
-    """A step times a factor (K,) for each condition."""
+    """Return a step times a factor (K,) for each condition."""
     part = study.part(c)
     of, bin_of = part.reading_of, part.bin_of
     return Perturbation(
@@ -209,7 +209,7 @@ def atoms(
     steps: list[Perturbation], *,
     tolerant: bool = True,
 ) -> FloatArray:  # fmt: skip
-    """The form itself, and its deviations times their standard deviations: (N, 1 + J)."""
+    """Return the form itself, and its deviations times their standard deviations: (N, 1 + J)."""
     whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
     columns: list[FloatArray] = [np.sum(whole, axis=0)]
     if not tolerant:
@@ -288,7 +288,7 @@ def _by_parameter(
     active: tuple[AppliedEffect, ...],
     parameter: EffectParameter,
 ) -> FloatArray:  # fmt: skip
-    """Derivative of the rows by a parameter, or by its logarithm."""
+    """Return the derivative of the rows by a parameter, or by its logarithm."""
     name, state = study.names[c], linear.states[c]
     values = dict(one.values[name])
     value = values[parameter.name]
@@ -316,7 +316,7 @@ def _by_parameter(
 def moved(
     found: tuple[Found, ...], beta: FloatArray, sigma: FloatArray, spans: list[slice]
 ) -> tuple[tuple[Found, ...], bool]:
-    """The effects after a step; whether it was small."""
+    """Return the effects after a step, and whether the step was small."""
     result, quiet = [], True
     for one, span in zip(found, spans, strict=True):
         values = {name: dict(v) for name, v in one.values.items()}

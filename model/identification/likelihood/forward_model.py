@@ -1,4 +1,4 @@
-"""A state of the model, base parameters and active effects, and what it says of all the data."""
+"""The model's state (base parameters, active effects) and its prediction of all data."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class ForwardModel:
         return replace(state, residual=self._residual(c, state, inner))
 
     def _response(self, c: int, beam: BeamProblem, inner: Sequence[Acting]) -> FloatArray | None:
-        """Forces at other sizes of the EIBM, where it, or B, changes much in time."""
+        """Return forces at other sizes of the EIBM, if it or B changes much in time, or None."""
         part = self.part(c)
         courses = [course(one, clock) for one in inner for clock in (part.clock, part.bin_clock)]
         changes = [change for found in courses if found for change in found]
@@ -160,7 +160,7 @@ class ForwardModel:
         )  # fmt: skip
 
     def step(self, c: int, state: ModelState, effect: Effect, values: Values) -> Perturbation:
-        """What an effect changes at a state."""
+        """Return the perturbation by an effect at a state."""
         one = Acting(effect, values)
         other = applied(state.beam, state.solved.contact, [one])
         change = self.scenes[c].change(state.beam, other, state.solved.contact)
@@ -217,7 +217,7 @@ class ForwardModel:
         return force[of] * much, size[of] * much
 
     def _rise_step(self, c: int) -> Perturbation:
-        """The known rise of the voltage: parts of a pulse against its sampling point."""
+        """Return the voltage's known rise: parts of a pulse relative to its sampling point."""
         part, step = self.part(c), self.no_step(c)
         rise = self._rise_s(c)
         at_sample = part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
@@ -226,7 +226,7 @@ class ForwardModel:
         return replace(step, bin_eibm=-later / (1.0 - at_sample))
 
     def rows_of(self, c: int, state: ModelState, step: Perturbation) -> FloatArray:
-        """A step in all rows (N,)."""
+        """Return a step in all rows (N,)."""
         part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
         of, answers = part.reading_of, state.answers
         force = np.nan_to_num(state.solved.force_N)

@@ -54,7 +54,7 @@ def least_squares(study: ForwardModel, bases: Bases, theta: FloatArray) -> Float
 
 
 def _weights(study: ForwardModel) -> FloatArray:
-    """Of mean forces and curves; nothing else says anything of the base parameters: (N,)."""
+    """Return weights (N,), zero except for mean forces and curves."""
     weights = np.zeros(study.layout.size)
     for part, scene in zip(study.layout.parts, study.scenes, strict=True):
         weights[part.trend_rows[part.is_mean]] = 1.0 / FORCE_SIGMA_N

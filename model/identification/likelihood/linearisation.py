@@ -55,7 +55,7 @@ class Bases:
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
 
     def beam(self, study: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
-        """The base model of a configuration."""
+        """Return the beam problem of the base model of a configuration."""
         one, scene = self.parts[c], study.scenes[c]
         rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
         count = len(one.forms)
@@ -66,7 +66,7 @@ class Bases:
 def base_steps(
     study: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
 ) -> dict[int, Perturbation]:
-    """Derivatives by the base parameters of a configuration."""
+    """Return the derivatives by the base parameters of a configuration."""
     one, scene, G = bases.parts[c], study.scenes[c], study.scenes[c].count
     result = {}
     none = study.no_step(c)
@@ -92,7 +92,7 @@ def base_steps(
 
 
 def _form(shaped: FloatArray, base: FloatArray) -> FloatArray:
-    """The EIBM along the sheet as effects have shaped it: it goes in proportion to its size."""
+    """Return the EIBM with effects relative to the base model's, along the sheet."""
     there = np.abs(base) > 1e-9
     return np.where(there, shaped / np.where(there, base, 1.0), 1.0)
 
@@ -141,7 +141,7 @@ def linearise(
     active: tuple[AppliedEffect, ...] = (),
     added: Added | None = None,
 ) -> Linearisation:
-    """Return everything about a point; `added` is what each set-up is taken to have added."""
+    """Return the linearisation about a point; `added` holds each set-up's random effects."""
     mounted = mountings(study, added) if added else ()
     states, residual, columns = sensitivities(study, bases, theta, active, mounted)
     scatter: Columns = {}

@@ -1,4 +1,4 @@
-"""How much set-ups and readings scatter, estimated from the misfit itself (REML), and what follows.
+"""Mixed model (REML): scatter of set-ups and readings, estimated from the residuals.
 
 Ten repeats in one set-up do not contain the scatter from one set-up to the next; taken alone they
 understate every uncertainty. Residuals y of R independent runs are modelled as
@@ -66,7 +66,7 @@ def weigh(data: Data, log_sigma: FloatArray) -> Solution:
 
 
 def effects(data: Data, solution: Solution) -> list[FloatArray]:
-    """What each run's set-up most likely added: u (R, q) of every scatter."""
+    """Return the most likely random effects of each run's set-up: u (R, q) of every scatter."""
     error = data.y - data.X @ solution.beta
     We = (solution.weights @ error[:, :, None])[:, :, 0]
     variance = np.exp(2.0 * solution.log_sigma)

@@ -1,4 +1,4 @@
-"""Fits base parameters and active effects together, with the noise found on the way."""
+"""Fit of base parameters and active effects together with the noise."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class MixedModelFit:
         return tuple(f.active for f in self.found)
 
     def added(self) -> Added:
-        """Return what each run's set-up most likely added: (R, q) of every random effect."""
+        """Return the most likely values (R, q) of every random effect."""
         return _added(self.problem, self.linear, self.solution)
 
 
@@ -115,10 +115,10 @@ def fit_mixed_model(
 
 
 def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
-    """Fit the base model, solved for each set-up as it most likely is, not for the nominal one.
+    """Fit the base model, solved for each set-up at its most likely random effects.
 
-    What is large enough to bend the model would else count for more or less than it should. Where
-    the model is so far off that this does not settle, it is fitted to nominal set-ups.
+    Random effects large enough to bend the model would otherwise get a wrong weight. Where this
+    does not converge, the model is fitted to nominal set-ups.
     """
     at, noise = _LinearisationPoint(problem=problem, theta=theta, found=(), added=None), None
     with suppress(ModelError):
@@ -143,7 +143,7 @@ class _LinearisationPoint:
     form: float = 1.0
 
     def linearised(self) -> tuple[Linearisation, list[slice]]:
-        """The data about it, and the columns of each effect."""
+        """Return the data linearised about this point, and the columns of each effect."""
         problem, spans = self.problem, list[slice]()
         active = tuple(f.active for f in self.found)
         linear = linearise(
@@ -159,7 +159,7 @@ class _LinearisationPoint:
 
 
 def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
-    """The model there, with its noise."""
+    """Return the fit at a linearisation point, with its noise."""
     if not np.all(np.isfinite(at.theta)):
         raise _unsettled()
     linear, spans = at.linearised()
@@ -234,7 +234,7 @@ class _Iteration:
         return promised + float(step @ inverse_symmetric(inner) @ step)
 
     def end(self) -> tuple[FloatArray, tuple[Found, ...], bool]:
-        """Base parameters and effects after the step; whether the effects moved little."""
+        """Return base parameters and effects after the step, and whether effects moved little."""
         beta = self.share * self.solution.beta
         found, quiet = moved(self.at.found, beta, self.sigma, self.spans)
         step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
@@ -242,7 +242,7 @@ class _Iteration:
 
 
 def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Added:
-    """What each run's set-up most likely added: (R, q) of every random effect."""
+    """Return the most likely values (R, q) of every random effect."""
     return dict(zip(problem.noise.random_effects, effects(linear.data, solution), strict=True))
 
 

@@ -1,4 +1,4 @@
-"""What differs from one set-up to the next: columns by which each run may be off by itself.
+"""Random effects between set-ups: columns by which each run may differ on its own.
 
 Packed as in `mixed_model`: each random effect has a matrix Z (R, n, q), the rows of R runs by q
 numbers.
@@ -43,7 +43,7 @@ Added = Mapping[str, FloatArray]  # by scatter: what each run's set-up added, (R
 
 @dataclass(frozen=True, kw_only=True)
 class NoisePriors:
-    """What is believed of scatter and noise before the misfit has said how large they are."""
+    """Prior sizes of scatter and noise, before they are fitted."""
 
     # standard deviation of each random effect, and that of its logarithm
     random_effects: Mapping[str, tuple[float, float]]
@@ -92,7 +92,7 @@ def scatter_columns(study: ForwardModel, c: int, state: ModelState) -> Columns:
 
 
 def _each(study: ForwardModel, c: int) -> list[tuple[int, str]]:
-    """The conditions that have an EIBM of their own, and as which scatter."""
+    """Return the conditions that have an EIBM of their own, each with the name of its scatter."""
     scene = study.scenes[c]
     driven = np.flatnonzero(scene.voltage_V).tolist()
     return [(k, "eibm_free" if k in scene.free else "eibm_condition") for k in driven]
@@ -170,7 +170,7 @@ def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Pe
 
 
 def constant_groups(study: ForwardModel, priors: NoisePriors) -> dict[str, FloatArray]:
-    """The scatters that are the same for all states: the load cell's wander, the pulses' levels."""
+    """Return the scatters that are equal for all states: load cell's wander and pulse levels."""
     names = priors.random_effects
     groups = {name: by_run(study, _wander(study, name)) for name in WANDER_S if name in names}
     if "pulse_level" in names:
@@ -206,7 +206,7 @@ def _one_each(study: ForwardModel, name: str, columns: list[FloatArray]) -> Floa
 
 
 def _wander(study: ForwardModel, name: str) -> list[FloatArray]:
-    """The load cell's slow wander during a run, as columns (N,) of a factor of its covariance."""
+    """Return columns (N,) of a factor of the covariance of the load cell's wander in a run."""
     columns = []
     for part in study.layout.parts:
         clock = part.clock.run_s

@@ -47,7 +47,7 @@ class _Kind:
 
 
 def noise_of(study: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
-    """Readings, modes, sways and pulses of each configuration have a noise of their own."""
+    """Return the noise of readings, modes, sways and pulses, each configuration on its own."""
     N = study.layout.size
     fixed, kinds = np.zeros(N), list[_Kind]()
     for name, part, scene, look in zip(
@@ -131,7 +131,7 @@ def _kinds(
 
 
 def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]:
-    """Standard deviation of a reading about its trend in time, and of its logarithm."""
+    """Return the standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
     for k in np.unique(part.reading_of):
         own = (part.reading_of == k) & (part.share > 0.0)
@@ -149,7 +149,7 @@ def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]
 
 
 def _pooled(variance: FloatArray, sets: Index) -> FloatArray:
-    """The same part of a pulse scatters alike in all runs."""
+    """Return the pooled variance: the same part of a pulse scatters equally in all runs."""
     count = int(np.bincount(sets)[0])
     table = variance.reshape(-1, count)
     return np.maximum(np.tile(np.median(table, axis=0), len(table)), LEAST_PULSE_N**2)

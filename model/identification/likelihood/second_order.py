@@ -21,9 +21,10 @@ LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but 
 def beyond_first_order(
     scene: ConfigurationModel, part: RowBlock, state: ModelState, inner: Sequence[Acting], size: int
 ) -> FloatArray:
-    """What the `size` rows lack beyond the slopes by EIBM and stiffness (N,).
+    """Return the difference (N,) from the first-order rows, which are linear in EIBM and stiffness.
 
-    Only Me/B shapes a sheet, so with a and b times them the force is b F(a/b).
+    Only Me/B shapes a sheet, so with factors a of the EIBM and b of B the force is b F(a/b). There
+    are `size` rows.
     """
     y = np.zeros(size)
     if state.response is None:
@@ -57,7 +58,7 @@ def _in_pulses(
     inner: Sequence[Acting],
     powers: FloatArray,
 ) -> FloatArray:
-    """The same of the parts of the pulses, less that at their samples: (b,)."""
+    """Return the same for the parts of the pulses, relative to their sampling points: (b,)."""
     of, rise = part.bin_of, max(scene.sheet.rise_time_s, 1e-6)
     eibm, stiffness = in_means(scene, inner)
     force, slope = np.nan_to_num(state.solved.force_N[of]), state.by_eibm[of]
@@ -91,13 +92,13 @@ class _Course:
 
     @staticmethod
     def of(a: FloatArray, b: FloatArray, eibm: FloatArray, stiffness: FloatArray) -> _Course:
-        """Times `a` and `b` in all, of which `eibm` and `stiffness` (relative) are solved."""
+        """Return the course of factors `a`, `b`; `eibm` and `stiffness` are solved already."""
         a, b = np.maximum(a, 1.0 - MOST_LOST), np.maximum(b, 1.0 - MOST_LOST)
         b_more = b / (1.0 + stiffness)
         return _Course(a - 1.0 - eibm, b - 1.0 - stiffness, a / (1.0 + eibm) / b_more, b_more)
 
     def force(self, powers: FloatArray) -> FloatArray:
-        """The force b F(a/b), F a polynomial (L, n)."""
+        """Return the force b F(a/b), F a polynomial (L, n)."""
         share = np.vander(self.ratio - 1.0, len(LEVELS)).T
         result: FloatArray = self.b * np.sum(powers * share, axis=0)
         return result

@@ -53,7 +53,7 @@ def load(kappa: Array, soft: Array, angles: Array, warm: Array, first: int, w: L
 
 @jit
 def resume(first: int, warm: Array, psi: Array, x: Array, w: Lanes) -> None:
-    """Starts that are given into the lanes."""
+    """Load the given starting values into the lanes."""
     for m in range(len(w.nu)):
         k = min(first + m, len(warm) - 1)
         if warm[k]:
@@ -122,7 +122,7 @@ def crossing(breaks: Array, rule: Any, R: float, w: Lanes, s: Array, free: Array
 
 @jit
 def begin(breaks: Array, rule: Any, R: float, w: Lanes, free: Array) -> None:
-    """The free shapes, bent by the force it takes to hold them, as `start.cold`.
+    """Compute the free shapes, bent by the force that holds them, as `start.cold`.
 
     `w.s_hat` and `free` are where they cross the arc.
     """
@@ -215,7 +215,7 @@ def advance(rule: Any, R: float, step: int, w: Lanes, steps: Array, det: Array) 
 
 @jit
 def store(k: int, m: int, w: Lanes, psi: Array, x: Array) -> None:
-    """A lane's result to its problem."""
+    """Store a lane's result in its problem."""
     x[k, 0], x[k, 1], x[k, 2] = w.nu[m], w.s_hat[m], w.phi_hat[m]
     for p in range(psi.shape[1]):
         for j in range(psi.shape[2]):
@@ -273,7 +273,7 @@ def one_by_one(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
     warm: Array, psi: Array, x: Array, status: Array, every: bool,
 ) -> int:  # fmt: skip
-    """The same for each problem, or for those that are FAILED; returns how many then are."""
+    """Solve the problems one by one, all or only the FAILED; return how many failed."""
     w, left = new_work(len(rule.c), 3), 0
     columns = np.zeros((len(breaks) - 1, len(rule.c), 3))
     for k in range(len(angles)):

@@ -243,7 +243,7 @@ def matrices(rule: Any, w: Lanes) -> None:
 
 @jit
 def right_hand_sides(rule: Any, p: int, w: Lanes) -> None:
-    """What moves the nodes: nu, s_hat, and the Newton residual."""
+    """Compute the right-hand sides of the nodes: nu, s_hat, and the Newton residual."""
     n, W, at, start = len(rule.c), len(w.nu), w.at, w.start
     for i in range(n):
         T, Ac, K, k, psi, lag = w.T[i], w.Ac[i], w.K[i], w.k[i], w.psi[p, i], 1.0 - rule.c[i]
@@ -295,7 +295,7 @@ def pass_on(rule: Any, p: int, w: Lanes) -> None:
 
 @jit
 def at_contact(breaks: Array, w: Lanes) -> None:
-    """What a sweep begins with."""
+    """Set the initial values of a sweep at the contact."""
     length = breaks[-1]
     for m in range(len(w.nu)):
         for i in range(3):
@@ -308,7 +308,7 @@ def at_contact(breaks: Array, w: Lanes) -> None:
 
 @jit
 def restart(w: Lanes) -> None:
-    """The answers at the end of one panel are those at the start of the next."""
+    """Copy the sensitivities at the end of one panel to the start of the next."""
     for i in range(3):
         for q in range(3):
             for m in range(len(w.nu)):

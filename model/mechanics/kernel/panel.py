@@ -210,7 +210,7 @@ def pass_on(rule: Any, nu: float, h: float, w: Work) -> tuple[float, float, floa
 
 @jit
 def panel_of(breaks: Array, s: float) -> int:
-    """The panel that begins before s and does not end before it."""
+    """Return the panel that begins before s and does not end before it."""
     m = len(breaks) - 2
     while m > 0 and breaks[m] >= s:
         m -= 1
@@ -219,7 +219,7 @@ def panel_of(breaks: Array, s: float) -> int:
 
 @jit
 def restart(w: Work) -> None:
-    """The answers at the end of one panel are those at the start of the next."""
+    """Copy the sensitivities at the end of one panel to the start of the next."""
     for j in range(w.ends.shape[1]):
         for i in range(3):
             w.start[i, j] = w.ends[i, j]

@@ -24,7 +24,7 @@ def free_angle(breaks: Array, kappa: Array, p: int, s: float, phi: float) -> flo
 def free_step(
     breaks: Array, kappa: Array, rule: Any, p: int, phi: float, s: float, end: float
 ) -> tuple[float, float]:
-    """The way of the free shape from s to end, both in panel p."""
+    """Follow the free shape from s to end, both in panel p."""
     x, y = 0.0, 0.0
     for j in range(len(rule.c)):
         angle = free_angle(breaks, kappa, p, s + (end - s) * rule.c[j], phi)

@@ -24,7 +24,7 @@ FAR_RAD = 1.0  # of the tip in one step of the load
 def components(
     force: tuple[float, float], follows: bool, tip: float
 ) -> tuple[float, float, float, float]:
-    """The force along and across the tip, and how it answers to the tip's angle."""
+    """Return the force along and across the tip, and their derivatives by the tip's angle."""
     if follows:
         return force[0], force[1], 0.0, 0.0
     t = force[0] * np.cos(tip) + force[1] * np.sin(tip)
