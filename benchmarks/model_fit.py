@@ -101,10 +101,10 @@ def measure() -> Report:
     data = made()
     observed, rest = observe(data, "long"), Field.constant(REST, 0.05)
 
-    def study() -> _Counted:
+    def forward() -> _Counted:
         return _Counted([means_of(look(data, "long"))], [rest])
 
-    counted = study()
+    counted = forward()
     bases = bases_of(counted, [True], BaseOptions(along=True, rest_sigma_per_m=1.0))
     theta = np.zeros(bases.size)
     part = bases.parts[0]
@@ -112,7 +112,7 @@ def measure() -> Report:
     for volts, (first, _) in part.eibm.items():
         theta[first] = 5.0 * volts
     start, theta = theta, least_squares(counted, bases, theta)
-    whole = cpu(lambda: least_squares(study(), bases, start), 3)
+    whole = cpu(lambda: least_squares(forward(), bases, start), 3)
     beam, scene = bases.beam(counted, 0, theta), counted.scenes[0]
     kernel = cpu(lambda: scene.answers(beam, scene.solve(beam)), 20) * counted.evaluations
     each = [

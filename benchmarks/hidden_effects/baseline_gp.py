@@ -28,7 +28,7 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     series = _series(base)
     before, after = gaps.refitted(base), gaps.refitted(base)
     shape = {kind: _likeliest(gaps.refitted(base), own) for kind, own in series.items()}
-    layout = base.problem.study.layout
+    layout = base.problem.forward.layout
     positions = np.array([run[1] for run in layout.runs])
     for at in np.unique(positions[np.isfinite(positions)]):
         runs = positions == at
@@ -49,8 +49,8 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
 def _series(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
     """Rows along the arc, with their positions; those of all voltages have one smoothness."""
     found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
-    study = base.problem.study
-    for c, (part, scene) in enumerate(zip(study.layout.parts, study.scenes, strict=True)):
+    forward = base.problem.forward
+    for c, (part, scene) in enumerate(zip(forward.layout.parts, forward.scenes, strict=True)):
         for row, k in zip(part.trend_rows[part.is_mean], part.trend_of[part.is_mean], strict=True):
             key = ("force", c, float(scene.voltage_V[k]), 0)
             found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
@@ -95,7 +95,7 @@ def _guess(
 
 def _without(base: MixedModelFit, runs: Runs) -> FloatArray:
     """Residuals (N,) of the base model fitted to all runs but these."""
-    data, layout = base.linear.data, base.problem.study.layout
+    data, layout = base.linear.data, base.problem.forward.layout
     weights = base.solution.weights.copy()
     weights[runs] = 0.0
     WX = weights @ data.X

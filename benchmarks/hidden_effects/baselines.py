@@ -97,11 +97,11 @@ class _Gram:
 
 
 def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) -> _Gram:
-    study = base.problem.study
-    projected = Projected.of(study, base.linear, solution)
-    A, b = projected.normal(study, np.stack([c.columns[:, 0] for c in pool], axis=1))
+    forward = base.problem.forward
+    projected = Projected.of(forward, base.linear, solution)
+    A, b = projected.normal(forward, np.stack([c.columns[:, 0] for c in pool], axis=1))
     seen = [int(i) for i in np.flatnonzero(np.diag(A) > 1e-6)]
-    return _Gram([pool[i].name for i in seen], A[np.ix_(seen, seen)], b[seen], study.layout.size)
+    return _Gram([pool[i].name for i in seen], A[np.ix_(seen, seen)], b[seen], forward.layout.size)
 
 
 # ------------------------------------------------------------------ without tolerance of form

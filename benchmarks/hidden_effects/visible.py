@@ -70,7 +70,7 @@ class Yardstick:
         ready = prepare(bare, self._options)
         self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(
-            ready.problem.study, ready.problem.bases, ready.problem.noise, self._fitted.theta
+            ready.problem.forward, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual
 
     def signature(self, hidden: Measurements) -> tuple[FloatArray, MixedModelFit]:
@@ -81,11 +81,11 @@ class Yardstick:
         problem, theta = self._problem(hidden), self._fitted.theta
         W, precision = self._fitted.solution.weights, self._fitted.linear.data.precision
         for _ in range(ROUNDS):
-            linear = linearise(problem.study, problem.bases, problem.noise, theta)
+            linear = linearise(problem.forward, problem.bases, problem.noise, theta)
             rest, moved = linear.residual - self._bare, theta - self._fitted.theta
             WX = W @ linear.data.X
             A = np.einsum("rnp,rnq->pq", linear.data.X, WX) + np.diag(precision)
-            b = np.einsum("rnp,rn->p", WX, problem.study.layout.pad(rest)) - precision * moved
+            b = np.einsum("rnp,rn->p", WX, problem.forward.layout.pad(rest)) - precision * moved
             step = np.linalg.solve(A, b)
             if np.max(np.abs(step) * np.sqrt(np.diag(A))) < SETTLED:
                 break
@@ -105,9 +105,9 @@ class Yardstick:
     def _problem(self, hidden: Measurements) -> FitProblem:
         """The same design with other numbers."""
         own = self._fitted.problem
-        looks = [look(hidden, name) for name in own.study.names]
-        study = ForwardModel(looks, [scene.rest for scene in own.study.scenes])
-        return FitProblem.of(study, own.bases, noise_of(study))
+        looks = [look(hidden, name) for name in own.forward.names]
+        forward = ForwardModel(looks, [scene.rest for scene in own.forward.scenes])
+        return FitProblem.of(forward, own.bases, noise_of(forward))
 
     def visible(
         self,
@@ -125,8 +125,8 @@ class Yardstick:
 
 def _products(fitted: MixedModelFit, S: FloatArray) -> FloatArray:
     """S'PS of columns (N, n)."""
-    study = fitted.problem.study
-    return Projected.of(study, fitted.linear, fitted.solution).normal(study, S)[0]
+    forward = fitted.problem.forward
+    return Projected.of(forward, fitted.linear, fitted.solution).normal(forward, S)[0]
 
 
 def _compared(

@@ -75,26 +75,26 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     notes += [f"left out: {sentence}" for sentence in why]
     notes += _lacks(looks)
     known = [stated for _, stated in rests]
-    study = ForwardModel(looks, [rest for rest, _ in rests])
-    bases = bases_of(study, known, BaseOptions(symmetric=options.symmetric))
-    theta = start(observed, study, bases, known)
-    bases = _anchored(study, bases, theta)
+    forward = ForwardModel(looks, [rest for rest, _ in rests])
+    bases = bases_of(forward, known, BaseOptions(symmetric=options.symmetric))
+    theta = start(observed, forward, bases, known)
+    bases = _anchored(forward, bases, theta)
     if options.model is not None:
         for one in looks:
             sheet = options.model.sheet(one.sheet.configuration).sheet
             _check_geometry(one.sheet, sheet)
-    problem = FitProblem.of(study, bases, noise_of(study))
+    problem = FitProblem.of(forward, bases, noise_of(forward))
     return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
 
 
-def _anchored(study: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
+def _anchored(forward: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
     """Return the base models with B kept near its value from (2), where there are curves.
 
     A base model that is millimetres off would otherwise compensate its misfit under voltage by B,
     and explain the forces at 0 V by a wandering zero.
     """
     parts = []
-    for scene, one in zip(study.scenes, bases.parts, strict=True):
+    for scene, one in zip(forward.scenes, bases.parts, strict=True):
         near = {one.stiffness: (float(theta[one.stiffness]), STIFFNESS_PRIOR_LN)}
         parts.append(replace(one, prior=one.prior | near) if scene.has_curve.any() else one)
     return replace(bases, parts=tuple(parts))
@@ -192,7 +192,7 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
 
 def setups(prepared: Prepared) -> int:
     """Return how often the load cell was set, which is the number of set-ups."""
-    return len([r for r in prepared.problem.study.layout.runs if np.isfinite(r[1])])
+    return len([r for r in prepared.problem.forward.layout.runs if np.isfinite(r[1])])
 
 
 def _check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:

@@ -34,13 +34,13 @@ class BaseOptions:
     rest_sigma_per_m: float | None = None
 
 
-def bases_of(study: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
+def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
     """Return B, EIBM, what is not known of k0 by configuration; how pulses rise, if recorded."""
     parts, place = [], 0
-    for scene, stated in zip(study.scenes, known, strict=True):
+    for scene, stated in zip(forward.scenes, known, strict=True):
         part, place = _part(scene, place, options, stated=stated)
         parts.append(part)
-    if any(look.pulses for look in study.looks):
+    if any(look.pulses for look in forward.looks):
         return Bases(tuple(parts), place + len(RISE), rise=place)
     return Bases(tuple(parts), place)
 

@@ -115,7 +115,7 @@ class _Part:
 
     def __init__(self, joint: Joint, n: int, observed: Observed, options: FitOptions) -> None:
         self.joint, self.n, self.observed = joint, n, observed
-        scene = joint.study.scenes[n]
+        scene = joint.forward.scenes[n]
         self.name, self.length = observed.sheet.configuration, scene.length
         self.B = joint.stiffness(n)
         self.voltages = observed.voltages_V
@@ -190,7 +190,7 @@ def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
         return {}
     deviations = joint.bootstrap(options.bootstrap, options.seed)
     result = {}
-    for n, name in enumerate(joint.study.names):
+    for n, name in enumerate(joint.forward.names):
         for what, direction in joint.directions(n).items():
             stated = np.sqrt(direction @ joint.covariance @ direction)
             result[f"{name} {what}"] = float(np.std(deviations @ direction) / stated)

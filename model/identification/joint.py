@@ -44,9 +44,9 @@ class Joint:
     loaded_m: list[FloatArray]  # (K,) l_hat of the conditions of each configuration, nominal
 
     @property
-    def study(self) -> ForwardModel:
+    def forward(self) -> ForwardModel:
         """Return the forward model, which predicts the data."""
-        return self.fitted.problem.study
+        return self.fitted.problem.forward
 
     @property
     def covariance(self) -> FloatArray:
@@ -93,7 +93,7 @@ class Joint:
 
     def mean_eibm(self, n: int, voltage_V: float) -> Parameter:
         """Mean of Me over [0, l]."""
-        return self._eibm(n, *self._mean(n, voltage_V, [self.study.scenes[n].length]))
+        return self._eibm(n, *self._mean(n, voltage_V, [self.forward.scenes[n].length]))
 
     def mean_abs_eibm(self, n: int, voltages_V: list[float]) -> Parameter:
         """Mean of the absolute values of the constant EIBMs."""
@@ -129,7 +129,7 @@ class Joint:
         random = np.random.default_rng(seed)
         linear, solution = self.fitted.linear.data, self.fitted.solution
         factor = np.linalg.cholesky(np.linalg.inv(solution.weights))
-        empty = self.study.layout.pad(np.ones(self.study.layout.size)) == 0.0
+        empty = self.forward.layout.pad(np.ones(self.forward.layout.size)) == 0.0
         result = np.zeros((count, len(self.fitted.theta)))
         for b in range(count):
             y = (factor @ random.standard_normal((*linear.y.shape, 1)))[:, :, 0]
@@ -147,7 +147,7 @@ class Joint:
 
     def rest(self, n: int) -> Field:
         """k0 as the shapes have it."""
-        field = self.study.scenes[n].rest
+        field = self.forward.scenes[n].rest
         for i, f in zip(self._part(n).rest, self._basis(n), strict=False):
             field = field + f * float(self.fitted.theta[i])
         return field
@@ -166,7 +166,7 @@ class Joint:
         return row
 
     def _basis(self, n: int) -> list[Field]:
-        part, length = self._part(n), self.study.scenes[n].length
+        part, length = self._part(n), self.forward.scenes[n].length
         return [legendre_field(i, length) for i in range(max(len(part.forms), len(part.rest)))]
 
     def _sigma(self, by: FloatArray) -> FloatArray:
@@ -181,7 +181,7 @@ class Joint:
 
     def _loaded(self, n: int, voltage_V: float) -> list[float]:
         """l_hat of the positions at a voltage, in nominal set-ups."""
-        scene = self.study.scenes[n]
+        scene = self.forward.scenes[n]
         here = np.isfinite(scene.stated_m) & (scene.voltage_V == voltage_V)
         return self.loaded_m[n][here].tolist() or [scene.length]
 
@@ -222,18 +222,18 @@ def joint_fit(
         rests.append(rest)
         known.append(stated and not options.measured_curvature)
     looks = [means_of(look(measurements, one.sheet.configuration)) for one in observed]
-    study = ForwardModel(looks, rests)
+    forward = ForwardModel(looks, rests)
     base = BaseOptions(
         symmetric=options.symmetric,
         along=options.eibm_form == "along",
         rest_sigma_per_m=options.initial_curvature_sigma_per_m,
     )
-    bases = bases_of(study, known, base)
-    problem = FitProblem.of(study, bases, noise_of(study, WIDE))
-    theta = least_squares(study, bases, start(observed, study, bases, known))
+    bases = bases_of(forward, known, base)
+    problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))
+    theta = least_squares(forward, bases, start(observed, forward, bases, known))
     fitted = fit_at_set_ups(problem, theta)
     loaded = [
-        np.minimum(scene.solve(bases.beam(study, n, fitted.theta)).contact.s_hat_m, scene.length)
-        for n, scene in enumerate(study.scenes)
+        np.minimum(scene.solve(bases.beam(forward, n, fitted.theta)).contact.s_hat_m, scene.length)
+        for n, scene in enumerate(forward.scenes)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)

@@ -31,7 +31,7 @@ class MountingParameters:
 
 def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
     """All set-ups, configuration by configuration, along the arc, in the order of mounting."""
-    fitted, names = joint.fitted, joint.study.names
+    fitted, names = joint.fitted, joint.forward.names
     added = np.concatenate(list(fitted.added().values()), axis=1)  # (R, Q)
     runs = [(r, _conditions(joint, r)) for r in range(len(added))]
     found = [_SetUp(joint, r, own, added[r]).result() for r, own in runs if own]
@@ -40,8 +40,8 @@ def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
 
 def _conditions(joint: Joint, r: int) -> list[int]:
     """Return the conditions of a run, except those that read the load cell alone."""
-    key = joint.study.layout.runs[r]
-    seen = joint.study.looks[joint.study.names.index(key[0])].seen
+    key = joint.forward.layout.runs[r]
+    seen = joint.forward.looks[joint.forward.names.index(key[0])].seen
     return [k for k, one in enumerate(seen) if one.run == key and not one.zero]
 
 
@@ -55,8 +55,8 @@ class _SetUp:
 
     def __init__(self, joint: Joint, r: int, conditions: list[int], added: FloatArray) -> None:
         self.joint, self.conditions, self.added = joint, conditions, added
-        self.key = joint.study.layout.runs[r]
-        self.n = joint.study.names.index(self.key[0])
+        self.key = joint.forward.layout.runs[r]
+        self.n = joint.forward.names.index(self.key[0])
         data, solution = joint.fitted.linear.data, joint.fitted.solution
         widths = [group.shape[2] for group in data.groups]
         names = joint.fitted.problem.noise.random_effects
@@ -72,7 +72,7 @@ class _SetUp:
 
     def result(self) -> MountingParameters:
         n, directions = self.n, self.joint.directions(self.n)
-        seen, slots = self.joint.study.looks[n].seen, own_slots(self.joint.study)[n]
+        seen, slots = self.joint.forward.looks[n].seen, own_slots(self.joint.forward)[n]
         eibm = {}
         for k in self.conditions:
             volts = seen[k].voltage_V

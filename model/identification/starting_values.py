@@ -51,11 +51,11 @@ def _measured_curvature(observed: Observed, voltage_V: float) -> float:
 
 
 def start(
-    observed: Sequence[Observed], study: ForwardModel, bases: Bases, known: Sequence[bool]
+    observed: Sequence[Observed], forward: ForwardModel, bases: Bases, known: Sequence[bool]
 ) -> FloatArray:
     """Rough base parameters; a `ModelError` where the data are too few for them."""
     theta = np.zeros(bases.size)
-    for one, scene, part, stated in zip(observed, study.scenes, bases.parts, known, strict=True):
+    for one, scene, part, stated in zip(observed, forward.scenes, bases.parts, known, strict=True):
         for i, (mean, _) in part.prior.items():
             theta[i] = mean
         _check_forces(one, part, stated=stated)

@@ -304,9 +304,9 @@ MENU: tuple[CandidateMeasurement, ...] = (
 
 def separation(fitted: MixedModelFit, which: Sequence[Candidate], size: float) -> float:
     """Sigmas from the first candidate, `size` times its own size, to all the others can imitate."""
-    study = fitted.problem.study
-    weighed = Projected.of(study, fitted.linear, fitted.solution)
-    A, _ = weighed.normal(study, np.stack([c.columns[:, 0] for c in which], axis=1))
+    forward = fitted.problem.forward
+    weighed = Projected.of(forward, fitted.linear, fitted.solution)
+    A, _ = weighed.normal(forward, np.stack([c.columns[:, 0] for c in which], axis=1))
     own, others = A[0, 1:], A[1:, 1:]
     rest = A[0, 0] - own @ np.linalg.lstsq(others, own, rcond=1e-12)[0]
     return float(np.sqrt(max(rest, 0.0))) * size
@@ -332,7 +332,7 @@ def next_measurement(
             then = _apart(extended(fitted, entry), pair)
         except (ModelError, np.linalg.LinAlgError):
             continue
-        minutes = sum(entry.minutes(one) for one in fitted.problem.study.looks)
+        minutes = sum(entry.minutes(one) for one in fitted.problem.forward.looks)
         worth = max(then**2 - now**2, 0.0) / minutes
         if best is None or (min(then, COMPARISON_SIGMA), worth) > (
             min(best[2], COMPARISON_SIGMA),
@@ -399,22 +399,22 @@ def _apart(fitted: MixedModelFit, pair: tuple[Suspect, Suspect]) -> float:
 def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFit:
     """Return the design with an entry added: only its geometry counts, no data are made up."""
     problem = fitted.problem
-    looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.study.looks]
-    rests = [scene.rest for scene in problem.study.scenes]
-    study = ForwardModel(looks, rests)
-    noise = noise_of(study)
-    larger = FitProblem.of(study, problem.bases, noise)
+    looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.forward.looks]
+    rests = [scene.rest for scene in problem.forward.scenes]
+    forward = ForwardModel(looks, rests)
+    noise = noise_of(forward)
+    larger = FitProblem.of(forward, problem.bases, noise)
     bases = problem.bases
     if any(
         len(a.voltages_V) != len(b.voltages_V)
-        for a, b in zip(looks, problem.study.looks, strict=True)
+        for a, b in zip(looks, problem.forward.looks, strict=True)
     ):
-        bases = _with_half(problem, study)
+        bases = _with_half(problem, forward)
         larger = replace(larger, bases=bases)
     theta = fitted.theta
     if bases.size > problem.bases.size:
         theta = np.concatenate([theta, _half_start(problem, bases, theta)])
-    linear = linearise(study, bases, noise, theta)
+    linear = linearise(forward, bases, noise, theta)
     log_sigma = larger.guess.copy()
     n = min(len(log_sigma), len(fitted.solution.log_sigma))
     log_sigma[:n] = fitted.solution.log_sigma[:n]
@@ -429,10 +429,10 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
     )
 
 
-def _with_half(problem: FitProblem, study: ForwardModel) -> Bases:
+def _with_half(problem: FitProblem, forward: ForwardModel) -> Bases:
     """Parameters of the further voltages, after all others."""
     parts, place = [], problem.bases.size
-    for one, own in zip(problem.bases.parts, study.looks, strict=True):
+    for one, own in zip(problem.bases.parts, forward.looks, strict=True):
         eibm = dict(one.eibm)
         for volts in own.voltages_V:
             if volts not in eibm:

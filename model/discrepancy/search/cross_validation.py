@@ -31,7 +31,7 @@ def left_out(
     # with the base model's own noise, scatter would pass for what an effect does in every set-up
     judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
     for runs in groups:
-        rows = np.flatnonzero(np.isin(base.problem.study.layout.run_of, runs))
+        rows = np.flatnonzero(np.isin(base.problem.forward.layout.run_of, runs))
         before[rows] = _predicted(base, base.linear.columns, runs)[rows]
         best = _best_without(judge, pool, runs) if own and pool else None
         name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
@@ -51,7 +51,7 @@ def _information(
     fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the normal equations of all runs except `runs`."""
-    data, layout = fitted.linear.data, fitted.problem.study.layout
+    data, layout = fitted.linear.data, fitted.problem.forward.layout
     kept = np.setdiff1d(np.arange(len(layout.runs)), runs)
     X = layout.pad(columns)[kept]
     W, y = fitted.solution.weights[kept], layout.pad(fitted.linear.residual)[kept]
@@ -89,7 +89,7 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
     What the others do not know, such as how a form differs in just these runs, is as unsure as it
     was beforehand.
     """
-    layout = fitted.problem.study.layout
+    layout = fitted.problem.forward.layout
     A, b = _information(fitted, fitted.linear.columns, runs, None)
     covariance = inverse_symmetric(A)
     X = layout.pad(fitted.linear.columns)[runs]
@@ -103,7 +103,7 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
 
 def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
     """Return the candidate that the other runs choose, with the noise as it was found."""
-    study, layout = base.problem.study, base.problem.study.layout
+    forward, layout = base.problem.forward, base.problem.forward.layout
     weights = base.solution.weights.copy()
     weights[runs] = 0.0
     A, b = _information(base, base.linear.columns, runs, None)
@@ -112,13 +112,13 @@ def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -
     We = (weights @ error[:, :, None])[:, :, 0]
     WX = (weights @ base.linear.data.X)[layout.run_of, layout.row_of]
     projected = Projected(weights, WX, covariance, We[layout.run_of, layout.row_of])
-    return max((score(study, projected, c) for c in pool), key=lambda s: s.log_bayes)
+    return max((score(forward, projected, c) for c in pool), key=lambda s: s.log_bayes)
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:
     """Return runs grouped by position over all configurations; free shapes are never left out."""
     groups: dict[float, list[int]] = {}
-    for r, run in enumerate(fitted.problem.study.layout.runs):
+    for r, run in enumerate(fitted.problem.forward.layout.runs):
         if np.isfinite(run[1]):
             groups.setdefault(round(run[1], 7), []).append(r)
     return [np.array(g, dtype=np.int64) for g in groups.values()]

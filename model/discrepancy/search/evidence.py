@@ -68,17 +68,17 @@ def candidates(
 
     Not `tolerant`: its form alone, without the ways in which it may differ.
     """
-    study, states = fitted.problem.study, fitted.linear.states
+    forward, states = fitted.problem.forward, fitted.linear.states
     result = []
     dated = any(
-        np.ptp(part.clock.session) > 0.0 for part in study.layout.parts if len(part.clock.session)
+        np.ptp(part.clock.session) > 0.0 for part in forward.layout.parts if len(part.clock.session)
     )
     for effect in effects:
         if effect.needs_session and not dated:
             continue
         for values in members(effect):
-            steps = [study.step(c, states[c], effect, values) for c in range(len(states))]
-            columns = atoms(study, states, effect, steps, tolerant=tolerant)
+            steps = [forward.step(c, states[c], effect, values) for c in range(len(states))]
+            columns = atoms(forward, states, effect, steps, tolerant=tolerant)
             sizes = FULL if effect.amplitude.starting_values else SIZES
             result.append(
                 Candidate(
@@ -103,9 +103,9 @@ class Projected:
     pulled: FloatArray  # (N,) P y
 
     @staticmethod
-    def of(study: ForwardModel, linear: Linearisation, solution: Solution) -> Projected:
+    def of(forward: ForwardModel, linear: Linearisation, solution: Solution) -> Projected:
         """At a solution."""
-        layout, data = study.layout, linear.data
+        layout, data = forward.layout, linear.data
         WX = (solution.weights @ data.X)[layout.run_of, layout.row_of]
         error = data.y - data.X @ solution.beta
         We = (solution.weights @ error[:, :, None])[:, :, 0]
@@ -113,17 +113,17 @@ class Projected:
             solution.weights, WX, solution.covariance, We[layout.run_of, layout.row_of]
         )
 
-    def normal(self, study: ForwardModel, S: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def normal(self, forward: ForwardModel, S: FloatArray) -> tuple[FloatArray, FloatArray]:
         """S'PS and S'Py."""
-        layout = study.layout
+        layout = forward.layout
         WS = (self.weights @ layout.pad(S))[layout.run_of, layout.row_of]
         XS = self.WX.T @ S
         return S.T @ WS - XS.T @ self.covariance @ XS, S.T @ self.pulled
 
 
-def score(study: ForwardModel, projected: Projected, candidate: Candidate) -> Score:
+def score(forward: ForwardModel, projected: Projected, candidate: Candidate) -> Score:
     """Return evidence of a candidate at given noise."""
-    A, b = projected.normal(study, candidate.columns)
+    A, b = projected.normal(forward, candidate.columns)
     D, U = np.linalg.eigh(0.5 * (A + A.T))
     D = np.maximum(D, 0.0)
     z = U.T @ b
@@ -178,12 +178,12 @@ def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     """
     from model.identification.likelihood.linearisation import with_columns
 
-    study = fitted.problem.study
+    forward = fitted.problem.forward
     q = one.candidate.columns.shape[1]
     best, kept = -np.inf, fitted.solution
     scale = one.scale
     while scale <= 1.01 * max(one.candidate.sizes):
-        linear = with_columns(study, fitted.linear, one.candidate.columns, scale**-2.0)
+        linear = with_columns(forward, fitted.linear, one.candidate.columns, scale**-2.0)
         solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 0.02)
         value = deviance(linear.data, solution.log_sigma, fitted.problem.guess)[0]
         value += 2.0 * q * float(np.log(scale)) - prior_terms(fitted)

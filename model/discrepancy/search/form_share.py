@@ -16,11 +16,11 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
 
     `index` is its place among the effects found.
     """
-    one, span, study = fitted.found[index], fitted.spans[index], fitted.problem.study
+    one, span, forward = fitted.found[index], fitted.spans[index], fitted.problem.forward
     steps = steps_of(fitted, index)
     if not steps:
         return 0.0
-    rows = [study.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
+    rows = [forward.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
     free = slice(span.start + len(one.parameters()), span.stop)
     deviation = fitted.linear.columns[:, free] @ fitted.solution.beta[free]
     return _share(fitted, np.stack(rows, axis=1), deviation)
@@ -28,13 +28,13 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
 
 def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]]:
     """Return the perturbation by the effect in each configuration that has it."""
-    one, study = fitted.found[index], fitted.problem.study
+    one, forward = fitted.found[index], fitted.problem.forward
     others = tuple(f.active for f in fitted.found if f is not one)
     result = []
-    for c, name in enumerate(study.names):
+    for c, name in enumerate(forward.names):
         if name in one.values:
             state = fitted.linear.states[c]
-            result.append((c, whole_step(study, c, state, state.base, others, one.active)))
+            result.append((c, whole_step(forward, c, state, state.base, others, one.active)))
     return result
 
 
@@ -50,8 +50,8 @@ def _share(fitted: MixedModelFit, whole: FloatArray, deviation: FloatArray) -> f
 
 def _on_base(fitted: MixedModelFit, column: FloatArray) -> FloatArray:
     """Return the part of a column that the base parameters can take up."""
-    size, study = fitted.problem.bases.size, fitted.problem.study
-    layout, W = study.layout, fitted.solution.weights
+    size, forward = fitted.problem.bases.size, fitted.problem.forward
+    layout, W = forward.layout, fitted.solution.weights
     X = layout.pad(fitted.linear.columns[:, :size])
     p = X.shape[2]
     A = X.reshape(-1, p).T @ (W @ X).reshape(-1, p) + np.diag(fitted.linear.data.precision[:size])

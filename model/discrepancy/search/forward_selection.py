@@ -149,14 +149,14 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     """
     if not fitted.found:
         return contender.gain
-    study, data = fitted.problem.study, fitted.linear.data
+    forward, data = fitted.problem.forward, fitted.linear.data
     # with the usual scatter, in which nothing hides
     usual = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
-    doubt = study.layout.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
+    doubt = forward.layout.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
     worth = []
     for one in (data, replace(data, fixed=data.fixed + doubt)):
-        projected = Projected.of(study, fitted.linear, weigh(one, usual))
-        worth.append(score(study, projected, contender.score.candidate).log_bayes)
+        projected = Projected.of(forward, fitted.linear, weigh(one, usual))
+        worth.append(score(forward, projected, contender.score.candidate).log_bayes)
     certain, doubted = worth
     kept = float(np.clip(doubted / certain, 0.0, 1.0)) if certain > 0.0 else 1.0
     return kept * contender.gain
@@ -164,14 +164,14 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
 
 def _rows(fitted: MixedModelFit) -> FloatArray:
     """Return the contribution of all effects of a model to the rows, (N,)."""
-    study, active = fitted.problem.study, fitted.active
-    rows = np.zeros(study.layout.size)
+    forward, active = fitted.problem.forward, fitted.active
+    rows = np.zeros(forward.layout.size)
     for one in active:
         others = tuple(a for a in active if a is not one)
         for c, state in enumerate(fitted.linear.states):
-            if study.names[c] in one.values:
-                step = whole_step(study, c, state, state.base, others, one)
-                rows += np.abs(study.rows_of(c, state, step))
+            if forward.names[c] in one.values:
+                step = whole_step(forward, c, state, state.base, others, one)
+                rows += np.abs(forward.rows_of(c, state, step))
     return rows
 
 

@@ -41,15 +41,15 @@ class BasisShape:
 
 def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
     """Return all basis shapes of a location, each once, or those of a part."""
-    study, result = fitted.problem.study, dict[tuple[str, int, str], BasisShape]()
+    forward, result = fitted.problem.forward, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
-        configuration, counts = study.names[c], dict[str, int]()
-        for basis in location(name).bases(linearised(study, c, state)):
+        configuration, counts = forward.names[c], dict[str, int]()
+        for basis in location(name).bases(linearised(forward, c, state)):
             if basis.part != part if part else basis.part in ALONE:
                 continue
             number = counts[basis.part] = counts.get(basis.part, 0) + 1
             key = (basis.part, number, "" if basis.shared else configuration)
-            rows = study.rows_of(c, state, basis.step)
+            rows = forward.rows_of(c, state, basis.step)
             if key in result:
                 result[key] = replace(result[key], rows=result[key].rows + rows)
             else:
@@ -88,21 +88,21 @@ def unknowns(fitted: MixedModelFit) -> list[Candidate]:
     return result
 
 
-def linearised(study: ForwardModel, c: int, state: ModelState) -> Linearised:
+def linearised(forward: ForwardModel, c: int, state: ModelState) -> Linearised:
     """Return a configuration as the locations see it."""
-    scene, part = study.scenes[c], study.part(c)
+    scene, part = forward.scenes[c], forward.part(c)
     measured_at = part.mean(part.clock.session)
     measured_at[scene.free] = scene.free_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
-        points=study.points(c, state.solved), clock=part.clock,
+        points=forward.points(c, state.solved), clock=part.clock,
         position_m=scene.stated_m[part.reading_of], reading_of=part.reading_of,
         initial_curvature_per_m=scene.rest(scene.s_m),
         force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,
         measured_at=measured_at, has_curve=scene.has_curve,
-        positions_m=_ends(np.concatenate([one.stated_m for one in study.scenes])),
-        forces_N=_force_range_N(study), bin_clock=part.bin_clock, bin_sample=part.bin_sample,
-        bin_mean=part.bin_mean, periodic=study.wave, nothing=lambda: study.no_step(c),
+        positions_m=_ends(np.concatenate([one.stated_m for one in forward.scenes])),
+        forces_N=_force_range_N(forward), bin_clock=part.bin_clock, bin_sample=part.bin_sample,
+        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.no_step(c),
         change=lambda other: scene.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
 
@@ -113,6 +113,6 @@ def _ends(values: FloatArray) -> tuple[float, float]:
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
-def _force_range_N(study: ForwardModel) -> tuple[float, float]:
-    low, high = _ends(np.concatenate([part.measured_N for part in study.layout.parts]))
+def _force_range_N(forward: ForwardModel) -> tuple[float, float]:
+    low, high = _ends(np.concatenate([part.measured_N for part in forward.layout.parts]))
     return low, max(high, low + LEAST_RANGE_N)

@@ -27,7 +27,7 @@ def null_gains(
     in each session.
     """
     random = np.random.default_rng(seed)
-    study, linear, problem = fitted.problem.study, fitted.linear, fitted.problem
+    forward, linear, problem = fitted.problem.forward, fitted.linear, fitted.problem
     factor = np.linalg.cholesky(np.linalg.inv(fitted.solution.weights))
     empty = np.all(linear.data.X == 0.0, axis=2) & (linear.data.fixed == 1.0)
     result = np.zeros(count)
@@ -35,13 +35,13 @@ def null_gains(
         y = (factor @ random.standard_normal((*linear.data.y.shape, 1)))[:, :, 0]
         y[empty] = 0.0
         data = replace(linear.data, y=y, away=np.zeros_like(linear.data.away))
-        flat = y[study.layout.run_of, study.layout.row_of]
+        flat = y[forward.layout.run_of, forward.layout.row_of]
         solution = estimate(data, problem.guess, fitted.solution.log_sigma, 0.05)
         drawn = replace(linear, residual=flat, data=data)
-        weighed = Projected.of(study, drawn, solution)
+        weighed = Projected.of(forward, drawn, solution)
         gains: dict[str, list[float]] = {}
         for c in pool:
-            gains.setdefault(c.name, []).append(score(study, weighed, c).log_bayes)
+            gains.setdefault(c.name, []).append(score(forward, weighed, c).log_bayes)
         result[i] = max(averaged(shapes) for shapes in gains.values())
         if progress is not None:
             progress("simulating sessions with nothing missing", (i + 1) / count)

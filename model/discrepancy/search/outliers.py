@@ -21,22 +21,22 @@ OUT = 1e6  # how much noisier a condition left out is taken to be
 
 def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
     """One for each condition, whose force and curve may be anything, and one for each set-up."""
-    study, result, number = fitted.problem.study, _setups(fitted), 0
-    for c, part in enumerate(study.layout.parts):
-        scene, state = study.scenes[c], fitted.linear.states[c]
+    forward, result, number = fitted.problem.forward, _setups(fitted), 0
+    for c, part in enumerate(forward.layout.parts):
+        scene, state = forward.scenes[c], fitted.linear.states[c]
         for k in range(scene.K):
             columns = []
             own = part.trend_rows[(part.trend_of == k) & part.is_mean]
             if len(own):
-                columns.append(_at(study.layout.size, own, FORCE_N))
+                columns.append(_at(forward.layout.size, own, FORCE_N))
             if scene.has_curve[k]:
                 rows = part.mode_rows[k]
                 columns += [
-                    _at(study.layout.size, rows[m : m + 1], MODE_M / (1 + m))
+                    _at(forward.layout.size, rows[m : m + 1], MODE_M / (1 + m))
                     for m in range(min(4, scene.modes))
                 ]
                 if scene.voltage_V[k] != 0.0:  # its EIBM was another one
-                    both = np.zeros(study.layout.size)
+                    both = np.zeros(forward.layout.size)
                     both[rows] = 0.05 * state.modes_by_eibm[k]
                     both[own] = 0.05 * state.by_eibm[k]
                     columns.append(both)
@@ -57,7 +57,7 @@ def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
 
 def _setups(fitted: MixedModelFit) -> list[Candidate]:
     """Set-ups with another B, EIBM, position, tilt, registration and zero than all others."""
-    layout, result = fitted.problem.study.layout, []
+    layout, result = fitted.problem.forward.layout, []
     sigma = np.exp(fitted.solution.log_sigma)
     numbers = condition_runs(fitted.problem)
     for r in range(len(layout.runs)):
@@ -87,8 +87,8 @@ def _setups(fitted: MixedModelFit) -> list[Candidate]:
 
 def condition_runs(problem: FitProblem) -> list[int]:
     """Return the run of each condition, by its number over all configurations."""
-    layout = problem.study.layout
-    return [layout.runs.index(one.run) for look in problem.study.looks for one in look.seen]
+    layout = problem.forward.layout
+    return [layout.runs.index(one.run) for look in problem.forward.looks for one in look.seen]
 
 
 def _at(size: int, rows: Index, value: float) -> FloatArray:
@@ -104,15 +104,15 @@ def numbers_of(name: str) -> list[int]:
 
 def condition_name(problem: FitProblem, number: int) -> str:
     """As people call it."""
-    names = [one.name for look in problem.study.looks for one in look.seen]
+    names = [one.name for look in problem.forward.looks for one in look.seen]
     return names[number]
 
 
 def without(problem: FitProblem, numbers: list[int]) -> FitProblem:
     """Return the same data with some conditions so noisy that they do not count."""
-    fixed, study = problem.noise.fixed.copy(), problem.study
+    fixed, forward = problem.noise.fixed.copy(), problem.forward
     first = 0
-    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         for k in (n - first for n in numbers):
             if 0 <= k < scene.K:
                 fixed[part.trend_rows[part.trend_of == k]] += OUT * 1e-8

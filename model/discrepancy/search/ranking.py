@@ -103,10 +103,10 @@ def _among(fitted: MixedModelFit, shapes: Sequence[Candidate], solution: Solutio
     """Return ln of the mean of what an effect's shapes explain over what the best of them does."""
     if len(shapes) == 1:
         return 0.0
-    study = fitted.problem.study
+    forward = fitted.problem.forward
     weighed = weigh(fitted.linear.data, solution.log_sigma)
-    projected = Projected.of(study, fitted.linear, weighed)
-    found = [score(study, projected, one).log_bayes for one in shapes]
+    projected = Projected.of(forward, fitted.linear, weighed)
+    found = [score(forward, projected, one).log_bayes for one in shapes]
     return averaged(found) - max(found)
 
 
@@ -121,9 +121,9 @@ def _by_name(
     fitted: MixedModelFit, every: Sequence[Candidate], solution: Solution
 ) -> dict[str, list[Score]]:
     """Return the scores of all shapes of each name, at given scatter; best first."""
-    study = fitted.problem.study
-    projected = Projected.of(study, fitted.linear, solution)
-    scores = [s for s in (score(study, projected, c) for c in every) if allowed(s)]
+    forward = fitted.problem.forward
+    projected = Projected.of(forward, fitted.linear, solution)
+    scores = [s for s in (score(forward, projected, c) for c in every) if allowed(s)]
     scores.sort(key=lambda s: -s.log_bayes)
     result: dict[str, list[Score]] = {}
     for one in scores:

@@ -73,9 +73,9 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
 
     Curves under voltage may contain the effect that is to be explained.
     """
-    problem, study = fitted.problem, fitted.problem.study
-    vague = np.zeros(study.layout.size)
-    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+    problem, forward = fitted.problem, fitted.problem.forward
+    vague = np.zeros(forward.layout.size)
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     try:
@@ -148,7 +148,7 @@ def _begun(
     if not (size.starting_values or size.log):
         low, high = INSIDE * size.low, INSIDE * size.high
         values[size.name] = float(np.clip(values[size.name], low, high))
-    return {name: dict(values) for name in fitted.problem.study.names}
+    return {name: dict(values) for name in fitted.problem.forward.names}
 
 
 def _strained(fitted: MixedModelFit) -> bool:

@@ -40,10 +40,10 @@ def signatures(
 
     Two effects are compared at the size that was found, else at one that would just be found.
     """
-    study = fitted.problem.study
-    weighed = Projected.of(study, fitted.linear, fitted.solution)
+    forward = fitted.problem.forward
+    weighed = Projected.of(forward, fitted.linear, fitted.solution)
     main = np.stack([c.columns[:, 0] for c in pool], axis=1)
-    A, _ = weighed.normal(study, main)
+    A, _ = weighed.normal(forward, main)
     length = np.sqrt(np.maximum(np.diag(A), 0.0))
     safe = np.where(length > 1e-9, length, 1.0)
     cosine = A / safe[:, None] / safe[None, :]
@@ -82,7 +82,7 @@ def invisible(
 
 def _streams(fitted: MixedModelFit) -> bool:
     """Return whether there are repeats in order or series."""
-    parts = fitted.problem.study.layout.parts
+    parts = fitted.problem.forward.layout.parts
     return any(len(p.bin_rows) or np.any(~p.is_mean) for p in parts)
 
 

@@ -22,8 +22,8 @@ def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
 
 def _moduli(base: MixedModelFit) -> Iterator[str]:
     for name, found in base_parameters(base).items():
-        study = base.problem.study
-        sheet = study.scenes[study.names.index(name)].sheet
+        forward = base.problem.forward
+        sheet = forward.scenes[forward.names.index(name)].sheet
         area = sheet.width_m * sheet.thickness_m**3 / 12.0
         if area <= 0.0:
             continue
@@ -36,15 +36,15 @@ def _moduli(base: MixedModelFit) -> Iterator[str]:
 
 
 def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
-    study = base.problem.study
+    forward = base.problem.forward
     for c, state in enumerate(base.linear.states):
-        scene = study.scenes[c]
+        scene = forward.scenes[c]
         whole = scene.sheet.free_length_m + scene.sheet.elongation_m
         far = state.solved.contact.s_hat_m > SLIP_LENGTH_RATIO * whole
         for at_m in np.unique(scene.stated_m[far & np.isfinite(scene.stated_m)]):
             yield (
-                f"'{study.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip out"
-                " of the rolls before"
+                f"'{forward.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip"
+                " out of the rolls before"
             )
 
 

@@ -30,7 +30,7 @@ def sheet_model(
 
     `merit` is the model's prediction error.
     """
-    sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.study.names)}
+    sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.forward.names)}
     effects = [_active(f, final) for f in final.found]
     if unknown is not None:
         effects.append(unknown_effect(unknown))
@@ -68,8 +68,8 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
         )
         for k in one.effect.parameters
     }
-    study = final.problem.study
-    sheet = study.scenes[study.names.index(configuration)].sheet
+    forward = final.problem.forward
+    sheet = forward.scenes[forward.names.index(configuration)].sheet
     derived = one.effect.derived(values, sheet)
     size = one.effect.amplitude.name
     h = 0.01 * abs(values[size]) or 1e-9
@@ -95,8 +95,8 @@ def _step(parameter: EffectParameter) -> float:
 
 def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     """B, k0 and EIBM of one configuration."""
-    study, part = final.problem.study, final.problem.bases.parts[c]
-    scene, theta = study.scenes[c], final.theta
+    forward, part = final.problem.forward, final.problem.bases.parts[c]
+    scene, theta = forward.scenes[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
     stiffness = Parameter(
@@ -128,7 +128,7 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
 def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
     """B and EIBM of each configuration, by the names that people see."""
     result = {}
-    for c, name in enumerate(final.problem.study.names):
+    for c, name in enumerate(final.problem.forward.names):
         sheet = _sheet(final, c)
         own = {"B_Nm2": sheet.B}
         for volts, along in sorted(sheet.eibm.items()):

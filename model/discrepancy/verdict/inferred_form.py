@@ -35,7 +35,9 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     name = contender.score.candidate.location
     found = shapes(fitted, name, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
-    linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
+    linear = with_columns(
+        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+    )
     known = fitted.solution if contender.solution is None else contender.solution
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
@@ -83,7 +85,7 @@ def _seen_wrong(
 ) -> Unknown:
     """Return how far the camera puts a curve off, for the condition where it does so most."""
     name = found[0].configuration
-    scene = fitted.problem.study.scenes[fitted.problem.study.names.index(name)]
+    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
     moving = [i for i, s in enumerate(found) if s.points_m is not None]
     each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
     beta, C = beta[moving], C[np.ix_(moving, moving)]
@@ -101,7 +103,9 @@ def _seen_wrong(
 def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
     """Return the model with a free form in it, as far as a straight line goes."""
     columns = contender.score.candidate.columns
-    linear = with_columns(fitted.problem.study, fitted.linear, columns, contender.score.scale**-2.0)
+    linear = with_columns(
+        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+    )
     known = fitted.solution if contender.solution is None else contender.solution
     span = slice(fitted.linear.columns.shape[1], linear.columns.shape[1])
     return replace(
@@ -144,7 +148,7 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
         return share, None
     # the waves along the sheet come first, behind what may differ between configurations
     first = span.start + len(one.parameters())
-    first += len(fitted.problem.study.names) > 1 and not one.effect.by_configuration
+    first += len(fitted.problem.forward.names) > 1 and not one.effect.by_configuration
     places = np.arange(first, min(first + one.effect.waves, span.stop))
     if one.effect.form_error_along[:1] != ("s",) or not len(places):
         return share, None
@@ -153,7 +157,7 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
 
 def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index) -> FormCurve:
     """Return an effect along the sheet where it is largest, without and with its deviation."""
-    scene, solution = fitted.problem.study.scenes[c], fitted.solution
+    scene, solution = fitted.problem.forward.scenes[c], fitted.solution
     G = scene.count
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]
     values = along[int(np.argmax(np.max(np.abs(along), axis=1)))]

@@ -22,10 +22,10 @@ def staged(base: MixedModelFit) -> FloatArray:
 
     They locate the misfit: a joint fit would spread an effect under voltage over all rows.
     """
-    study, problem, linear = base.problem.study, base.problem, base.linear
-    layout = study.layout
+    forward, problem, linear = base.problem.forward, base.problem, base.linear
+    layout = forward.layout
     at_rest = np.zeros(layout.size, dtype=bool)
-    for part, scene in zip(layout.parts, study.scenes, strict=True):
+    for part, scene in zip(layout.parts, forward.scenes, strict=True):
         zero = scene.voltage_V == 0.0
         at_rest[part.trend_rows[zero[part.trend_of]]] = True
         rows = part.mode_rows[zero & scene.has_curve]
@@ -47,10 +47,10 @@ def staged(base: MixedModelFit) -> FloatArray:
 
 def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
     """Return the cells that exceed noise and scatter (variances (N,)), the strongest first."""
-    residual, study = staged(base), base.problem.study
+    residual, forward = staged(base), base.problem.forward
     z = residual / np.sqrt(noise)
     found: list[Where] = []
-    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         for i, (row, k) in enumerate(zip(part.trend_rows, part.trend_of, strict=True)):
             late = "in a first pulse" if part.is_early[i] else "how the readings go with time"
             detail = "" if part.is_mean[i] else late

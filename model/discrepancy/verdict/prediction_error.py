@@ -28,11 +28,11 @@ class Cells:
 
 def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
     """Return where all that stands; conditions `without`, by number over all, do not count."""
-    study, first = fitted.problem.study, 0
+    forward, first = fitted.problem.forward, 0
     found = Cells(
-        force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(study.layout.size)
+        force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(forward.layout.size)
     )
-    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         # without contact there is nothing that the sheet's model could be wrong about
         counts = np.array(
             [first + k not in without and not one.zero for k, one in enumerate(scene.look.seen)]
@@ -63,7 +63,7 @@ def _each(rows: Index) -> tuple[Index, ...]:
 
 def variance(fitted: MixedModelFit) -> FloatArray:
     """Of every row: noise and the scatter of set-ups (N,)."""
-    layout = fitted.problem.study.layout
+    layout = fitted.problem.forward.layout
     V = np.linalg.inv(fitted.solution.weights)
     diagonal: FloatArray = np.einsum("rii->ri", V)[layout.run_of, layout.row_of]
     return diagonal
@@ -142,7 +142,7 @@ def table(
     forces = [refitted(base), refitted(final), before, after]
     rows = []
     for c, (part, seen) in enumerate(
-        zip(base.problem.study.layout.parts, base.problem.study.looks, strict=True)
+        zip(base.problem.forward.layout.parts, base.problem.forward.looks, strict=True)
     ):
         for k, one in enumerate(seen.seen):
             if one.zero:
@@ -151,7 +151,7 @@ def table(
             force = float(np.mean(one.kept_N)) if len(mean) else np.nan
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
             expected = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
-            measured = base.problem.study.scenes[c].measured(k)
+            measured = base.problem.forward.scenes[c].measured(k)
             first, last = (_simulated(fitted, c, k) for fitted in (base, final))
             rows.append(
                 ErrorRow(
@@ -180,9 +180,9 @@ def _simulated(
     fitted: MixedModelFit, c: int, k: int
 ) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Return places (x, y) of a curve's points as a model has them, and how far off they are."""
-    study = fitted.problem.study
-    scene, solved = study.scenes[c], fitted.linear.states[c].solved
+    forward = fitted.problem.forward
+    scene, solved = forward.scenes[c], fitted.linear.states[c].solved
     s, x, y = scene.measured(k)
     n = len(s)
-    off = scene.along(k, refitted(fitted)[study.part(c).mode_rows[k]])[:n]
+    off = scene.along(k, refitted(fitted)[forward.part(c).mode_rows[k]])[:n]
     return (x - off * solved.nx[k, :n], y - off * solved.ny[k, :n]), off

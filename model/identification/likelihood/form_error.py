@@ -58,7 +58,7 @@ class Found:
 
 
 def whole_step(
-    study: ForwardModel,
+    forward: ForwardModel,
     c: int,
     state: ModelState,
     base: BeamProblem,
@@ -66,13 +66,13 @@ def whole_step(
     one: AppliedEffect,
 ) -> Perturbation:
     """Return the first-order perturbation by an effect at its present values, given the others."""
-    without = shaped(base, state, others, study.names[c])
-    here = Acting(one.effect, one.values[study.names[c]])
+    without = shaped(base, state, others, forward.names[c])
+    here = Acting(one.effect, one.values[forward.names[c]])
     full = applied(without, state.solved.contact, [here])
     step = replace(
-        study.no_step(c), beam=study.scenes[c].change(without, full, state.solved.contact)
+        forward.no_step(c), beam=forward.scenes[c].change(without, full, state.solved.contact)
     )
-    return study.outer_step(c, state, here, step)
+    return forward.outer_step(c, state, here, step)
 
 
 def shaped(
@@ -86,42 +86,42 @@ Ways = Iterator[tuple[Perturbation, float]]  # steps, each with its standard dev
 
 
 def deviations(
-    effect: Effect, study: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
+    effect: Effect, forward: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
 ) -> Ways:
     """Yield the perturbations by which the form may differ, each with its standard deviation."""
-    scene = study.scenes[c]
+    scene = forward.scenes[c]
     for along in effect.form_error_along:
         if along == "s":
             waves = waves_along(effect.waves)
-            yield from _along_sheet(study, c, step, scene.s_m / scene.length, waves)
+            yield from _along_sheet(forward, c, step, scene.s_m / scene.length, waves)
         elif along == "curvature":
             bent = np.abs(contact.curvature - scene.rest(scene.s_m))
-            yield from _along_sheet(study, c, step, bent / max(float(np.max(bent)), 1e-9), WAVES)
+            yield from _along_sheet(forward, c, step, bent / max(float(np.max(bent)), 1e-9), WAVES)
         elif along == "position":
             u = unit(scene.stated_m)
             for j, share in WAVES:
-                yield _weighed(study, c, step, cosine(j, u)), FORM * share
+                yield _weighed(forward, c, step, cosine(j, u)), FORM * share
         elif along == "voltage":
             driven = np.sign(scene.voltage_V)
             for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
-                yield _weighed(study, c, step, wave), SIGN
+                yield _weighed(forward, c, step, wave), SIGN
         elif along == "time":
-            yield from _in_time(study, c, step)
+            yield from _in_time(forward, c, step)
         elif along == "run":
-            yield from _from_run_to_run(study, c, step)
+            yield from _from_run_to_run(forward, c, step)
         elif along == "place":
             u = scene.curve_s / np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
             for j, share in WAVES:
                 points = step.points_m * cosine(j, u)
-                yield replace(study.no_step(c), points_m=points), FORM * share
+                yield replace(forward.no_step(c), points_m=points), FORM * share
 
 
-def _from_run_to_run(study: ForwardModel, c: int, step: Perturbation) -> Ways:
+def _from_run_to_run(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield differences between runs, such as the distance of frames from edges."""
-    own = [one.run for one in study.looks[c].seen]
-    for run in study.layout.runs:
+    own = [one.run for one in forward.looks[c].seen]
+    for run in forward.layout.runs:
         factor = np.array([float(each == run) for each in own])
-        yield _weighed(study, c, step, factor), RUN
+        yield _weighed(forward, c, step, factor), RUN
 
 
 def waves_along(count: int) -> tuple[tuple[int, float], ...]:
@@ -132,33 +132,33 @@ def waves_along(count: int) -> tuple[tuple[int, float], ...]:
 
 
 def _along_sheet(
-    study: ForwardModel,
+    forward: ForwardModel,
     c: int,
     step: Perturbation,
     u: FloatArray,
     waves: tuple[tuple[int, float], ...],
 ) -> Ways:
     """Yield changes of curvature and compliance times waves of u in 0 .. 1, (G,) or (K, G)."""
-    G = study.scenes[c].count
+    G = forward.scenes[c].count
     for j, share in waves:
         beam = np.zeros_like(step.beam)
         beam[:, :G] = step.beam[:, :G] * cosine(j, u)
         beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * cosine(j, u)
-        yield replace(study.no_step(c), beam=beam), FORM * share
+        yield replace(forward.no_step(c), beam=beam), FORM * share
 
 
 def _in_time(
-    study: ForwardModel, c: int, step: Perturbation
+    forward: ForwardModel, c: int, step: Perturbation
 ) -> Iterator[tuple[Perturbation, float]]:
     """Within a pulse as a factor; over run and session something added, since drifts cross zero."""
-    part = study.part(c)
+    part = forward.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
     driven = part.clock.voltage_V != 0.0
     for j in (1, 2, 3):
         wave, bins = (cosine(j, a / PULSE_S) for a in (at, in_bin))
         wave, bins = wave * driven, part.bin_mean(bins)
         yield replace(
-            study.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
+            forward.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
             force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
             bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
         ), 0.6 * FORM / j  # fmt: skip
@@ -171,7 +171,7 @@ def _in_time(
         for j in (1, 2, 3):
             wave = cosine(j, t)
             yield replace(
-                study.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
+                forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
                 force_N=force * wave,
             ), 0.6 * FORM / j  # fmt: skip
 
@@ -182,9 +182,9 @@ def cosine(j: int, t: FloatArray) -> FloatArray:
     return result
 
 
-def _weighed(study: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
+def _weighed(forward: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
     """Return a step times a factor (K,) for each condition."""
-    part = study.part(c)
+    part = forward.part(c)
     of, bin_of = part.reading_of, part.bin_of
     return Perturbation(
         beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
@@ -205,12 +205,12 @@ def unit(values: FloatArray) -> FloatArray:
 
 
 def atoms(
-    study: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
+    forward: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
     steps: list[Perturbation], *,
     tolerant: bool = True,
 ) -> FloatArray:  # fmt: skip
     """Return the form itself, and its deviations times their standard deviations: (N, 1 + J)."""
-    whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+    whole = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
     columns: list[FloatArray] = [np.sum(whole, axis=0)]
     if not tolerant:
         return np.stack(columns, axis=1)
@@ -221,9 +221,9 @@ def atoms(
     ways: list[FloatArray] = []  # the same way in all configurations is one column
     for c, step in enumerate(steps):
         for j, (way, share) in enumerate(
-            deviations(effect, study, c, step, states[c].solved.contact)
+            deviations(effect, forward, c, step, states[c].solved.contact)
         ):
-            row = share * study.rows_of(c, states[c], way)
+            row = share * forward.rows_of(c, states[c], way)
             if j < len(ways):
                 ways[j] = ways[j] + row
             else:
@@ -232,7 +232,7 @@ def atoms(
 
 
 def effect_columns(
-    study: ForwardModel,
+    forward: ForwardModel,
     linear: Linearisation,
     one: Found,
     active: tuple[AppliedEffect, ...],
@@ -242,13 +242,13 @@ def effect_columns(
     With precision (q,) and distance (q,) of the present values from the middle of their priors.
     """
     columns, precision, away = [], [], []
-    places = {name: c for c, name in enumerate(study.names)}
+    places = {name: c for c, name in enumerate(forward.names)}
     bent = [state.base for state in linear.states]
     for parameter, names in one.parameters():
-        column = np.zeros(study.layout.size)
+        column = np.zeros(forward.layout.size)
         for name in names:
             column += _by_parameter(
-                study, places[name], linear, bent[places[name]], one, active, parameter
+                forward, places[name], linear, bent[places[name]], one, active, parameter
             )
         value = one.values[names[0]][parameter.name]
         columns.append(column)
@@ -257,13 +257,13 @@ def effect_columns(
         away.append(away_from_usual)
     others = tuple(a for a in active if a.effect is not one.effect)
     steps = [
-        whole_step(study, c, linear.states[c], bent[c], others, one.active)
-        if name in one.values else study.no_step(c)
-        for c, name in enumerate(study.names)
+        whole_step(forward, c, linear.states[c], bent[c], others, one.active)
+        if name in one.values else forward.no_step(c)
+        for c, name in enumerate(forward.names)
     ]  # fmt: skip
     # where each configuration has its own size, the second column is among the parameters already
     first = 2 if one.effect.by_configuration and len(steps) > 1 else 1
-    extra = atoms(study, linear.states, one.effect, steps)[:, first:]
+    extra = atoms(forward, linear.states, one.effect, steps)[:, first:]
     n = extra.shape[1]
     return (
         np.concatenate([np.stack(columns, axis=1), extra], axis=1),
@@ -284,12 +284,12 @@ def _prior(parameter: EffectParameter, value: float, one: Found) -> tuple[float,
 
 
 def _by_parameter(
-    study: ForwardModel, c: int, linear: Linearisation, base: BeamProblem, one: Found,
+    forward: ForwardModel, c: int, linear: Linearisation, base: BeamProblem, one: Found,
     active: tuple[AppliedEffect, ...],
     parameter: EffectParameter,
 ) -> FloatArray:  # fmt: skip
     """Return the derivative of the rows by a parameter, or by its logarithm."""
-    name, state = study.names[c], linear.states[c]
+    name, state = forward.names[c], linear.states[c]
     values = dict(one.values[name])
     value = values[parameter.name]
     h = 0.02 if parameter.log else 0.05 * parameter.prior_scale
@@ -302,11 +302,11 @@ def _by_parameter(
         )
         beam = shaped(base, state, turned, name)
         here = Acting(one.effect, dict(values))
-        outer = study.outer_step(c, state, here, study.no_step(c))
+        outer = forward.outer_step(c, state, here, forward.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
-    step = replace(outer_high, beam=study.scenes[c].change(low, high, state.solved.contact))
-    rows = study.rows_of(c, state, step) - study.rows_of(
+    step = replace(outer_high, beam=forward.scenes[c].change(low, high, state.solved.contact))
+    rows = forward.rows_of(c, state, step) - forward.rows_of(
         c, state, replace(outer_low, beam=0.0 * outer_low.beam)
     )
     result: FloatArray = rows / (2.0 * h)

@@ -15,18 +15,18 @@ LONGEST_LOG_B = 2.0
 LEAST_DAMPING, MOST_DAMPING = 1e-6, 1e8
 
 
-def least_squares(study: ForwardModel, bases: Bases, theta: FloatArray) -> FloatArray:
+def least_squares(forward: ForwardModel, bases: Bases, theta: FloatArray) -> FloatArray:
     """Return the base parameters that minimise the weighted squares of forces, curves and priors.
 
     Damped after Levenberg and Marquardt where a step leads too far.
     """
     mean, width = priors_of(bases)
     stiffness = [one.stiffness for one in bases.parts]
-    weights = _weights(study)
+    weights = _weights(forward)
     precision, damping = width**-2.0, 0.0
 
     def rows(at: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        _, residual, columns = sensitivities(study, bases, at)
+        _, residual, columns = sensitivities(forward, bases, at)
         left = residual * weights
         return left, columns * weights[:, None], float(left @ left + precision @ (at - mean) ** 2)
 
@@ -53,10 +53,10 @@ def least_squares(study: ForwardModel, bases: Bases, theta: FloatArray) -> Float
     return theta
 
 
-def _weights(study: ForwardModel) -> FloatArray:
+def _weights(forward: ForwardModel) -> FloatArray:
     """Return weights (N,), zero except for mean forces and curves."""
-    weights = np.zeros(study.layout.size)
-    for part, scene in zip(study.layout.parts, study.scenes, strict=True):
+    weights = np.zeros(forward.layout.size)
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         weights[part.trend_rows[part.is_mean]] = 1.0 / FORCE_SIGMA_N
         weights[part.mode_rows[scene.has_curve]] = 1.0 / MODE_SIGMA_M
     return weights

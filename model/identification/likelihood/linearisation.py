@@ -54,9 +54,9 @@ class Bases:
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
 
-    def beam(self, study: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
+    def beam(self, forward: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
         """Return the beam problem of the base model of a configuration."""
-        one, scene = self.parts[c], study.scenes[c]
+        one, scene = self.parts[c], forward.scenes[c]
         rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
         count = len(one.forms)
         eibm = {v: sign * theta[i : i + count] @ one.forms for v, (i, sign) in one.eibm.items()}
@@ -64,12 +64,12 @@ class Bases:
 
 
 def base_steps(
-    study: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
+    forward: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
 ) -> dict[int, Perturbation]:
     """Return the derivatives by the base parameters of a configuration."""
-    one, scene, G = bases.parts[c], study.scenes[c], study.scenes[c].count
+    one, scene, G = bases.parts[c], forward.scenes[c], forward.scenes[c].count
     result = {}
-    none = study.no_step(c)
+    none = forward.no_step(c)
     by = np.zeros_like(none.beam)
     # what a set-up added multiplies the parameters: derivatives are those of the mean set-up, or
     # those in which it happens to be large would count for more
@@ -108,33 +108,33 @@ class Linearisation:
 
 
 def sensitivities(
-    study: ForwardModel,
+    forward: ForwardModel,
     bases: Bases,
     theta: FloatArray,
     active: tuple[AppliedEffect, ...] = (),
     mounted: Sequence[Mounting] = (),
 ) -> tuple[tuple[ModelState, ...], FloatArray, FloatArray]:
     """Return states, residuals (N,) and their derivatives (N, p) by the base parameters."""
-    states, residual = list[ModelState](), np.zeros(study.layout.size)
-    columns = np.zeros((study.layout.size, bases.size))
-    for c in range(len(study.names)):
-        base = bases.beam(study, c, theta)
+    states, residual = list[ModelState](), np.zeros(forward.layout.size)
+    columns = np.zeros((forward.layout.size, bases.size))
+    for c in range(len(forward.names)):
+        base = bases.beam(forward, c, theta)
         base = mounted[c].applied(base) if mounted else base
-        state = study.state(c, base, active)
+        state = forward.state(c, base, active)
         state = replace(state, mounting=mounted[c]) if mounted else state
         states.append(state)
         residual += state.residual
-        for i, step in base_steps(study, bases, c, state, base).items():
-            columns[:, i] += study.rows_of(c, state, step)
+        for i, step in base_steps(forward, bases, c, state, base).items():
+            columns[:, i] += forward.rows_of(c, state, step)
     if bases.rise is not None:
         own = slice(bases.rise, bases.rise + len(RISE))
-        columns[:, own] = sum(rise_columns(study, c, state) for c, state in enumerate(states))
+        columns[:, own] = sum(rise_columns(forward, c, state) for c, state in enumerate(states))
         residual -= columns[:, own] @ theta[own]
     return tuple(states), residual, columns
 
 
 def linearise(
-    study: ForwardModel,
+    forward: ForwardModel,
     bases: Bases,
     noise: RowNoise,
     theta: FloatArray,
@@ -142,15 +142,15 @@ def linearise(
     added: Added | None = None,
 ) -> Linearisation:
     """Return the linearisation about a point; `added` holds each set-up's random effects."""
-    mounted = mountings(study, added) if added else ()
-    states, residual, columns = sensitivities(study, bases, theta, active, mounted)
+    mounted = mountings(forward, added) if added else ()
+    states, residual, columns = sensitivities(forward, bases, theta, active, mounted)
     scatter: Columns = {}
     for c, state in enumerate(states):
-        for name, found in scatter_columns(study, c, state).items():
+        for name, found in scatter_columns(forward, c, state).items():
             scatter.setdefault(name, []).extend(found)
-    groups = groups_of(study, noise.random_effects, scatter, noise.constant)
-    pad, (mean, width) = study.layout.pad, priors_of(bases)
-    empty = pad(np.ones(study.layout.size)) == 0.0
+    groups = groups_of(forward, noise.random_effects, scatter, noise.constant)
+    pad, (mean, width) = forward.layout.pad, priors_of(bases)
+    empty = pad(np.ones(forward.layout.size)) == 0.0
     y = pad(residual)
     if added:
         y = y + restored(dict(zip(noise.random_effects, groups, strict=True)), added)
@@ -169,13 +169,13 @@ def priors_of(bases: Bases) -> tuple[FloatArray, FloatArray]:
 
 
 def with_columns(
-    study: ForwardModel, linear: Linearisation, extra: FloatArray,
+    forward: ForwardModel, linear: Linearisation, extra: FloatArray,
     precision: FloatArray | float = 1.0,
     away: FloatArray | float = 0.0,
 ) -> Linearisation:  # fmt: skip
     """More columns (N, q) with Gaussian priors."""
     q = extra.shape[1]
-    X = np.concatenate([linear.data.X, study.layout.pad(extra)], axis=2)
+    X = np.concatenate([linear.data.X, forward.layout.pad(extra)], axis=2)
     data = replace(
         linear.data, X=X,
         precision=np.concatenate([linear.data.precision, np.broadcast_to(precision, q)]),

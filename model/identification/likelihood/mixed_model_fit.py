@@ -41,15 +41,15 @@ ROUGH, FINE = 0.1, 1e-3  # of the deviance
 class FitProblem:
     """A data set with everything about it that does not change."""
 
-    study: ForwardModel
+    forward: ForwardModel
     bases: Bases
     noise: RowNoise
     guess: FloatArray
 
     @staticmethod
-    def of(study: ForwardModel, bases: Bases, noise: RowNoise) -> FitProblem:
+    def of(forward: ForwardModel, bases: Bases, noise: RowNoise) -> FitProblem:
         """With the assumed scatter."""
-        return FitProblem(study, bases, noise, guess_of(noise))
+        return FitProblem(forward, bases, noise, guess_of(noise))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,13 +147,13 @@ class _LinearisationPoint:
         problem, spans = self.problem, list[slice]()
         active = tuple(f.active for f in self.found)
         linear = linearise(
-            problem.study, problem.bases, problem.noise, self.theta, active, self.added
+            problem.forward, problem.bases, problem.noise, self.theta, active, self.added
         )
         for one in self.found:
-            columns, precision, away = effect_columns(problem.study, linear, one, active)
+            columns, precision, away = effect_columns(problem.forward, linear, one, active)
             first = linear.columns.shape[1]
             precision[len(one.parameters()) :] /= self.form**2
-            linear = with_columns(problem.study, linear, columns, precision, away)
+            linear = with_columns(problem.forward, linear, columns, precision, away)
             spans.append(slice(first, linear.columns.shape[1]))
         return linear, spans
 

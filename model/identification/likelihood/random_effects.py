@@ -67,59 +67,59 @@ WIDE = NoisePriors(
 )  # fmt: skip
 
 
-def scatter_columns(study: ForwardModel, c: int, state: ModelState) -> Columns:
+def scatter_columns(forward: ForwardModel, c: int, state: ModelState) -> Columns:
     """Rows of one configuration by what differs from set-up to set-up, each shared by a run."""
-    none = study.no_step(c)
+    none = forward.no_step(c)
     result = {
-        name: [study.rows_of(c, state, step)]
-        for name, step in _setup_steps(study, c, state).items()
+        name: [forward.rows_of(c, state, step)]
+        for name, step in _setup_steps(forward, c, state).items()
     }
     result["registration"] = [
-        study.rows_of(c, state, replace(none, points_m=n))
+        forward.rows_of(c, state, replace(none, points_m=n))
         for n in (state.solved.nx, state.solved.ny)
     ]
-    part, scene = study.part(c), study.scenes[c]
+    part, scene = forward.part(c), forward.scenes[c]
     rise = max(scene.sheet.rise_time_s, 1e-3)
     late = rise_left(part.bin_clock, rise, part.edge_s) - rise_left(part.bin_clock, rise, 0.0)
-    result["pulse_edge"] = [study.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
+    result["pulse_edge"] = [forward.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
     result |= {name: [] for name in EACH}
     active = _active(state)
-    for k, name in _each(study, c):
+    for k, name in _each(forward, c):
         by = np.zeros_like(none.beam)
         by[k, : scene.count] = active[k]
-        result[name].append(study.rows_of(c, state, replace(none, beam=by)))
+        result[name].append(forward.rows_of(c, state, replace(none, beam=by)))
     return result
 
 
-def _each(study: ForwardModel, c: int) -> list[tuple[int, str]]:
+def _each(forward: ForwardModel, c: int) -> list[tuple[int, str]]:
     """Return the conditions that have an EIBM of their own, each with the name of its scatter."""
-    scene = study.scenes[c]
+    scene = forward.scenes[c]
     driven = np.flatnonzero(scene.voltage_V).tolist()
     return [(k, "eibm_free" if k in scene.free else "eibm_condition") for k in driven]
 
 
-def own_slots(study: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
+def own_slots(forward: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
     """Return scatter, run and place in the run of the EIBM that a condition has of its own.
 
     By condition, for each configuration.
     """
     taken: dict[tuple[str, int], int] = {}
     result = []
-    for c, look in enumerate(study.looks):
+    for c, look in enumerate(forward.looks):
         slots = {}
-        for k, name in _each(study, c):
-            run = study.layout.runs.index(look.seen[k].run)
+        for k, name in _each(forward, c):
+            run = forward.layout.runs.index(look.seen[k].run)
             taken[name, run] = taken.get((name, run), -1) + 1
             slots[k] = (name, run, taken[name, run])
         result.append(slots)
     return result
 
 
-def mountings(study: ForwardModel, added: Added) -> list[Mounting]:
+def mountings(forward: ForwardModel, added: Added) -> list[Mounting]:
     """Return what set-ups added, as the conditions of each configuration have it."""
     result = []
-    for look, slots in zip(study.looks, own_slots(study), strict=True):
-        runs = [study.layout.runs.index(one.run) for one in look.seen]
+    for look, slots in zip(forward.looks, own_slots(forward), strict=True):
+        runs = [forward.layout.runs.index(one.run) for one in look.seen]
         shared = {
             name: added[name][runs, 0] for name in IN_THE_BEAM if name not in EACH
         }  # fmt: skip
@@ -147,9 +147,9 @@ def _active(state: ModelState) -> FloatArray:
     return np.asarray(state.beam.eibm * state.beam.soft / share)
 
 
-def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Perturbation]:
+def _setup_steps(forward: ForwardModel, c: int, state: ModelState) -> dict[str, Perturbation]:
     """One unit of B, EIBM (relative), position (m), tilt (rad) and the cell's zero (N)."""
-    scene, none = study.scenes[c], study.no_step(c)
+    scene, none = forward.scenes[c], forward.no_step(c)
     G = scene.count
 
     def beam(column: int | slice, value: FloatArray | float) -> FloatArray:
@@ -165,21 +165,24 @@ def _setup_steps(study: ForwardModel, c: int, state: ModelState) -> dict[str, Pe
         "eibm": replace(none, beam=beam(slice(0, G), _active(state))),
         "position": replace(none, beam=on_arc / scene.sheet.arc_radius_m),
         "clamp_tilt": replace(none, beam=beam(-1, 1.0) - on_arc),
-        "force_zero": replace(none, force_N=np.ones(len(study.part(c).reading_of))),
+        "force_zero": replace(none, force_N=np.ones(len(forward.part(c).reading_of))),
     }
 
 
-def constant_groups(study: ForwardModel, priors: NoisePriors) -> dict[str, FloatArray]:
+def constant_groups(forward: ForwardModel, priors: NoisePriors) -> dict[str, FloatArray]:
     """Return the scatters that are equal for all states: load cell's wander and pulse levels."""
     names = priors.random_effects
-    groups = {name: by_run(study, _wander(study, name)) for name in WANDER_S if name in names}
+    groups = {name: by_run(forward, _wander(forward, name)) for name in WANDER_S if name in names}
     if "pulse_level" in names:
-        groups["pulse_level"] = by_run(study, _pulse_levels(study))
+        groups["pulse_level"] = by_run(forward, _pulse_levels(forward))
     return groups
 
 
 def groups_of(
-    study: ForwardModel, names: Iterable[str], scatter: Columns, constant: Mapping[str, FloatArray]
+    forward: ForwardModel,
+    names: Iterable[str],
+    scatter: Columns,
+    constant: Mapping[str, FloatArray],
 ) -> list[FloatArray]:
     """Return the named scatters in order; `scatter` has the columns of all configurations."""
     groups = []
@@ -188,29 +191,31 @@ def groups_of(
             groups.append(constant[name])
         elif name == "registration":  # to the side and along, of one size
             one = [scatter[name][i::2] for i in (0, 1)]
-            groups.append(np.concatenate([by_run(study, [np.sum(o, axis=0)]) for o in one], axis=2))
+            groups.append(
+                np.concatenate([by_run(forward, [np.sum(o, axis=0)]) for o in one], axis=2)
+            )
         elif name in EACH:
-            groups.append(_one_each(study, name, scatter[name]))
+            groups.append(_one_each(forward, name, scatter[name]))
         else:
-            groups.append(by_run(study, [np.sum(scatter[name], axis=0)]))
+            groups.append(by_run(forward, [np.sum(scatter[name], axis=0)]))
     return groups
 
 
-def _one_each(study: ForwardModel, name: str, columns: list[FloatArray]) -> FloatArray:
+def _one_each(forward: ForwardModel, name: str, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) of the conditions that have an EIBM of their own, packed as (R, n, q)."""
-    slots = [slot for own in own_slots(study) for slot in own.values() if slot[0] == name]
-    flat = np.zeros((study.layout.size, 1 + max([0, *(place for _, _, place in slots)])))
+    slots = [slot for own in own_slots(forward) for slot in own.values() if slot[0] == name]
+    flat = np.zeros((forward.layout.size, 1 + max([0, *(place for _, _, place in slots)])))
     for (_, _, place), column in zip(slots, columns, strict=True):
         flat[:, place] += column
-    return study.layout.pad(flat)
+    return forward.layout.pad(flat)
 
 
-def _wander(study: ForwardModel, name: str) -> list[FloatArray]:
+def _wander(forward: ForwardModel, name: str) -> list[FloatArray]:
     """Return columns (N,) of a factor of the covariance of the load cell's wander in a run."""
     columns = []
-    for part in study.layout.parts:
+    for part in forward.layout.parts:
         clock = part.clock.run_s
-        run = study.layout.run_of[part.trend_rows]
+        run = forward.layout.run_of[part.trend_rows]
         for r in np.unique(run):
             rows = part.trend_rows[run == r]
             T = part.trend[run == r]
@@ -220,26 +225,26 @@ def _wander(study: ForwardModel, name: str) -> list[FloatArray]:
             V = T[:, use] @ kernel @ T[:, use].T
             values, vectors = np.linalg.eigh(V)
             for j in np.flatnonzero(values > 1e-6 * max(values[-1], 1e-300)):
-                column = np.zeros(study.layout.size)
+                column = np.zeros(forward.layout.size)
                 column[rows] = vectors[:, j] * np.sqrt(values[j])
                 columns.append(column)
     return columns
 
 
-def _pulse_levels(study: ForwardModel) -> list[FloatArray]:
+def _pulse_levels(forward: ForwardModel) -> list[FloatArray]:
     """All parts of a pulse share the error of the sampling point's force."""
     columns = []
-    for part in study.layout.parts:
+    for part in forward.layout.parts:
         for p in np.unique(part.bin_set):
-            column = np.zeros(study.layout.size)
+            column = np.zeros(forward.layout.size)
             column[part.bin_rows[part.bin_set == p]] = 1.0
             columns.append(column)
     return columns
 
 
-def by_run(study: ForwardModel, columns: list[FloatArray]) -> FloatArray:
+def by_run(forward: ForwardModel, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) that touch one run each, or all: packed as (R, n, q)."""
-    layout, R = study.layout, len(study.layout.runs)
+    layout, R = forward.layout, len(forward.layout.runs)
     packed: list[list[FloatArray]] = [[] for _ in range(R)]
     for column in columns:
         for r in np.unique(layout.run_of[np.flatnonzero(column)]):

@@ -46,14 +46,14 @@ class _Kind:
     least: float = 0.0  # standard deviation that is there in any case
 
 
-def noise_of(study: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
+def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     """Return the noise of readings, modes, sways and pulses, each configuration on its own."""
-    N = study.layout.size
+    N = forward.layout.size
     fixed, kinds = np.zeros(N), list[_Kind]()
     for name, part, scene, look in zip(
-        study.names, study.layout.parts, study.scenes, study.looks, strict=True
+        forward.names, forward.layout.parts, forward.scenes, forward.looks, strict=True
     ):
-        wave_N = 0.0 if study.wave is None else study.wave.added_N(part.clock)
+        wave_N = 0.0 if forward.wave is None else forward.wave.added_N(part.clock)
         kinds += _kinds(name, part, scene, look, part.measured_N - wave_N, priors)
     masks = []
     for kind in kinds:
@@ -64,7 +64,7 @@ def noise_of(study: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     return RowNoise(
         fixed=fixed, masks=masks, names=[k.name for k in kinds],
         guess=np.log([k.size for k in kinds]), width=np.array([k.unsure for k in kinds]),
-        random_effects=priors.random_effects, constant=constant_groups(study, priors),
+        random_effects=priors.random_effects, constant=constant_groups(forward, priors),
     )  # fmt: skip
 
 

@@ -390,7 +390,7 @@ def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(
     said = "a force of condition long, 0 mm, +2 V is not a finite number; mark it invalid"
     ready = prepare(odd, Options())
     assert f"left out: {said}" in ready.notes
-    assert ready.problem.study.names == ["short"]
+    assert ready.problem.forward.names == ["short"]
     with pytest.raises(ModelError) as refused:  # where no other sheet is left
         prepare(kept(odd, lambda c: c.configuration == "long"), Options())
     assert str(refused.value) == said
@@ -398,7 +398,7 @@ def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(
 
 def test_a_sheet_that_was_not_measured_is_left_out():
     ready = prepare(kept(session(), lambda c: c.configuration == "short"), Options())
-    assert ready.problem.study.names == ["short"]
+    assert ready.problem.forward.names == ["short"]
 
 
 def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
@@ -408,7 +408,7 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
         if c.configuration == "short" else c for c in m.conditions
     )  # fmt: skip
     ready = prepare(replace(m, conditions=broken), Options())
-    assert ready.problem.study.names == ["long"]
+    assert ready.problem.forward.names == ["long"]
     assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
 
 

@@ -34,10 +34,10 @@ def each_reading(scene: ConfigurationModel, beam, of, eibm, stiffness) -> np.nda
 @pytest.mark.parametrize("name", STRONG)
 def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
     base = base_fit()
-    study, one = base.problem.study, effect(name)
+    forward, one = base.problem.forward, effect(name)
     values = {**plausible(one), **STRONG[name]}
-    part, scene, plain = study.part(0), study.scenes[0], base.linear.states[0].base
-    state = study.state(0, plain, (AppliedEffect(one, {"long": values}),))
+    part, scene, plain = forward.part(0), forward.scenes[0], base.linear.states[0].base
+    state = forward.state(0, plain, (AppliedEffect(one, {"long": values}),))
     eibm, stiffness = one.course(part.clock, values)
     driven = part.clock.voltage_V != 0.0
     # every fourth reading is enough
@@ -54,8 +54,8 @@ def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
     wanted = part.trend @ every
     found = part.trend @ predicted
     assert np.max(np.abs(found - wanted)) < 0.01 * np.max(np.abs(wanted))
-    first = study.rows_of(
-        0, base.linear.states[0], study.step(0, base.linear.states[0], one, values)
+    first = forward.rows_of(
+        0, base.linear.states[0], forward.step(0, base.linear.states[0], one, values)
     )
     force = base.linear.states[0].solved.force_N[part.reading_of]
     linear = part.trend @ force + first[part.trend_rows]
@@ -67,10 +67,10 @@ def test_a_large_change_in_time_is_what_solving_each_reading_alone_gives(name):
 @pytest.mark.slow
 def test_pictures_that_are_very_late_show_what_a_beam_with_so_little_eibm_does():
     base = base_fit()
-    study, plain = base.problem.study, base.linear.states[0].base
-    part, scene = study.part(0), study.scenes[0]
+    forward, plain = base.problem.forward, base.linear.states[0].base
+    part, scene = forward.part(0), forward.scenes[0]
     late = {"delay_s": 0.46, "through_zero": 0.0}
-    state = study.state(0, plain, (AppliedEffect(effect("frame_delay"), {"long": late}),))
+    state = forward.state(0, plain, (AppliedEffect(effect("frame_delay"), {"long": late}),))
     rise_s = part.clock.rise_s
     then, now = (1.0 - (1.0 - part.clock.opposite) * np.exp(-t / rise_s) for t in (0.04, 0.5))
     of, counts = part.reading_of, (part.clock.pulse < 0.0) | (part.clock.pulse >= 2.0)
@@ -91,7 +91,7 @@ def test_pictures_that_are_very_late_show_what_a_beam_with_so_little_eibm_does()
 def test_the_noise_of_a_short_sheet_that_hardly_moves_stays_what_it_is():
     """Its curves are not divided by how little the EIBM moves them."""
     base = base_fit()
-    study = base.problem.study
-    for part, state in zip(study.layout.parts, base.linear.states, strict=True):
+    forward = base.problem.forward
+    for part, state in zip(forward.layout.parts, base.linear.states, strict=True):
         assert np.max(np.abs(state.residual[part.sway_rows])) < 1e-4  # metres
     assert base.linear.states[1].reach_m.max() < 0.02 * base.linear.states[0].reach_m.max()

@@ -21,8 +21,8 @@ from tests.model.discrepancy.sessions import (
 )
 
 
-def study():
-    return base_fit().problem.study
+def forward():
+    return base_fit().problem.forward
 
 
 # ---------------------------------------------------------------------------- readings
@@ -88,7 +88,7 @@ def test_pulses_are_counted_from_the_first_that_is_driven():
 def test_first_pulses_stand_for_themselves_and_are_in_no_mean():
     """Force and shape of each, less the mean of those that count."""
     m = session()
-    both = [prepare(one, Options()).problem.study for one in (m, without_first_pulses(m))]
+    both = [prepare(one, Options()).problem.forward for one in (m, without_first_pulses(m))]
     for part, plain, look_ in zip(*(s.layout.parts for s in both), both[0].looks, strict=True):
         assert (part.is_early.sum(), plain.is_early.sum()) == (14, 0)
         numbers = part.trend @ part.measured_N
@@ -161,7 +161,7 @@ def test_a_free_shape_has_a_curve_and_no_force(measure):
     assert all(s.curve is not None and len(s.force_N) == 0 for s in seen)
     first = min(s.clock.session[0] for s in every if not s.free)
     assert all(s.clock.session[0] == first for s in seen)
-    one = prepare(made_here, Options()).problem.study
+    one = prepare(made_here, Options()).problem.forward
     part, scene = one.part(0), one.scenes[0]
     assert np.all(part.mode_rows[scene.free] >= 0)
     assert not np.isin(part.trend_of, scene.free).any()
@@ -208,7 +208,7 @@ def test_without_contact_the_load_cell_shows_its_zero():
     assert zero.free
     np.testing.assert_allclose(zero.force_N, [1e-5, 2e-5, 3e-5])
     problem = prepare(found, Options()).problem
-    part, scene = problem.study.part(0), problem.study.scenes[0]
+    part, scene = problem.forward.part(0), problem.forward.scenes[0]
     k = len(seen) - 1
     assert k not in scene.free  # it is no shape
     fit = fitted(found)
@@ -326,7 +326,7 @@ def test_a_series_without_force_says_nothing_and_one_without_clock_is_refused():
 
 
 def test_every_row_stands_once_and_in_the_run_it_comes_from():
-    one = study()
+    one = forward()
     layout = one.layout
     every = np.concatenate(
         [
@@ -345,18 +345,18 @@ def test_every_row_stands_once_and_in_the_run_it_comes_from():
 
 
 def test_means_alone_have_neither_sways_nor_pulses():
-    part = prepare(means_of(session()), Options()).problem.study.part(0)
-    timed = study().part(0)
+    part = prepare(means_of(session()), Options()).problem.forward.part(0)
+    timed = forward().part(0)
     assert (len(part.sway_rows), len(part.bin_rows)) == (0, 0)
     assert len(timed.sway_rows) > 0 < len(timed.bin_rows)
     assert part.is_mean.sum() == timed.is_mean.sum() == 21
 
 
 def test_readings_are_ordered_by_when_they_were_taken():
-    part = study().part(0)
+    part = forward().part(0)
     session_, run_s = part.clock.session[part.in_time], part.clock.run_s[part.in_time]
     assert np.all(np.diff(np.round(session_, 9)) >= 0.0)
-    at = [study().looks[0].seen[k].position_m for k in part.reading_of[part.in_time]]
+    at = [forward().looks[0].seen[k].position_m for k in part.reading_of[part.in_time]]
     same = np.diff(at) == 0.0
     assert np.all(np.diff(run_s)[same] > 0.0)
 

@@ -26,7 +26,7 @@ SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)
 
 def test_residuals_of_a_position_are_those_of_a_fit_without_its_runs():
     base = base_fit()
-    layout, linear = base.problem.study.layout, base.linear
+    layout, linear = base.problem.forward.layout, base.linear
     runs = position_groups(base)[2]
     before, after, chosen = left_out(base, base, [], [runs])
     V = np.linalg.inv(base.solution.weights)
@@ -49,7 +49,7 @@ def test_residuals_of_a_position_are_those_of_a_fit_without_its_runs():
 
 def test_a_position_is_left_out_of_both_sheets_and_free_shapes_of_none():
     groups = position_groups(base_fit())
-    runs = base_fit().problem.study.layout.runs
+    runs = base_fit().problem.forward.layout.runs
     assert [{runs[r][1] for r in g} for g in groups] == [{k * 5e-3} for k in range(7)]
     assert all({runs[r][0] for r in g} == {"long", "short"} for g in groups)
 
@@ -94,7 +94,7 @@ def test_the_share_of_the_gap_that_is_closed(before, after, share):
 
 def test_variances_are_those_of_noise_and_scatter_together():
     base = base_fit()
-    layout, data = base.problem.study.layout, base.linear.data
+    layout, data = base.problem.forward.layout, base.linear.data
     sigma2 = np.exp(2.0 * base.solution.log_sigma)
     groups = sum(s * np.sum(Z**2, axis=2) for s, Z in zip(sigma2, data.groups, strict=False))
     masks = sum(s * m for s, m in zip(sigma2[len(data.groups) :], data.masks, strict=True))
@@ -122,14 +122,14 @@ def test_without_its_positions_nothing_else_changes():
 def test_conditions_left_out_as_outliers_count_for_no_gap():
     base = base_fit()
     whole, some = cells(base), cells(base, [4, 41])
-    part = base.problem.study.part(0)
+    part = base.problem.forward.part(0)
     rows = set(part.trend_rows[part.trend_of == 4])
     counted = [set(np.concatenate([*c.force, *c.drift]).tolist()) for c in (whole, some)]
     assert rows <= counted[0]
     assert not rows & counted[1]
     assert [len(c.force) for c in (whole, some)] == [42, 40]
     assert [len(c.curve) for c in (whole, some)] == [42, 40]
-    noise = np.ones(base.problem.study.layout.size)
+    noise = np.ones(base.problem.forward.layout.size)
     noise[list(rows)] = 1e6
     assert floor(noise, some).force_rmse_mN == pytest.approx(1e3)
     assert gap_of(3.0 * np.ones(len(noise)), noise, some).force_rmse_mN == pytest.approx(3e3)

@@ -101,11 +101,11 @@ def test_base_conditions_are_those_of_predict(studies, truth, name: str):
 
 @pytest.mark.parametrize("effect_name", ["clamp_compliance", "nonlinear_stiffness", "gravity"])
 def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies, effect_name):
-    study = studies["long"][0]
-    scene, one = study.scenes[0], effect(effect_name)
+    forward = studies["long"][0]
+    scene, one = forward.scenes[0], effect(effect_name)
     p = plausible(one)
     start = base(scene, "long")
-    state = study.state(0, start, (AppliedEffect(one, {"long": p}),))
+    state = forward.state(0, start, (AppliedEffect(one, {"long": p}),))
     contact = scene.solve(start).contact
     for _ in range(30):
         contact = scene.solve(one.beam(start, contact, p)).contact
@@ -126,11 +126,11 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
 def test_an_effect_adds_to_the_fitted_forces_what_it_adds_to_the_predicted_ones(
     studies, truth, effect_name
 ):
-    study, one = studies["long"][0], effect(effect_name)
-    values, scene, part = plausible(one), study.scenes[0], study.part(0)
+    forward, one = studies["long"][0], effect(effect_name)
+    values, scene, part = plausible(one), forward.scenes[0], forward.part(0)
     rows, conditions = part.trend_rows[part.is_mean], part.trend_of[part.is_mean]
     active = (AppliedEffect(one, {"long": values}),)
-    plain, there = (study.state(0, base(scene, "long"), a).residual[rows] for a in ((), active))
+    plain, there = (forward.state(0, base(scene, "long"), a).residual[rows] for a in ((), active))
     parameters = {
         name: Parameter(value=value, sigma=0.0, unit="") for name, value in values.items()
     }
@@ -150,9 +150,9 @@ def test_a_rig_turned_over_is_one_whose_weight_pulls_the_other_way(measure):
     for m, load in ((made, -0.01), (turned, 0.01)):
         seen = look(m, "long")
         s, k = seen.sheet.initial_curvature
-        study = ForwardModel([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
+        forward = ForwardModel([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
         active = (AppliedEffect(gravity, {"long": {"load_N_per_m": load}}),)
-        solved = study.state(0, base(study.scenes[0], "long"), active).solved
+        solved = forward.state(0, base(forward.scenes[0], "long"), active).solved
         forces.append((solved.force_N, solved.modes_m))
     for one, other in zip(*forces, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-15)

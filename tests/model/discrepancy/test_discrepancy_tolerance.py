@@ -36,32 +36,32 @@ from tests.model.discrepancy.sessions import base_fit, fitted
 
 def steps_of(name: str, values=None) -> tuple:
     base = base_fit()
-    study, states, one = base.problem.study, base.linear.states, effect(name)
+    forward, states, one = base.problem.forward, base.linear.states, effect(name)
     values = values or plausible(one)
-    return one, study, states, [study.step(c, states[c], one, values) for c in range(2)]
+    return one, forward, states, [forward.step(c, states[c], one, values) for c in range(2)]
 
 
 def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
     """Many draws of the deviations scatter by a third of the form, averaged along the sheet."""
-    one, study, states, steps = steps_of("nonuniform_stiffness")
-    G, step = study.scenes[0].count, steps[0]
-    ways = list(deviations(one, study, 0, step, states[0].solved.contact))
+    one, forward, states, steps = steps_of("nonuniform_stiffness")
+    G, step = forward.scenes[0].count, steps[0]
+    ways = list(deviations(one, forward, 0, step, states[0].solved.contact))
     k = int(np.argmax(np.max(np.abs(step.beam[:, G : 2 * G]), axis=1)))
     form = step.beam[k, G : 2 * G]
     ratio = np.stack([share * way.beam[k, G : 2 * G] / form for way, share in ways])
-    variance = study.scenes[0].weights @ np.sum(ratio**2, axis=0)
+    variance = forward.scenes[0].weights @ np.sum(ratio**2, axis=0)
     assert np.sqrt(variance) == pytest.approx(FORM, rel=0.05)
 
 
 def test_what_may_differ_with_the_polarity_differs_with_it():
-    one, study, states, steps = steps_of("nonlinear_stiffness")
+    one, forward, states, steps = steps_of("nonlinear_stiffness")
     assert "voltage" in one.form_error_along
     ways = [
-        w for w in deviations(one, study, 0, steps[0], states[0].solved.contact) if w[1] == SIGN
+        w for w in deviations(one, forward, 0, steps[0], states[0].solved.contact) if w[1] == SIGN
     ]
-    volts = study.scenes[0].voltage_V
+    volts = forward.scenes[0].voltage_V
     assert len(ways) == 2
-    G = study.scenes[0].count
+    G = forward.scenes[0].count
     odd, zero = (way.beam[:, G] / steps[0].beam[:, G] for way, _ in ways)
     np.testing.assert_allclose(odd, np.sign(volts))
     np.testing.assert_allclose(zero, np.where(volts == 0.0, -1.0, 0.5))
@@ -69,19 +69,19 @@ def test_what_may_differ_with_the_polarity_differs_with_it():
 
 @pytest.mark.parametrize(("name", "share"), [("initial_curvature", OWN), ("clamp_angle", SIGN)])
 def test_the_second_column_is_the_difference_between_the_sheets(name: str, share: float):
-    one, study, states, steps = steps_of(name)
-    found = atoms(study, states, one, steps)
-    long, short = (study.rows_of(c, states[c], s) for c, s in enumerate(steps))
+    one, forward, states, steps = steps_of(name)
+    found = atoms(forward, states, one, steps)
+    long, short = (forward.rows_of(c, states[c], s) for c, s in enumerate(steps))
     np.testing.assert_allclose(found[:, 0], long + short)
     np.testing.assert_allclose(found[:, 1], share * (long - short))
 
 
 @pytest.mark.parametrize("name", list(catalogue()))
 def test_every_effect_is_columns_that_count(name: str):
-    one, study, states, steps = steps_of(name)
-    found = atoms(study, states, one, steps)
+    one, forward, states, steps = steps_of(name)
+    found = atoms(forward, states, one, steps)
     assert np.all(np.isfinite(found))
-    assert found.shape[0] == study.layout.size
+    assert found.shape[0] == forward.layout.size
     assert np.all(np.any(found[:, 1:], axis=0))
 
 
@@ -90,17 +90,17 @@ def test_an_effect_in_the_model_has_its_parameters_first_then_its_form_errors():
     problem = base.problem
     for name, by_sheet in (("initial_curvature", 2), ("force_offset", 1)):
         one = effect(name)
-        found = Found(one, {n: plausible(one) for n in problem.study.names})
+        found = Found(one, {n: plausible(one) for n in problem.forward.names})
         assert len(found.parameters()) == by_sheet
         columns, precision, away = effect_columns(
-            problem.study, base.linear, found, (found.active,)
+            problem.forward, base.linear, found, (found.active,)
         )
         step = 1e-4 * one.amplitude.prior_scale
         rows = []
         for sign in (-1.0, 1.0):
             p = {**plausible(one), one.amplitude.name: one.amplitude.prior_scale + sign * step}
             whole = [
-                study_rows(base, c, replace(found, values=dict.fromkeys(problem.study.names, p)))
+                study_rows(base, c, replace(found, values=dict.fromkeys(problem.forward.names, p)))
                 for c in range(2)
             ]
             rows.append(whole if by_sheet == 2 else [np.sum(whole, axis=0)])
@@ -114,10 +114,10 @@ def test_an_effect_in_the_model_has_its_parameters_first_then_its_form_errors():
 
 
 def study_rows(base, c: int, found: Found):
-    study = base.problem.study
-    start = base.problem.bases.beam(study, c, base.theta)
-    step = whole_step(study, c, base.linear.states[c], start, (), found.active)
-    return study.rows_of(c, base.linear.states[c], step)
+    forward = base.problem.forward
+    start = base.problem.bases.beam(forward, c, base.theta)
+    step = whole_step(forward, c, base.linear.states[c], start, (), found.active)
+    return forward.rows_of(c, base.linear.states[c], step)
 
 
 def test_a_step_of_the_fit_keeps_values_within_their_bounds():
@@ -162,18 +162,18 @@ ALLOWED = {
 @pytest.mark.parametrize("location", locations())
 def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(location):
     base = base_fit()
-    study, state = base.problem.study, base.linear.states[0]
-    made = [one.step for one in locations()[location].bases(linearised(study, 0, state))]
-    found = set().union(*(acting(step, study.scenes[0].count) for step in made))
+    forward, state = base.problem.forward, base.linear.states[0]
+    made = [one.step for one in locations()[location].bases(linearised(forward, 0, state))]
+    found = set().union(*(acting(step, forward.scenes[0].count) for step in made))
     assert found == ALLOWED[location]
 
 
 def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not():
     base = base_fit()
-    study, state = base.problem.study, base.linear.states[0]
-    volts, G = study.scenes[0].voltage_V, study.scenes[0].count
+    forward, state = base.problem.forward, base.linear.states[0]
+    volts, G = forward.scenes[0].voltage_V, forward.scenes[0].count
     for location, sign in (("eibm", -1.0), ("even_moment", 1.0)):
-        for one in locations()[location].bases(linearised(study, 0, state)):
+        for one in locations()[location].bases(linearised(forward, 0, state)):
             step = one.step
             up, down = (step.beam[volts == v, :G][0] for v in (2.0, -2.0))
             assert np.all(np.sign(up) == sign * np.sign(down))
@@ -182,7 +182,7 @@ def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not
 
 def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forces():
     base = base_fit()
-    layout = base.problem.study.layout
+    layout = base.problem.forward.layout
     modes = np.concatenate([p.mode_rows.ravel() for p in layout.parts])
     means = np.concatenate([p.trend_rows for p in layout.parts])
     assert not any(np.any(s.rows[modes]) for s in shapes(base, "load_cell"))
@@ -199,10 +199,10 @@ def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see
 
 def test_what_the_rig_does_it_does_to_every_configuration_alike():
     for name in ("load_cell_compliance", "position_error", "camera_scale"):
-        one, study, states, steps = steps_of(name)
+        one, forward, states, steps = steps_of(name)
         assert one.of_the_rig
-        columns = atoms(study, states, one, steps)
-        whole = [study.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+        columns = atoms(forward, states, one, steps)
+        whole = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
         np.testing.assert_allclose(columns[:, 0], whole[0] + whole[1])
         opposite = whole[0] - whole[1]
         for column in columns[:, 1:].T:
@@ -227,7 +227,7 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
 
 def test_a_screw_s_error_at_each_position_is_one_shape_for_both_sheets():
     base = base_fit()
-    layout = base.problem.study.layout
+    layout = base.problem.forward.layout
     own = [np.concatenate([p.trend_rows for p in (part,)]) for part in layout.parts]
     for shape in shapes(base, "position", "position"):
         assert all(np.any(shape.rows[rows]) for rows in own)
@@ -307,7 +307,7 @@ def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
             gain=9.0,
         ),
     )
-    measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.study.layout.parts])
+    measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.forward.layout.parts])
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])
     assert told.depends.endswith("a function of the force")
@@ -318,7 +318,7 @@ def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
 def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: int):
     """Beside a wrong gain, which is B, and a wrong zero."""
     base = base_fit()
-    study = base.problem.study
+    forward = base.problem.forward
 
     def added(power: int) -> FloatArray:
         steps = [
@@ -326,7 +326,7 @@ def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: in
             for c, state in enumerate(base.linear.states)
         ]
         return sum(
-            study.rows_of(c, state, replace(study.no_step(c), force_N=force))
+            forward.rows_of(c, state, replace(forward.no_step(c), force_N=force))
             for c, state, force in steps
         )
 
@@ -340,9 +340,9 @@ def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: in
 @pytest.mark.parametrize("location", ["load_cell", "compliance"])
 def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(location):
     base = base_fit()
-    study, state = base.problem.study, base.linear.states[0]
-    part, volts = study.part(0), study.scenes[0].voltage_V
-    for one in locations()[location].bases(linearised(study, 0, state)):
+    forward, state = base.problem.forward, base.linear.states[0]
+    part, volts = forward.part(0), forward.scenes[0].voltage_V
+    for one in locations()[location].bases(linearised(forward, 0, state)):
         if one.part != "voltage":
             continue
         acts = part.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]
@@ -356,7 +356,7 @@ def test_a_clamp_may_turn_while_the_session_goes_on():
     base = base_fit()
     turns = shapes(base, "time", "clamp, session")
     assert len(turns) == 8
-    part = base.problem.study.layout.parts[0]
+    part = base.problem.forward.layout.parts[0]
     assert all(np.any(s.rows[part.mode_rows]) for s in turns)  # shapes turn with it
 
 
