@@ -62,6 +62,7 @@ class FakePanel:
         self.loop.close()
 
     def __enter__(self) -> Self:
+        listing(self.mode)  # as in the panel, which loads its pages before it answers
         self._thread.start()
         return self
 
