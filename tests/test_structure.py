@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow  # every module is read
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("labrig", "drivers", "protocols", "model", "sim_hardware")
 MOST_MODULES = 15

@@ -26,6 +26,7 @@ def test_of_nothing():
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [0, 1])
 def test_it_says_what_ran_and_why_the_others_did_not(tmp_path: Path, workers: int) -> None:
     (tmp_path / "test_some.py").write_text(TESTS)

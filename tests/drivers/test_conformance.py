@@ -224,6 +224,7 @@ def test_a_sensor_of_another_unit_is_found():
 # ------------------------------------------------------------------------------------------ boards
 
 
+@pytest.mark.slow
 def test_ni_boards_keep_the_contract(ni_rig):
     clock = ni_rig.clock
     output = NiVoltageOutput(ni_rig.connection, clock, ni_rig.drive, 0.25)
