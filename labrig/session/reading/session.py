@@ -58,6 +58,7 @@ class RecordedSession:
         self.frame_dtype = self._setup.frame_dtype
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
+        self.devices = self._setup.devices  # none in sessions before version 3
         self.runs: tuple[RunRecord, ...] = tuple(
             RunRecord(file, path, run, self._setup) for run in self.schedule.runs
         )

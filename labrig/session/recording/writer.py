@@ -18,6 +18,7 @@ from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
 from labrig.session.format import layout
 from labrig.session.format.channels import as_recorded
+from labrig.session.format.devices import RecordedDevice
 from labrig.session.format.setup import SessionSetup, present_versions
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
@@ -73,6 +74,7 @@ class SessionWriter:
         frame_dtype: np.dtype[Any] | str = "uint8",
         keep_all_frames: bool = False,
         simulated: bool = False,
+        devices: Sequence[RecordedDevice] = (),
         parts: Mapping[str, str] | None = None,
         patience_s: float = PATIENCE_S,
     ) -> None:
@@ -91,6 +93,7 @@ class SessionWriter:
             frame_dtype=np.dtype(frame_dtype).name,
             keep_all_frames=keep_all_frames,
             simulated=simulated,
+            devices=tuple(devices),
             versions=present_versions() | dict(parts or {}),
         )
         self._journal = _begin(self.path, self._setup)

@@ -26,7 +26,7 @@ from labrig.session.recording.disk import written_beside
 from labrig.session.recording.journal import JournalReader, journal_path, read_journal
 from labrig.session.recording.locking import is_locked
 from labrig.session.recording.recorder import MisplacedRowsError, Recorder
-from labrig.session.repair.merge import add_missing, trim
+from labrig.session.repair.merge import add_missing, copy_supplements, trim
 from labrig.session.repair.superblock import unlocked
 from labrig.session.repair.verify import verify
 from protocols.execution.events import Outcome, OutputState
@@ -133,6 +133,7 @@ def _build(
             _replay(file, journal, notes)
         if old is not None:
             notes.extend(add_missing(file, old, status_too=journal is None))
+            notes.extend(copy_supplements(file, old))
         notes.extend(trim(file, setup))
         _end(file, guard)
         Recorder(file).write_checksums()
