@@ -93,6 +93,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
         calibration=plan.calibration,
         interlock=None,
         threaded=False,
+        replayed=session,
     )
     return rig, director
 

@@ -12,6 +12,7 @@ from typing import Any, Self
 
 from labrig.errors import BadInputError
 from labrig.session.format import layout
+from labrig.session.format.devices import REPLAY_OF, boards_in_words
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.values import read_setup, read_table, read_text
@@ -62,6 +63,18 @@ class RecordedSession:
         self.runs: tuple[RunRecord, ...] = tuple(
             RunRecord(file, path, run, self._setup) for run in self.schedule.runs
         )
+
+    @property
+    def boards(self) -> str:
+        """Whether its boards were simulated, in words; "none" of a session without runs."""
+        if not self.runs:
+            return "none"
+        return boards_in_words(self.devices, simulated=self.simulated)
+
+    @property
+    def replay_of(self) -> str:
+        """Identifier of the session that was played in the rig's place; empty of an original."""
+        return self.versions.get(REPLAY_OF, "")
 
     @property
     def outcome(self) -> Outcome:
