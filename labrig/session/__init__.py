@@ -1,5 +1,7 @@
 """The session file: write, read, verify, recover, import, export."""
 
+from labrig.session.annotations.annotate import add_waiting, annotate
+from labrig.session.annotations.annotation import Annotation
 from labrig.session.derived.store import (
     drop_measurements,
     load_finding,
@@ -18,12 +20,15 @@ from labrig.session.tables import read_tables, write_tables
 from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
+    "Annotation",
     "LoggedEvent",
     "RecordedSession",
     "RecoverReport",
     "RunRecord",
     "SessionWriter",
     "WriterError",
+    "add_waiting",
+    "annotate",
     "compare_sessions",
     "drop_measurements",
     "export_session",

@@ -17,6 +17,7 @@ marks           readings declared invalid
 signals/        NXdata: raw samples in V, a dataset for each channel, and their time
 frames/         NXdata: images, time, number, device_time, sample_index, reading
 derived/            what the analysis made of it; may be dropped and made again
+annotations/        what was added: notes, photographs, marks; an NXnote each, with its checksum
 In version 1 `signals` held names and ranges only, and the values of a reading were always force_N,
 drive_V and current_A; in version 2 they are those of the session's channels, a column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
@@ -41,6 +42,7 @@ LIBVER: Final = ("v110", "v110")
 ENTRY: Final = "/session"
 SETUP: Final = "/session/setup"
 DERIVED: Final = "/session/derived"
+ANNOTATIONS: Final = "/session/annotations"
 CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before

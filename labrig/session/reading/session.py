@@ -11,6 +11,9 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.errors import BadInputError
+from labrig.session.annotations.annotation import Annotation
+from labrig.session.annotations.stored import read_content, read_stored
+from labrig.session.annotations.waiting import read_waiting
 from labrig.session.format import layout
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
@@ -116,6 +119,25 @@ class RecordedSession:
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
         return layout.DERIVED in self._file
+
+    @property
+    def annotations(self) -> list[Annotation]:
+        """What was added to the session, without contents; also what still waits beside it."""
+        found = read_stored(self._file, self.path)
+        known = {one.identifier for one in found}
+        waiting = read_waiting(self.path, self.identifier)
+        rest = [replace(one, content=b"") for one in waiting if one.identifier not in known]
+        return [*found, *rest]
+
+    def annotation_content(self, identifier: str) -> bytes:
+        """Return the photograph of an annotation. Raises BadInputError when there is none."""
+        found = read_content(self._file, self.path, identifier)
+        for one in read_waiting(self.path, self.identifier) if found is None else ():
+            if one.identifier == identifier:
+                found = one.content
+        if not found:
+            raise BadInputError(f"{self.path}: there is no such photograph.")
+        return found
 
     @cached_property
     def checksum(self) -> str:

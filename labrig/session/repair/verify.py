@@ -8,6 +8,7 @@ from typing import Any
 
 from labrig.check import Check
 from labrig.errors import BadInputError
+from labrig.session.annotations.stored import changed
 from labrig.session.derived.store import derived_digest
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
@@ -53,7 +54,8 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
         str(row["dataset"]): str(row["sha256"])
         for row in read_table(file, layout.CHECKSUMS, layout.CHECKSUM_ROW, path)
     }
-    raw = {name for name in dataset_names(file, path) if not name.startswith(layout.DERIVED)}
+    added = (f"{layout.DERIVED}/", f"{layout.ANNOTATIONS}/")
+    raw = {name for name in dataset_names(file, path) if not name.startswith(added)}
     extra = sorted(raw - set(stored) - {layout.CHECKSUMS})
     if extra:
         yield Check(
@@ -68,6 +70,16 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
     )
     if layout.DERIVED in file:
         yield _derived(file, path)
+    if layout.ANNOTATIONS in file:
+        yield _annotations(file, path)
+
+
+def _annotations(file: Any, path: Path) -> Check:
+    count, faults = changed(file, path)
+    found = f"{count - len(faults)} of {count} as they were added"
+    if faults:
+        found += f"; changed: {', '.join(faults)}"
+    return Check(name="annotations", ok=not faults, found=found, wanted="each as it was added")
 
 
 def _derived(file: Any, path: Path) -> Check:
