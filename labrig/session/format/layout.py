@@ -16,6 +16,7 @@ readings        each reading, as seen while running
 marks           readings declared invalid
 signals/        NXdata: raw samples in V, a dataset for each channel, and their time
 frames/         NXdata: images, time, number, device_time, sample_index, reading
+title, project, license, user_1/ (NXuser), ..., sample/ (NXsample): what about.toml states
 derived/            what the analysis made of it; may be dropped and made again
 annotations/        what was added: notes, photographs, marks; an NXnote each, with its checksum
 In version 1 `signals` held names and ranges only, and the values of a reading were always force_N,

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from labrig.config.about import About, recorded_about
 from labrig.errors import BadInputError
 from labrig.session.annotations.annotation import Annotation
 from labrig.session.annotations.stored import read_content, read_stored
@@ -119,6 +120,11 @@ class RecordedSession:
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
         return layout.DERIVED in self._file
+
+    @cached_property
+    def about(self) -> About:
+        """Title, people and sample as its about.toml stated them; empty where none did."""
+        return recorded_about(self.texts)
 
     @property
     def annotations(self) -> list[Annotation]:
