@@ -1,7 +1,5 @@
 """The session file: write, read, verify, recover, import, export."""
 
-from labrig.session.annotations.annotate import add_waiting, annotate
-from labrig.session.annotations.annotation import Annotation
 from labrig.session.derived.store import (
     drop_measurements,
     load_finding,
@@ -10,6 +8,8 @@ from labrig.session.derived.store import (
     store_measurements,
     stored_curve_extractor,
 )
+from labrig.session.notes.add import add_note, add_waiting
+from labrig.session.notes.note import Note
 from labrig.session.reading.compare import compare_sessions
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import LoggedEvent, RecordedSession, open_session
@@ -20,15 +20,15 @@ from labrig.session.tables import read_tables, write_tables
 from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
-    "Annotation",
     "LoggedEvent",
+    "Note",
     "RecordedSession",
     "RecoverReport",
     "RunRecord",
     "SessionWriter",
     "WriterError",
+    "add_note",
     "add_waiting",
-    "annotate",
     "compare_sessions",
     "drop_measurements",
     "export_session",

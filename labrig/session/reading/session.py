@@ -12,10 +12,10 @@ from typing import Any, Self
 
 from labrig.config.about import About, recorded_about
 from labrig.errors import BadInputError
-from labrig.session.annotations.annotation import Annotation
-from labrig.session.annotations.stored import read_content, read_stored
-from labrig.session.annotations.waiting import read_waiting
 from labrig.session.format import layout
+from labrig.session.notes.note import Note
+from labrig.session.notes.stored import read_photograph, read_stored
+from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.values import read_setup, read_table, read_text
@@ -62,6 +62,7 @@ class RecordedSession:
         self.frame_dtype = self._setup.frame_dtype
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
+        self.devices = self._setup.devices  # none in sessions before version 3
         self.runs: tuple[RunRecord, ...] = tuple(
             RunRecord(file, path, run, self._setup) for run in self.schedule.runs
         )
@@ -127,20 +128,20 @@ class RecordedSession:
         return recorded_about(self.texts)
 
     @property
-    def annotations(self) -> list[Annotation]:
-        """What was added to the session, without contents; also what still waits beside it."""
+    def notes(self) -> list[Note]:
+        """What was added to the session, without photographs; also what still waits beside it."""
         found = read_stored(self._file, self.path)
-        known = {one.identifier for one in found}
+        known = {note.identifier for note in found}
         waiting = read_waiting(self.path, self.identifier)
-        rest = [replace(one, content=b"") for one in waiting if one.identifier not in known]
+        rest = [replace(note, photograph=b"") for note in waiting if note.identifier not in known]
         return [*found, *rest]
 
-    def annotation_content(self, identifier: str) -> bytes:
-        """Return the photograph of an annotation. Raises BadInputError when there is none."""
-        found = read_content(self._file, self.path, identifier)
-        for one in read_waiting(self.path, self.identifier) if found is None else ():
-            if one.identifier == identifier:
-                found = one.content
+    def photograph(self, identifier: str) -> bytes:
+        """Return the photograph of a note. Raises BadInputError when there is none."""
+        found = read_photograph(self._file, self.path, identifier)
+        for note in () if found else read_waiting(self.path, self.identifier):
+            if note.identifier == identifier:
+                found = note.photograph
         if not found:
             raise BadInputError(f"{self.path}: there is no such photograph.")
         return found

@@ -16,10 +16,12 @@ import numpy as np
 
 from labrig.config.about import About, recorded_about
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.serialise import to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channel_rows
+from labrig.session.format.checksums import covered
 from labrig.session.format.layout import Array
-from labrig.session.format.setup import SessionSetup
+from labrig.session.format.setup import DEVICES_SINCE, SessionSetup
 from protocols import run_to_dict, schedule_to_dict
 from protocols.execution.channels import FORCE
 from protocols.execution.events import Outcome, OutputState
@@ -96,6 +98,8 @@ def _setup_group(file: Any, setup: SessionSetup) -> None:
     group.create_dataset("signals", data=channel_rows(setup.signals, setup.version))
     group.create_dataset("rate_hz", data=np.float64(setup.rate_hz))
     group.create_dataset("simulated", data=np.bool_(setup.simulated))
+    if setup.version >= DEVICES_SINCE:
+        put_text(group, "devices", json.dumps(to_plain(setup.devices)))
     group.create_dataset("keep_all_frames", data=np.bool_(setup.keep_all_frames))
     if setup.frame_shape is not None:
         group.create_dataset("frame_shape", data=np.array(setup.frame_shape, dtype="<i4"))
@@ -215,13 +219,7 @@ def _table(group: Any, name: str, row: np.dtype[Any], rows_in_chunk: int) -> Non
 
 
 def _checksum_table(file: Any) -> None:
-    names: list[bytes] = []
-
-    def note(path: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            names.append(f"/{path}".encode())
-
-    file.visititems(note)
+    names = sorted(name.encode() for name in covered(file))
     rows = np.zeros(len(names), dtype=layout.CHECKSUM_ROW)
-    rows["dataset"] = sorted(names)
+    rows["dataset"] = names
     file.create_dataset(layout.CHECKSUMS, data=rows)

@@ -16,11 +16,12 @@ import numpy as np
 
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
-from labrig.session.annotations.annotate import add_waiting
-from labrig.session.annotations.waiting import waiting_path
 from labrig.session.format import layout
 from labrig.session.format.channels import as_recorded
+from labrig.session.format.devices import RecordedDevice
 from labrig.session.format.setup import SessionSetup, present_versions
+from labrig.session.notes.add import add_waiting
+from labrig.session.notes.waiting import waiting_path
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.recording.journal import Journal, journal_path
@@ -75,6 +76,7 @@ class SessionWriter:
         frame_dtype: np.dtype[Any] | str = "uint8",
         keep_all_frames: bool = False,
         simulated: bool = False,
+        devices: Sequence[RecordedDevice] = (),
         parts: Mapping[str, str] | None = None,
         patience_s: float = PATIENCE_S,
     ) -> None:
@@ -93,6 +95,7 @@ class SessionWriter:
             frame_dtype=np.dtype(frame_dtype).name,
             keep_all_frames=keep_all_frames,
             simulated=simulated,
+            devices=tuple(devices),
             versions=present_versions() | dict(parts or {}),
         )
         self._journal = _begin(self.path, self._setup)
@@ -129,7 +132,7 @@ class SessionWriter:
     def close(self) -> None:
         """Write all that is queued, finish the file and remove the journal; may be called twice.
 
-        Annotations that wait beside the file are added to it.
+        Notes that wait beside the file are added to it.
         Raises WriterError when the session was not recorded to its end.
         """
         if self._closed:

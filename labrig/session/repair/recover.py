@@ -15,12 +15,11 @@ import h5py
 import numpy as np
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.session.annotations.annotate import add_waiting
-from labrig.session.annotations.annotation import Annotation
-from labrig.session.annotations.stored import add_to_file, read_stored
-from labrig.session.annotations.waiting import WaitingAnnotations, open_waiting
 from labrig.session.format import layout
 from labrig.session.format.setup import SessionSetup
+from labrig.session.notes.add import add_waiting
+from labrig.session.notes.stored import add_to_file
+from labrig.session.notes.waiting import WaitingNotes, open_waiting
 from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
 from labrig.session.reading.opening import check_format, check_is_hdf5
 from labrig.session.reading.session import open_session
@@ -30,7 +29,7 @@ from labrig.session.recording.disk import written_beside
 from labrig.session.recording.journal import JournalReader, journal_path, read_journal
 from labrig.session.recording.locking import is_locked
 from labrig.session.recording.recorder import MisplacedRowsError, Recorder
-from labrig.session.repair.merge import add_missing, trim
+from labrig.session.repair.merge import add_missing, copy_supplements, trim
 from labrig.session.repair.superblock import unlocked
 from labrig.session.repair.verify import verify
 from protocols.execution.events import Outcome, OutputState
@@ -78,7 +77,7 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
                 old = _open_old(path, journal, until, notes)
                 guard = read_guard_report(path)
                 _build(new, _setup(path, journal, old), journal, old, guard, notes)
-                _annotate(new, old, path, waiting, notes)
+                _add_notes(new, waiting, notes)
             _insist_on_whole(new, target)
         if in_place and waiting is not None:
             waiting.clear()
@@ -143,6 +142,7 @@ def _build(
             _replay(file, journal, notes)
         if old is not None:
             notes.extend(add_missing(file, old, status_too=journal is None))
+            notes.extend(copy_supplements(file, old))
         notes.extend(trim(file, setup))
         _end(file, guard)
         Recorder(file).write_checksums()
@@ -175,25 +175,18 @@ def _end(file: Any, guard: GuardReport | None) -> None:
     entry["output_state"][()] = np.bytes_(output.value)
 
 
-def _annotate(
-    new: Path, old: Any, path: Path, waiting: WaitingAnnotations | None, notes: list[str]
-) -> None:
-    """Add the annotations that the damaged file holds, and those that wait beside it."""
-    found: list[Annotation] = []
-    try:
-        found = [] if old is None else read_stored(old, path, content=True)
-    except BadInputError as error:
-        notes.append(f"The annotations of the session file cannot be read ({error}).")
+def _add_notes(new: Path, waiting: WaitingNotes | None, notes: list[str]) -> None:
+    """Add the notes that wait beside the session; those in its file were copied with it."""
+    if waiting is None:
+        return
     with h5py.File(new, "r+", libver=layout.LIBVER) as file:
-        identifier = read_text(file, f"{layout.ENTRY}/identifier", path)
-        found += [] if waiting is None else waiting.read(identifier)
-        added = add_to_file(file, found) if found else 0
-    if added:
-        notes.append(f"{_counted(added)} kept.")
+        found = waiting.read(read_text(file, f"{layout.ENTRY}/identifier", new))
+        if found:
+            notes.append(f"{_counted(add_to_file(file, found))} from beside it added.")
 
 
 def _counted(count: int) -> str:
-    return f"{count} annotation{'' if count == 1 else 's'}"
+    return f"{count} note{'' if count == 1 else 's'}"
 
 
 def _insist_on_whole(new: Path, target: Path) -> None:

@@ -1,4 +1,4 @@
-"""Annotations that wait beside a session, in a file of their own, until they are added to it.
+"""Notes that wait beside a session, in a file of their own, until they are added to it.
 
 The file is append-only, checksummed, and on the disk when `append` returns; any program may append
 to it, also while another one records the session. Record 0 names the session.
@@ -15,46 +15,46 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.session.annotations.annotation import Annotation, from_head
+from labrig.session.notes.note import Note, from_head
 from labrig.session.recording.disk import cause, sync_folder
 from labrig.session.recording.locking import lock, unlock
 from labrig.session.recording.records import packed, records, write_all
 
 PATIENCE_S: Final = 10.0  # with another program that appends just now
 _RETRY_S = 0.02
-_SESSION = "annotations_of"
+_SESSION = "notes_of"
 
 
 def waiting_path(session: Path) -> Path:
-    """Where the annotations of a session wait."""
+    """Where the notes of a session wait."""
     return session.with_name(session.name + ".notes")
 
 
-def read_waiting(session: Path, identifier: str) -> list[Annotation]:
+def read_waiting(session: Path, identifier: str) -> list[Note]:
     """Return what waits for the session, up to the first damaged byte."""
     path = waiting_path(session)
     try:
         with path.open("rb") as file:
-            return _annotations(file, identifier)
+            return _notes(file, identifier)
     except FileNotFoundError:
         return []
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
 
 
-class WaitingAnnotations:
+class WaitingNotes:
     """The file, open and locked: no other program appends to it."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self.path = path
         self._file = file
 
-    def read(self, identifier: str) -> list[Annotation]:
+    def read(self, identifier: str) -> list[Note]:
         """Return what waits for the session; nothing where it is another session's."""
         self._file.seek(0)
-        return _annotations(self._file, identifier)
+        return _notes(self._file, identifier)
 
-    def append(self, annotation: Annotation, identifier: str) -> None:
+    def append(self, note: Note, identifier: str) -> None:
         """Add one; it is on the disk on return. Raises BadInputError, OSError."""
         count = self._end()
         if count == 0:
@@ -64,7 +64,7 @@ class WaitingAnnotations:
             raise BadInputError(
                 f"{self.path}: holds notes of another session; move it away, then try again."
             )
-        self._write(count, annotation.head, annotation.content)
+        self._write(count, note.head, note.photograph)
         os.fsync(self._file.fileno())
         sync_folder(self.path.parent)
 
@@ -91,7 +91,7 @@ class WaitingAnnotations:
 
 
 @contextmanager
-def open_waiting(session: Path, *, make: bool = False) -> Iterator[WaitingAnnotations | None]:
+def open_waiting(session: Path, *, make: bool = False) -> Iterator[WaitingNotes | None]:
     """Yield the file of a session, locked; None where there is none and none is to be made.
 
     Raises LabrigError when another program keeps it locked, BadInputError when it cannot be used.
@@ -105,7 +105,7 @@ def open_waiting(session: Path, *, make: bool = False) -> Iterator[WaitingAnnota
         yield None
         return
     try:
-        yield WaitingAnnotations(path, file)
+        yield WaitingNotes(path, file)
     finally:
         unlock(file)
         file.close()
@@ -137,14 +137,14 @@ def _is_still_there(path: Path, file: BinaryIO) -> bool:
         return False
 
 
-def _annotations(file: BinaryIO, identifier: str) -> list[Annotation]:
-    found: list[Annotation] = []
+def _notes(file: BinaryIO, identifier: str) -> list[Note]:
+    found: list[Note] = []
     whole = records(file, first=0)
     if next(whole, ({}, b""))[0].get(_SESSION) != identifier:
         return found
-    for head, content in whole:
+    for head, photograph in whole:
         try:
-            found.append(from_head(head, content))
+            found.append(from_head(head, photograph))
         except (BadInputError, ValueError):  # of a later version, or of nobody
             continue
     return found

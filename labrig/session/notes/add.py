@@ -1,30 +1,26 @@
-"""Adds annotations to a session: beside it at once, and into its file when that is closed.
+"""Adds notes to a session: beside it at once, and into its file when that is closed.
 
-The session is copied beside, the copy gets the annotations and takes the session's place; then
-those that waited are deleted. A kill at any moment loses none and doubles none: each has an
-identifier.
+A kill at any moment loses no note, as it is deleted beside the file only when the file holds it,
+and doubles none, as each has an identifier.
 """
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
-import h5py
-
 from labrig.errors import BadInputError
-from labrig.session.annotations.annotation import Annotation
-from labrig.session.annotations.stored import add_to_file
-from labrig.session.annotations.waiting import WaitingAnnotations, open_waiting
-from labrig.session.format import layout
+from labrig.session.notes.note import Note
+from labrig.session.notes.stored import add_to_file
+from labrig.session.notes.waiting import WaitingNotes, open_waiting
 from labrig.session.reading.session import open_session
-from labrig.session.recording.disk import cause, written_beside
+from labrig.session.recording.disk import cause
 from labrig.session.recording.journal import journal_path, read_journal
 from labrig.session.recording.locking import is_locked
+from labrig.session.supplements.store import replaced
 
 
-def annotate(path: Path, annotation: Annotation) -> bool:
-    """Add an annotation to a session that is closed, being recorded, or cut short.
+def add_note(path: Path, note: Note) -> bool:
+    """Add a note to a session that is closed, being recorded, or cut short.
 
     It is on the disk on return: in the file (True), or beside it (False) until the session is
     closed or recovered. Raises BadInputError, LabrigError.
@@ -34,7 +30,7 @@ def annotate(path: Path, annotation: Annotation) -> bool:
     with open_waiting(path, make=True) as waiting:
         assert waiting is not None  # noqa: S101 - it was made
         try:
-            waiting.append(annotation, identifier)
+            waiting.append(note, identifier)
         except OSError as error:
             raise BadInputError(f"{waiting.path}: cannot be written ({cause(error)}).") from None
         if journal_path(path).exists():
@@ -44,7 +40,7 @@ def annotate(path: Path, annotation: Annotation) -> bool:
 
 
 def add_waiting(path: Path) -> int:
-    """Add what waits beside a closed session to its file; return how many.
+    """Add what waits beside a closed session to its file; return how many notes.
 
     Raises BadInputError when the session is not closed, LabrigError when the disk takes no more;
     then all of it still waits, and is shown with the session.
@@ -67,13 +63,11 @@ def _identifier(path: Path) -> str:
         return session.identifier
 
 
-def _add(path: Path, identifier: str, waiting: WaitingAnnotations) -> int:
-    annotations = waiting.read(identifier)
-    if not annotations:
+def _add(path: Path, identifier: str, waiting: WaitingNotes) -> int:
+    notes = waiting.read(identifier)
+    if not notes:
         return 0
-    with written_beside(path) as beside:
-        shutil.copyfile(path, beside)
-        with h5py.File(beside, "r+", libver=layout.LIBVER) as file:
-            added = add_to_file(file, annotations)
+    with replaced(path) as file:
+        added = add_to_file(file, notes)
     waiting.clear()
     return added

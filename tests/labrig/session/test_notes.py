@@ -1,4 +1,4 @@
-"""Notes, photographs and marks are added to a session and change nothing of the recording."""
+"""Notes and photographs are added to a session and change nothing of the recording."""
 
 from __future__ import annotations
 
@@ -14,22 +14,16 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.session import SessionWriter, annotate, open_session, recover, verify
-from labrig.session.annotations import waiting as waiting_module
-from labrig.session.annotations.annotation import (
-    CONTENT_BYTES_MAX,
-    MARK,
-    NOTE,
-    PHOTOGRAPH,
-    Annotation,
-)
-from labrig.session.annotations.waiting import open_waiting, waiting_path
+from labrig.session import Note, SessionWriter, add_note, open_session, recover, verify
+from labrig.session.notes import waiting as waiting_module
+from labrig.session.notes.note import PHOTOGRAPH_BYTES_MAX
+from labrig.session.notes.waiting import open_waiting, waiting_path
 from labrig.session.recording.journal import journal_path
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 
 
-def note(text: str = "the sheet looks dry", **more: object) -> Annotation:
-    return Annotation(kind=NOTE, who="A. Operator", text=text, **more)
+def note(text: str = "the sheet looks dry", **more: object) -> Note:
+    return Note(who="A. Operator", text=text, **more)
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +40,7 @@ def closed(recorded, tmp_path):
 
 def texts_of(path, **how):
     with open_session(path, **how) as session:
-        return [one.text for one in session.annotations]
+        return [one.text for one in session.notes]
 
 
 def failed(path):
@@ -60,8 +54,8 @@ def checksum_of(path):
 
 def test_a_note_on_a_closed_session_is_in_the_file_and_the_recording_is_untouched(closed):
     before = checksum_of(closed)
-    assert annotate(closed, note("first"))
-    assert annotate(closed, note("second", run=0, reading=1))
+    assert add_note(closed, note("first"))
+    assert add_note(closed, note("second"))
     assert texts_of(closed) == ["first", "second"]
     assert checksum_of(closed) == before
     assert not failed(closed)
@@ -70,50 +64,41 @@ def test_a_note_on_a_closed_session_is_in_the_file_and_the_recording_is_untouche
 
 def test_a_photograph_comes_back_byte_by_byte(closed):
     content = bytes(range(256)) * 10
-    photograph = Annotation(
-        kind=PHOTOGRAPH, who="", text="", media_type="image/png", content=content
-    )
-    annotate(closed, photograph)
+    add_note(closed, Note(who="", text="", media_type="image/png", photograph=content))
     with open_session(closed) as session:
-        (found,) = session.annotations
-        assert (found.kind, found.media_type, found.content) == (PHOTOGRAPH, "image/png", b"")
-        assert session.annotation_content(found.identifier) == content
+        (found,) = session.notes
+        assert (found.has_photograph, found.photograph) == (True, b"")
+        assert session.photograph(found.identifier) == content
         with pytest.raises(BadInputError, match="no such photograph"):
-            session.annotation_content("another")
+            session.photograph("another")
 
 
-def test_a_mark_says_which_reading(closed):
-    annotate(closed, Annotation(kind=MARK, who="A. Operator", text="a bubble", run=1, reading=2))
-    with open_session(closed) as session:
-        (found,) = session.annotations
-    assert (found.kind, found.run, found.reading, found.text) == (MARK, 1, 2, "a bubble")
-
-
-@pytest.mark.parametrize("what", ["author", "description", "date", "run", "data"])
-def test_verify_finds_an_annotation_that_was_changed(closed, what):
-    annotate(closed, note("before", content=b"abc"))
-    annotate(closed, note("after"))
+@pytest.mark.parametrize("what", ["author", "description", "date", "sequence_index", "data"])
+def test_verify_finds_a_note_that_was_changed(closed, what):
+    add_note(closed, note("before", media_type="image/png", photograph=b"abc"))
+    add_note(closed, note("after"))
     with h5py.File(closed, "r+") as file:
-        item = file[f"session/annotations/annotation_0001/{what}"]
+        item = file[f"session/notes/note_0001/{what}"]
         item[...] = item[()] + 1 if item.dtype.kind in "iu" else np.bytes_(b"forged")
-    assert failed(closed) == ["annotations"]
+    assert failed(closed) == ["notes"]
 
 
-def test_verify_finds_an_annotation_that_was_taken_out(closed):
-    annotate(closed, note("before"))
-    annotate(closed, note("after"))
+def test_verify_finds_a_note_that_was_taken_out(closed):
+    add_note(closed, note("before"))
+    add_note(closed, note("after"))
     with h5py.File(closed, "r+") as file:
-        del file["session/annotations/annotation_0001"]
-    assert failed(closed) == ["annotations"]
+        del file["session/notes/note_0001"]
+    assert failed(closed) == ["notes"]
 
 
-def test_an_annotation_of_another_session_does_not_pass_for_one_of_this(closed, tmp_path):
-    other = tmp_path / "other.h5"
-    record(other, small_schedule(positions_m=(0.0,)))
-    annotate(other, note())
-    with h5py.File(other, "r") as source, h5py.File(closed, "r+") as file:
-        source.copy("session/annotations", file["session"])
-    assert failed(closed) == ["annotations"]
+def test_nothing_is_added_to_notes_that_another_program_has_changed(closed):
+    add_note(closed, note("before"))
+    with h5py.File(closed, "r+") as file:
+        file["session/notes/note_0001/author"][()] = b"forged"
+    with pytest.raises(BadInputError, match="changed by another program"):
+        add_note(closed, note("after"))
+    assert texts_of(closed) == ["before", "after"]  # it waits beside the file
+    assert failed(closed) == ["notes"]
 
 
 def test_a_note_during_a_run_is_on_the_disk_at_once_and_in_the_file_at_the_close(tmp_path):
@@ -122,14 +107,14 @@ def test_a_note_during_a_run_is_on_the_disk_at_once_and_in_the_file_at_the_close
     writer = SessionWriter(path, **settings(small_schedule(positions_m=(0.0,))))
     for event in events[:40]:
         writer.handle(event)
-    assert not annotate(path, note("while it runs"))
+    assert not add_note(path, note("while it runs"))
     assert texts_of(path, live=True) == ["while it runs"]
     for event in events[40:]:
         writer.handle(event)
     writer.close()
     assert not waiting_path(path).exists()
     with h5py.File(path) as file:
-        assert "annotation_0001" in file["session/annotations"]
+        assert "note_0001" in file["session/notes"]
     assert texts_of(path) == ["while it runs"]
     assert not failed(path)
 
@@ -142,7 +127,7 @@ def killed_while_recording(path):
         for line in program.stdout:
             if line.startswith("0 1"):
                 break
-        annotate(path, note("just before the kill"))
+        add_note(path, note("just before the kill"))
         program.send_signal(signal.SIGKILL)
 
 
@@ -151,24 +136,24 @@ def killed_while_recording(path):
 def test_a_kill_loses_no_note_and_recover_doubles_none(tmp_path, in_place):
     path = tmp_path / "s.h5"
     killed_while_recording(path)
-    annotate(path, note("after the kill"))
+    add_note(path, note("after the kill"))
     wanted = ["just before the kill", "after the kill"]
     output = recover(path, in_place=in_place).output
     assert texts_of(output) == wanted
     assert not failed(output)
     assert waiting_path(path).exists() is not in_place  # the original stays as it was
     if in_place:
-        annotate(path, note("later"))
+        add_note(path, note("later"))
         assert texts_of(path) == [*wanted, "later"]
 
 
 def test_a_kill_between_file_and_clearing_doubles_no_note(closed, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(waiting_module.WaitingAnnotations, "clear", lambda _self: None)
-        annotate(closed, note("once"))
+        patch.setattr(waiting_module.WaitingNotes, "clear", lambda _self: None)
+        add_note(closed, note("once"))
     assert waiting_path(closed).exists()
     assert texts_of(closed) == ["once"]
-    annotate(closed, note("twice"))
+    add_note(closed, note("twice"))
     assert texts_of(closed) == ["once", "twice"]
     assert not failed(closed)
 
@@ -193,7 +178,7 @@ def test_a_record_that_was_torn_by_a_kill_costs_itself_alone(closed):
     with waiting_path(closed).open("r+b") as file:
         file.truncate(file.seek(0, 2) - 3)
     assert texts_of(closed) == ["whole"]
-    annotate(closed, note("next"))
+    add_note(closed, note("next"))
     assert texts_of(closed) == ["whole", "next"]
 
 
@@ -202,7 +187,7 @@ def test_notes_of_another_session_are_not_taken_for_those_of_this_one(closed):
         waiting.append(note("foreign"), "another session")
     assert texts_of(closed) == []
     with pytest.raises(BadInputError, match="another session"):
-        annotate(closed, note())
+        add_note(closed, note())
     closed.unlink()
     with pytest.raises(BadInputError, match="earlier session"):
         SessionWriter(closed, **settings(small_schedule()))
@@ -211,7 +196,7 @@ def test_notes_of_another_session_are_not_taken_for_those_of_this_one(closed):
 
 def test_notes_from_many_threads_at_once_are_all_kept(closed):
     threads = [
-        threading.Thread(target=annotate, args=(closed, note(f"note {k}"))) for k in range(8)
+        threading.Thread(target=add_note, args=(closed, note(f"note {k}"))) for k in range(8)
     ]
     for thread in threads:
         thread.start()
@@ -224,15 +209,23 @@ def test_notes_from_many_threads_at_once_are_all_kept(closed):
 @pytest.mark.parametrize(
     ("wrong", "why"),
     [
-        ({"text": " "}, "needs a text"),
+        ({"text": " "}, "needs a text or a photograph"),
         ({"text": "x" * 10_001}, "too long"),
         ({"text": "a\0b"}, "control character"),
         ({"text": "a\ud800"}, "control character"),
         ({"who": "w" * 121}, "too long"),
-        ({"kind": "poem"}, "no kind"),
-        ({"content": bytes(CONTENT_BYTES_MAX + 1)}, "too large"),
+        ({"photograph": bytes(PHOTOGRAPH_BYTES_MAX + 1)}, "too large"),
     ],
 )
-def test_what_is_no_annotation_is_refused_with_its_reason(wrong, why):
+def test_what_is_no_note_is_refused_with_its_reason(wrong, why):
     with pytest.raises(BadInputError, match=why):
-        Annotation(**({"kind": NOTE, "who": "A", "text": "t"} | wrong))
+        Note(**({"who": "A", "text": "t"} | wrong))
+
+
+def test_notes_of_a_session_of_an_older_format_have_a_checksum_too(tmp_path):
+    path = Path(shutil.copy(Path(__file__).parent / "data" / "version_2.hdf5", tmp_path / "s.h5"))
+    add_note(path, note("years later"))
+    assert not failed(path)
+    with h5py.File(path, "r+") as file:
+        file["session/notes/note_0001/description"][()] = b"forged"
+    assert failed(path) == ["notes"]

@@ -1,1 +1,0 @@
-"""Annotations: notes, photographs and marks that are added to a session; nothing is taken back."""
