@@ -61,7 +61,7 @@ def finished(item: Any, version: int, content: Any = None) -> str:
 
 def supplement_digest(group: Any, version: int) -> str:
     """Return the sha256 (hex) of everything in a supplement but its checksum."""
-    if version < ATTRIBUTES_SINCE:
+    if version < ATTRIBUTES_SINCE and group.name == layout.DERIVED:
         return _content_digest(group)
     total = hashlib.sha256()
     for name in sorted(name for name in group.attrs if name != SUPPLEMENT_SUM):
@@ -85,7 +85,7 @@ def blocks(dataset: Any) -> Iterator[Array]:
 
 
 def _content_digest(group: Any) -> str:
-    """Return the checksum of a supplement before version 3: of the content of its datasets."""
+    """Return the checksum of derived measurements before version 3: of the datasets' content."""
     total = hashlib.sha256()
     for name in sorted(group):
         total.update(f"{name} {digest(group[name], 2)}\n".encode())

@@ -5,6 +5,7 @@
   identifier, outcome, reason, output_state, start_time, end_time
   events              the log, a row for each event (a long text goes on in rows of kind +)
   checksums           sha256 of every other group and dataset, written at the close
+  title, project, license, user_1/ (NXuser), ..., sample/ (NXsample): what about.toml states
   setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
                       signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
                       simulated, devices (JSON: what each device says that it is), keep_all_frames
