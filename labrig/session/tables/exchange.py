@@ -15,6 +15,7 @@ from labrig.errors import BadInputError
 from labrig.session.derived.store import load_measurements, write_derived
 from labrig.session.format import layout
 from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
+from labrig.session.reading.session import open_session
 from labrig.session.recording.create import fill_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.recorder import Recorder
@@ -72,8 +73,12 @@ def _session(setup: SessionSetup, names: list[str], measurements: Measurements) 
 def export_session(path: Path, folder: Path) -> list[Path]:
     """Write the measurements of a session as CSV files; their paths.
 
-    Raises BadInputError when the session was not analysed yet or a file is there already.
+    Raises BadInputError when the session was not analysed yet, or not since runs or readings were
+    marked, or when a file is there already.
     """
+    with open_session(path) as session:
+        if session.outdated:
+            raise BadInputError(f"{path}: {session.outdated}")
     return write_tables(load_measurements(Path(path)), Path(folder))
 
 
