@@ -186,7 +186,7 @@ def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
 def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:
     """Yield readings in their order, before each the frames kept before its own."""
     index, told = run.planned.index, 0
-    for row in run.readings_as_acquired:
+    for row in run.readings_as_taken:
         its = int(row["frame"])
         others = range(told, its)
         if others:

@@ -126,7 +126,7 @@ def _writes(run: RunRecord) -> Iterator[ev.Event]:
 def _readings(run: RunRecord) -> Iterator[ev.Event]:
     planned = {reading.index: reading for reading in run.planned.readings}
     numbers = run.frame_column("number")
-    for row in run.readings_as_acquired:
+    for row in run.readings_as_taken:
         reading = planned.get(int(row["index"]))
         if reading is not None:
             yield _reading(run, row, reading, numbers)

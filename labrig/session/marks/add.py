@@ -31,7 +31,7 @@ def _check(session: RecordedSession, mark: Mark) -> None:
     if not 0 <= mark.run < len(session.runs):
         raise BadInputError(f"{path}: there is no run {mark.run + 1}; it has {len(session.runs)}.")
     run = session.runs[mark.run]
-    if mark.reading is not None and mark.reading not in run.readings_as_acquired["index"]:
+    if mark.reading is not None and mark.reading not in run.readings_as_taken["index"]:
         raise BadInputError(f"{path}: {what} was not acquired; see labrig show {path}.")
     marked = run.standing_marks.get(mark.place)
     if mark.invalid and marked is not None:

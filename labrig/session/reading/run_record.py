@@ -160,14 +160,14 @@ class RunRecord:
         ]
 
     @property
-    def readings_as_acquired(self) -> Array:
+    def readings_as_taken(self) -> Array:
         """Each reading, as if none had been marked later."""
         return self._table("readings", self._reading_row)
 
     @cached_property
     def readings(self) -> Array:
         """Each reading, columns as in `layout.reading_row`; marks are in `valid` and `why`."""
-        rows = self.readings_as_acquired
+        rows = self.readings_as_taken
         for mark in self.standing_marks.values():
             hit = slice(None) if mark.reading is None else rows["index"] == mark.reading
             rows["valid"][hit] = False

@@ -110,7 +110,7 @@ def _digest(item: Any, version: int) -> str:
 def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
     name = f"run {run.planned.index + 1}"
     whole = session.outcome is Outcome.COMPLETED or run.completed
-    planned, have = len(run.planned.readings), len(run.readings_as_acquired)
+    planned, have = len(run.planned.readings), len(run.readings_as_taken)
     cut = "" if whole else f" (the session {session.outcome.value})"
     ok = have == planned or not whole
     yield Check(
@@ -128,7 +128,7 @@ def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
 
 
 def _frames(run: RunRecord, name: str) -> Check:
-    rows = run.readings_as_acquired["frame"]
+    rows = run.readings_as_taken["frame"]
     astray = int((rows >= run.frame_count).sum())
     found = f"{run.frame_count} frames" + (f", {astray} of readings missing" if astray else "")
     return Check(
