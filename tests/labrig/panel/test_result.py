@@ -47,7 +47,8 @@ def test_what_was_measured_comes_at_once_and_the_models_with_the_second_answer(s
     assert (first["complete"], first["models"]) == (False, [])
     assert len(conditions(first)) == len(load_measurements(folder / "a.h5").conditions)
     whole = get(server, "?session=a.h5")
-    assert whole["complete"] and [one["id"] for one in whole["models"]] == ["constant", "along"]
+    assert whole["complete"]
+    assert [one["id"] for one in whole["models"]] == ["constant", "along"]
     assert [one["kind"] for one in whole["missing"]] == ["fit", "diagnose", "report"]
     assert [one["curve"] for one in conditions(whole)] == [
         one["curve"] for one in conditions(first)
