@@ -3,6 +3,7 @@
 import { h, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { get, post } from "../net.js";
+import { Notes } from "../notes.js";
 
 /** Show the present job. */
 export function mount(place, app) {
@@ -13,7 +14,9 @@ export function mount(place, app) {
     may: () => control.why(),
   });
   const bar = runBar(app);
+  const notes = new Notes(app);
   place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, bar.notice, view.element);
+  place.append(notes.element);
   const again = () => view.update(new Set(["prompt"]));
   control.watchers.add(again);
   const stop = job.watch(() => bar.update());
@@ -23,6 +26,7 @@ export function mount(place, app) {
     destroy() {
       stop();
       control.watchers.delete(again);
+      notes.destroy();
       view.destroy();
     },
   };
