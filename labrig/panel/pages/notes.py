@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,7 +29,10 @@ Text = Annotated[str, Field(max_length=TEXT_CHARACTERS_MAX)]
 
 
 class NoteBody(RequestModel):
-    """A note. `session`: by default the one that is run now, or was last; `who`: who acts."""
+    """A note. `session`: by default the one that is run now, or was last.
+
+    `who`: by default the session's operator, and where it states none the holder of control.
+    """
 
     session: Name | None = None
     text: Text = ""
@@ -48,7 +52,8 @@ def listed(panel: Here, session: Annotated[str, Query(max_length=400)] = "") -> 
 def add(request: Request, body: NoteBody, panel: Here) -> Any:
     """Add a text."""
     acting = panel.acting(request)
-    return _added(panel, acting, body.session, Note(who=body.who or acting, text=body.text))
+    path = _path(panel, body.session)
+    return _added(panel, acting, path, Note(who=body.who or _author(path, acting), text=body.text))
 
 
 @router.post("/photograph")
@@ -67,8 +72,10 @@ async def add_photograph(
     content = await request.body()
 
     def work() -> Any:
-        note = photograph_note(content, who=who or acting, text=text, file_name=name)
-        return _added(panel, acting, session or None, note)
+        path = _path(panel, session or None)
+        author = who or _author(path, acting)
+        note = photograph_note(content, who=author, text=text, file_name=name)
+        return _added(panel, acting, path, note)
 
     return await run_in_threadpool(work)
 
@@ -82,8 +89,10 @@ def add_frame(request: Request, body: NoteBody, panel: Here) -> Any:
         raise NotNowError("the camera has not delivered an image yet.")
     header, image = newest
     name = f"camera-frame-{header['frame']}.jpg"
-    note = photograph_note(jpeg(image), who=body.who or acting, text=body.text, file_name=name)
-    return _added(panel, acting, body.session, note)
+    path = _path(panel, body.session)
+    author = body.who or _author(path, acting)
+    note = photograph_note(jpeg(image), who=author, text=body.text, file_name=name)
+    return _added(panel, acting, path, note)
 
 
 @router.get("/photograph")
@@ -102,9 +111,15 @@ def photograph(
     return Response(content, media_type=found[0].media_type if found else "image/jpeg")
 
 
-def _added(panel: Panel, acting: str, session: str | None, note: Note) -> Any:
+def _author(path: Path, acting: str) -> str:
+    """Return who a note is by where nobody is named; a session cut short states nobody."""
+    with suppress(BadInputError), open_session(path, live=True) as opened:
+        return ", ".join(opened.about.operators)[:NAME_CHARACTERS_MAX] or acting
+    return acting
+
+
+def _added(panel: Panel, acting: str, path: Path, note: Note) -> Any:
     """Add a note, and let all pages know of it."""
-    path = _path(panel, session)
     in_file = add_note(path, note)
     name = path.relative_to(panel.settings.data).as_posix()
     what = "added a photograph" if note.has_photograph else "noted"

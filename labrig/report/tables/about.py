@@ -41,13 +41,19 @@ def _experiment(about: About) -> dict[str, str]:
 
 
 def _people(about: About) -> Table:
-    rows = tuple(
+    """Return a row for each person; what is stated of nobody has no column."""
+    rows = [
         (person.name, ROLES.get(person.role, person.role), person.affiliation, person.email,
          f"https://orcid.org/{person.orcid}" if person.orcid else "")
         for person in about.people
-    )  # fmt: skip
+    ]  # fmt: skip
     columns = ("name", "role", "affiliation", "e-mail", "ORCID iD")
-    return Table(title="People", columns=columns, rows=rows)
+    used = [place for place in range(len(columns)) if any(row[place] for row in rows)]
+    return Table(
+        title="People",
+        columns=tuple(columns[place] for place in used),
+        rows=tuple(tuple(row[place] for place in used) for row in rows),
+    )
 
 
 def _sample(about: About) -> dict[str, str]:

@@ -113,17 +113,18 @@ export class Notes {
     }
   }
 
-  get caption() {
-    return this.text.value.trim();
+  /** What goes with each request; without a name the server takes the operator of the session. */
+  get given() {
+    return { session: this.name, text: this.text.value.trim(), who: this.app.control.name };
   }
 
   async addText() {
-    await post("/api/notes", { session: this.name, text: this.caption });
+    await post("/api/notes", this.given);
     this.text.value = "";
   }
 
   async addFrame() {
-    await post("/api/notes/camera", { session: this.name, text: this.caption });
+    await post("/api/notes/camera", this.given);
     this.text.value = "";
   }
 
@@ -133,8 +134,8 @@ export class Notes {
     this.act(async () => {
       if (file.size > PHOTOGRAPH_MB_MAX * 2 ** 20)
         throw new Error(`${file.name} is larger than ${PHOTOGRAPH_MB_MAX} MB; save it smaller.`);
-      const about = { session: this.name, text: this.caption, name: file.name };
-      await post(`/api/notes/photograph?${query(about)}`, file);
+      const about = query({ ...this.given, name: file.name });
+      await post(`/api/notes/photograph?${about}`, file);
       this.text.value = "";
     }).finally(() => (this.file.value = ""));
   }

@@ -8,15 +8,15 @@ import { Notes } from "../notes.js";
 /** Show the present job. */
 export function mount(place, app) {
   const { job, control } = app;
-  const view = new LiveView(job, {
+  const notes = new Notes(app);
+  const acts = {
     answer: (prompt, done) => control.act(() => post("/api/answer", { prompt, done })),
     mark: (run, reading, why) => control.act(() => post("/api/mark", { run, reading, why })),
     may: () => control.why(),
-  });
+  };
+  const view = new LiveView(job, acts, [notes.element]);
   const bar = runBar(app);
-  const notes = new Notes(app);
   place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, bar.notice, view.element);
-  place.append(notes.element);
   const again = () => view.update(new Set(["prompt"]));
   control.watchers.add(again);
   const stop = job.watch(() => bar.update());
