@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from labrig.report.data.findings import Findings
@@ -32,7 +33,7 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
         f"As they were added to the session, in order.{rest}",
         lambda: _sheet(findings.session, shown) if shown else None,
     )
-    return Section((notes_table(notes), *drawn))
+    return Section((replace(notes_table(notes), title=""), *drawn))
 
 
 def _sheet(session: RecordedSession, notes: Sequence[Note]) -> Figure:
@@ -40,12 +41,9 @@ def _sheet(session: RecordedSession, notes: Sequence[Note]) -> Figure:
 
     from labrig.session.notes.photograph import pixels_of, thumbnail
 
-    columns = min(_IN_A_ROW, len(notes))
-    rows = -(-len(notes) // columns)
-    figure = Figure(figsize=(7.0, 2.0 * rows * _IN_A_ROW / columns), layout="constrained")
-    for place, axes in zip(
-        range(rows * columns), figure.subplots(rows, columns, squeeze=False).flat, strict=True
-    ):
+    rows = -(-len(notes) // _IN_A_ROW)
+    figure = Figure(figsize=(7.0, 2.0 * rows), layout="constrained")
+    for place, axes in enumerate(figure.subplots(rows, _IN_A_ROW, squeeze=False).flat):
         axes.axis("off")
         if place < len(notes):
             content = session.photograph(notes[place].identifier)

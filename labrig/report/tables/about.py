@@ -20,7 +20,8 @@ def about_tables(about: About) -> list[Table]:
 def notes_table(notes: Sequence[Note]) -> Table:
     """Return all notes in their order; a photograph by its name."""
     rows = tuple((note.when[:16].replace("T", " "), note.who, text_of(note)) for note in notes)
-    return Table(title="Notes", columns=("when (UTC)", "who", "note"), rows=rows)
+    columns = ("when (UTC)", "who", "note")
+    return Table(title="Notes", columns=columns, rows=rows, text=True)
 
 
 def text_of(note: Note) -> str:
@@ -33,7 +34,7 @@ def text_of(note: Note) -> str:
 
 def _facts(title: str, rows: dict[str, str]) -> Table:
     stated = tuple((name, text) for name, text in rows.items() if text)
-    return Table(title=title, columns=("", ""), rows=stated)
+    return Table(title=title, columns=("", ""), rows=stated, text=True)
 
 
 def _experiment(about: About) -> dict[str, str]:
@@ -53,6 +54,7 @@ def _people(about: About) -> Table:
         title="People",
         columns=tuple(columns[place] for place in used),
         rows=tuple(tuple(row[place] for place in used) for row in rows),
+        text=True,
     )
 
 
