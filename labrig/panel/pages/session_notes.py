@@ -153,4 +153,6 @@ def _short(text: str) -> str:
     return line if len(line) <= _LOGGED_CHARACTERS else f"{line[:_LOGGED_CHARACTERS]}..."
 
 
-PAGE = PanelPage(title="Notes", order=52, modes=NOWHERE, router=router, script=own_script("notes"))
+PAGE = PanelPage(
+    title="Notes", order=52, modes=NOWHERE, router=router, script=own_script("session_notes")
+)
