@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
 from labrig.serialise import to_plain
-from labrig.session import RecordedSession, open_session
+from labrig.session import Note, RecordedSession, open_session
 
 Fits = dict[str, dict[str, Any]]  # by configuration
 
@@ -43,11 +44,18 @@ class CatalogueEntry:
     marks: int = 0  # made after the end, or taken back
     analysis_outdated: bool = False  # made before the last of them
     fit_outdated: bool = False
+    title: str = ""
+    project: str = ""
+    sample: str = ""  # its identity
+    operators: tuple[str, ...] = ()
+    notes: int = 0
+    words: str = ""  # to be searched: all that is stated of people and sample, and the notes
     fit: Fits | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         plain: dict[str, Any] = to_plain(self)
+        del plain["words"]
         return plain
 
     def fitted(self, what: str) -> float | None:
@@ -82,6 +90,7 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
     names = dict.fromkeys(run.planned.configuration for run in session.runs)
     readings = [run.readings for run in begun]
     whole = session.was_closed
+    about, notes = session.about, session.notes
     return replace(
         bare,
         started=session.started,
@@ -104,7 +113,26 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         earlier_checksums=_earlier(session) if whole else (),
         marks=len(session.marks_after_end),
         analysis_outdated=bool(session.outdated),
+        title=about.title,
+        project=about.project,
+        sample=about.sample.identity if about.sample else "",
+        operators=about.operators,
+        notes=len(notes),
+        words=" ".join((*_texts_in(about.model_dump(mode="json")), *map(_words_of, notes))),
     )
+
+
+def _texts_in(value: Any) -> Iterator[str]:
+    """Yield all texts of plain JSON."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _texts_in(item)
+
+
+def _words_of(note: Note) -> str:
+    return f"{note.who} {note.text} {note.file_name}"
 
 
 def _earlier(session: RecordedSession) -> tuple[str, ...]:
