@@ -65,12 +65,14 @@ def mark(request: Request, body: MarkBody, panel: Here) -> Any:
     """Mark a reading or run invalid, or take that back; the recording stays as it is."""
     who = panel.acting(request)
     path = existing(panel.settings.data, body.name, SUFFIX)
-    what = {"run": body.run, "reading": body.reading, "why": " ".join(body.why.split())}
-    add_mark(path, Mark(**what, who=who, invalid=not body.undo))
+    why = " ".join(body.why.split())
+    add_mark(
+        path, Mark(run=body.run, reading=body.reading, why=why, who=who, invalid=not body.undo)
+    )
     panel.library.refresh(_REFRESH_S)
     which = named(body.run, body.reading)
     did = f"took back the mark of {which}" if body.undo else f"marked {which} invalid"
-    panel.log(who, f"{did} in {body.name}: {body.why}", note=False)
+    panel.log(who, f"{did} in {body.name}: {why}", note=False)
     return {"ok": True}
 
 

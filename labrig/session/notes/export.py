@@ -30,7 +30,7 @@ def check_free(session: RecordedSession, folder: Path) -> None:
 
 
 def write_about_and_notes(session: RecordedSession, folder: Path) -> list[Path]:
-    """Write about.toml, devices.json, notes.csv and photographs/ into a folder, where there are any."""
+    """Write what there is of about.toml, devices.json, notes.csv and photographs/ to a folder."""
     written = []
     for name, content in _files(session):
         path = folder / name
