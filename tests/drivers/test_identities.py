@@ -70,7 +70,7 @@ def test_a_camera_of_the_kernel_has_model_and_serial(tmp_path):
         assert (found.product, found.serial) == ("HD Pro Webcam C920", "A1B2C3")
 
 
-class Backend:
+class Backend(cv2.VideoCapture):
     def getBackendName(self):
         return "GSTREAMER"
 

@@ -59,6 +59,28 @@ def test_sessions_are_listed_filtered_sorted_and_opened(world, visit):
     assert any(name.endswith("forces.csv") for name in names)
 
 
+def test_a_reading_of_a_closed_session_is_marked_and_taken_back_with_the_mouse(world, visit):
+    page = enter(visit, world, "session?name=b.h5")
+    card = page.locator(".session-marks")
+    card.locator("text=Mark…").nth(1).click()
+    card.get_by_role("spinbutton").fill("3")
+    card.get_by_role("textbox").fill("a bubble")
+    card.get_by_text("Mark invalid", exact=True).click()
+    card.locator("td").filter(has_text="reading 3 of run 2: INVALID").wait_for()
+    assert "20, 1 invalid" in text_of(page, ".facts")
+    with open_session(world.folder / "b.h5") as session:
+        assert session.runs[1].readings["why"][2] == "a bubble"
+        assert session.marks_after_end[0].who.startswith("operator")
+    card.get_by_text("Take back…").click()
+    card.get_by_role("textbox").fill("it was none")
+    card.get_by_text("Take back", exact=True).click()
+    card.locator("td").filter(has_text="mark taken back").wait_for()
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    with open_session(world.folder / "b.h5") as session:
+        assert session.runs[1].readings["valid"].all()
+
+
 def test_a_session_plays_at_once_at_ten_times_and_by_hand(world, visit):
     page = enter(visit, world, "replay?session=a.h5")
     page.wait_for_function("labrig.page?.player.duration_s > 10")

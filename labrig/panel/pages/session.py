@@ -18,8 +18,10 @@ from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
+from labrig.report.tables.devices import devices_as_table
 from labrig.report.tables.overview import overview
 from labrig.session import Mark, add_mark, export_session, open_session
+from labrig.session.format import layout
 from labrig.session.marks.mark import named
 
 router = APIRouter(prefix="/api/library")
@@ -39,7 +41,8 @@ def one(panel: Here, name: Session) -> Any:
              "text": " ".join(part for part in (e.subject, e.text) if part)}
             for e in session.events[-_MOST_LOG:]
         ]  # fmt: skip
-    about = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in about_tables(stated)]
+    stated_as = [*about_tables(stated), *map(devices_as_table, filter(None, [found.devices]))]
+    about = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in stated_as]
     return {
         **shown(entry),
         "runs_table": list(found.runs),
@@ -66,8 +69,9 @@ def mark(request: Request, body: MarkBody, panel: Here) -> Any:
     who = panel.acting(request)
     path = existing(panel.settings.data, body.name, SUFFIX)
     why = " ".join(body.why.split())
+    name = layout.cut(who, layout.MARK_WHO_BYTES).decode("utf-8")
     add_mark(
-        path, Mark(run=body.run, reading=body.reading, why=why, who=who, invalid=not body.undo)
+        path, Mark(run=body.run, reading=body.reading, why=why, who=name, invalid=not body.undo)
     )
     panel.library.refresh(_REFRESH_S)
     which = named(body.run, body.reading)

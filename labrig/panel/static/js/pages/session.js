@@ -6,6 +6,7 @@ import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { Notes } from "../notes.js";
 import { outcome } from "./library.js";
+import { SessionMarks } from "./session_marks.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
 export function factsOf(session) {
@@ -20,10 +21,11 @@ export function factsOf(session) {
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
     ["length", clock(session.duration_s)],
     ["size", bytes(session.bytes)],
-    ["analysed", session.analysed ? "yes" : "no"],
+    ["analysed", outdated(session.analysed ? "yes" : "no", session.analysis_outdated)],
     ["largest force", `${number(session.largest_force_mN, 3)} mN`],
     ["scatter of one reading", `${number(session.scatter_mN, 3)} mN`],
   ];
+  if (session.fit_outdated) facts.push(["fit", outdated("yes", true)]);
   for (const [name, fit] of Object.entries(session.fit ?? {})) {
     facts.push([
       `B, ${name}`,
@@ -41,6 +43,10 @@ export function factsOf(session) {
     ]);
   }
   return facts;
+}
+
+function outdated(words, is) {
+  return is ? `${words}, OUT OF DATE: runs or readings were marked since` : words;
 }
 
 /** Show the session named in the address. */
@@ -80,17 +86,20 @@ export function mount(place, app, asked) {
     body,
   );
   const notes = new Notes(app, name);
-  get(`/api/library/session?${query({ name })}`).then(
+  const marks = new SessionMarks(app, name, () => load());
+  const load = () => get(`/api/library/session?${query({ name })}`).then(
     (session) => {
+      marks.show(session);
       resume.hidden =
         app.status?.mode !== "rig" ||
         session.runs == null ||
         session.runs_complete >= session.runs ||
         session.outcome === "running";
-      put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
+      put(body, facts(session), log(session), marks.element, (session.about ?? []).map(table), notes.element);
     },
     (error) => put(body, h("p", { class: "fault" }, error.message)),
   );
+  load();
   return notes;
 }
 
