@@ -37,7 +37,13 @@ def one(panel: Here, name: Session) -> Any:
             for e in session.events[-_MOST_LOG:]
         ]  # fmt: skip
     about = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in about_tables(stated)]
-    return {**shown(entry), "runs_table": list(found.runs), "log": log, "about": about}
+    return {
+        **shown(entry),
+        "runs_table": list(found.runs),
+        "devices": list(found.devices),
+        "about": about,
+        "log": log,
+    }
 
 
 @router.get("/export")
