@@ -43,6 +43,7 @@ def one(panel: Here, name: Session) -> Any:
         "devices": list(found.devices),
         "about": about,
         "log": log,
+        "about": about,
     }
 
 

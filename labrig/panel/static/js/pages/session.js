@@ -69,6 +69,7 @@ export function mount(place, app, asked) {
     h(
       "div",
       { class: "buttons session-do" },
+      link("Result", `#/result?${query({ session: name })}`, { class: "button main" }),
       link("Replay", `#/replay?${query({ session: name })}`),
       h("button", { type: "button", onclick: () => tables() }, "Export tables (CSV)"),
       link("Download the file", file("h5"), { download: "" }),
