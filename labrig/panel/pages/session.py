@@ -43,7 +43,6 @@ def one(panel: Here, name: Session) -> Any:
         "devices": list(found.devices),
         "about": about,
         "log": log,
-        "about": about,
     }
 
 

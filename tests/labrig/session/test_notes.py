@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import shutil
 import signal
 import subprocess
@@ -229,3 +230,20 @@ def test_notes_of_a_session_of_an_older_format_have_a_checksum_too(tmp_path):
     with h5py.File(path, "r+") as file:
         file["session/notes/note_0001/description"][()] = b"forged"
     assert failed(path) == ["notes"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_damage_of_what_waits_costs_no_note_before_it_and_raises_nothing(closed, seed):
+    with open_session(closed) as session:
+        identifier = session.identifier
+    texts = [f"note {k}" for k in range(5)]
+    with open_waiting(closed, make=True) as waiting:
+        for text in texts:
+            waiting.append(note(text), identifier)
+    raw = bytearray(waiting_path(closed).read_bytes())
+    at = random.Random(seed).randrange(len(raw))
+    raw[at] ^= 1 << (seed % 8)
+    waiting_path(closed).write_bytes(raw)
+    found = texts_of(closed)
+    assert found == texts[: len(found)]
+    assert len(found) >= at * 6 // len(raw) - 1  # the record that names the session comes first
