@@ -155,14 +155,13 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
         block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
         yield ev.SignalsArrived(zero_s, planned.index, block)
     yield from _readings(run, zero_s)
-    for mark in run.marks:
-        reading = int(mark["reading"])
+    for mark in run.standing_marks.values():
         yield ev.ReadingMarked(
-            float(mark["time_s"]) + shift_s,
+            zero_s + planned.duration_s,
             run=planned.index,
-            reading=None if reading < 0 else reading,
-            why=str(mark["why"]),
-            who=str(mark["who"]),
+            reading=mark.reading,
+            why=mark.why,
+            who=mark.who,
         )
     yield ev.RunStopped(
         time_s=zero_s + planned.duration_s,

@@ -39,7 +39,11 @@ class CatalogueEntry:
     analysed: bool = False
     largest_force_mN: float | None = None
     scatter_mN: float | None = None
-    checksum: str = ""
+    checksum: str = ""  # of the recording with its marks
+    earlier_checksums: tuple[str, ...] = ()  # of the same before marks were made after the end
+    marks: int = 0  # made after the end, or taken back
+    analysis_outdated: bool = False  # made before the last of them
+    fit_outdated: bool = False
     title: str = ""
     project: str = ""
     sample: str = ""  # its identity
@@ -105,7 +109,10 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         analysed=session.has_measurements,
         largest_force_mN=largest_force_mN(means),
         scatter_mN=median_scatter_mN(means),
-        checksum=session.checksum if whole else "",
+        checksum=session.data_checksum if whole else "",
+        earlier_checksums=_earlier(session) if whole else (),
+        marks=len(session.marks_after_end),
+        analysis_outdated=bool(session.outdated),
         title=about.title,
         project=about.project,
         sample=about.sample.identity if about.sample else "",
@@ -126,6 +133,12 @@ def _texts_in(value: Any) -> Iterator[str]:
 
 def _words_of(note: Note) -> str:
     return f"{note.who} {note.text} {note.file_name}"
+
+
+def _earlier(session: RecordedSession) -> tuple[str, ...]:
+    """Return the checksums that the data had, but for the present one."""
+    now = session.data_checksum
+    return tuple(dict.fromkeys(each for each in session.data_checksums if each != now))
 
 
 def _sheets_of(session: RecordedSession) -> tuple[str, ...]:

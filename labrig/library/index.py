@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -71,13 +71,7 @@ class Library:
                 checksum, found = one.fits
                 if checksum not in fits or fits[checksum][0] < one.stamp[0]:
                     fits[checksum] = (one.stamp[0], found)
-        return [
-            replace(one.entry, fit=fits[one.entry.checksum][1])
-            if one.entry.checksum in fits
-            else one.entry
-            for one in known
-            if one.entry is not None
-        ]
+        return [with_fit(one.entry, fits) for one in known if one.entry is not None]
 
     def _refresh(self, budget_s: float | None, advance: Advance | None) -> int:
         end_s = None if budget_s is None else time.monotonic() + budget_s
@@ -155,3 +149,13 @@ def _load(path: Path) -> dict[str, _Known]:
     except (OSError, ValueError):
         return {}
     return kept.files if kept.version == VERSION else {}
+
+
+def with_fit(entry: CatalogueEntry, fits: Mapping[str, tuple[int, Fits]]) -> CatalogueEntry:
+    """Add the newest fit to the data as they are, else to those before the last marks."""
+    if entry.checksum in fits:
+        return replace(entry, fit=fits[entry.checksum][1])
+    earlier = [fits[checksum] for checksum in entry.earlier_checksums if checksum in fits]
+    if not earlier:
+        return entry
+    return replace(entry, fit=max(earlier, key=lambda fit: fit[0])[1], fit_outdated=True)

@@ -8,6 +8,8 @@ from labrig.session.derived.store import (
     store_measurements,
     stored_curve_extractor,
 )
+from labrig.session.marks.add import add_mark
+from labrig.session.marks.mark import Mark
 from labrig.session.notes.add import add_note, add_waiting
 from labrig.session.notes.note import Note
 from labrig.session.reading.compare import compare_sessions
@@ -21,12 +23,14 @@ from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
     "LoggedEvent",
+    "Mark",
     "Note",
     "RecordedSession",
     "RecoverReport",
     "RunRecord",
     "SessionWriter",
     "WriterError",
+    "add_mark",
     "add_note",
     "add_waiting",
     "compare_sessions",

@@ -48,6 +48,13 @@ def list_sessions(
     for entry in found:
         if entry.error:
             say(f"{entry.name}: {entry.error}")
+        elif outdated := _outdated(entry):
+            say(f"{entry.name}: {outdated} out of date: runs or readings were marked since.")
+
+
+def _outdated(entry: CatalogueEntry) -> str:
+    found = {"analysis": entry.analysis_outdated, "fit": entry.fit_outdated}
+    return " and ".join(name for name, is_outdated in found.items() if is_outdated)
 
 
 _COLUMNS = (

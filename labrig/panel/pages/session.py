@@ -7,21 +7,24 @@ import tempfile
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse
+from pydantic import Field
 from starlette.background import BackgroundTask
 
 from labrig.errors import BadInputError
 from labrig.panel.core.file_names import existing
-from labrig.panel.core.requests import Here
+from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
 from labrig.report.tables.overview import overview
-from labrig.session import export_session, open_session
+from labrig.session import Mark, add_mark, export_session, open_session
+from labrig.session.marks.mark import named
 
 router = APIRouter(prefix="/api/library")
 _MOST_LOG = 5000
+_REFRESH_S = 0.5
 
 
 @router.get("/session")
@@ -41,9 +44,35 @@ def one(panel: Here, name: Session) -> Any:
         **shown(entry),
         "runs_table": list(found.runs),
         "devices": list(found.devices),
+        "marks_table": list(found.marks),
         "about": about,
         "log": log,
     }
+
+
+class MarkBody(RequestModel):
+    """A reading, or a whole run, of a closed session that is invalid; or that taken back."""
+
+    name: Name
+    run: int = Field(ge=0)
+    reading: int | None = Field(None, ge=0)
+    why: str = Field(min_length=1, max_length=200)
+    undo: bool = False
+
+
+@router.post("/mark")
+def add(request: Request, body: MarkBody, panel: Here) -> Any:
+    """Mark a reading or run invalid, or take that back; the recording stays as it is."""
+    who = panel.acting(request)
+    path = existing(panel.settings.data, body.name, SUFFIX)
+    why = " ".join(body.why.split())
+    mark = Mark(run=body.run, reading=body.reading, why=why, who=who, invalid=not body.undo)
+    add_mark(path, mark)
+    panel.library.refresh(_REFRESH_S)
+    which = named(body.run, body.reading)
+    did = f"took back the mark of {which}" if body.undo else f"marked {which} invalid"
+    panel.log(who, f"{did} in {body.name}: {body.why}", note=False)
+    return {"ok": True}
 
 
 @router.get("/export")

@@ -22,6 +22,7 @@ class Overview:
     log: tuple[tuple[str, ...], ...]
     channels: tuple[ChannelSummary, ...] = ()
     devices: tuple[dict[str, Any], ...] = ()
+    marks: tuple[dict[str, Any], ...] = ()  # after the end, oldest first
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds."""
@@ -30,6 +31,7 @@ class Overview:
             "runs": list(self.runs),
             "channels": [asdict(channel) for channel in self.channels],
             "devices": list(self.devices),
+            "marks": list(self.marks),
         }
 
     def tables(self, *, log: bool = False) -> list[Table]:
@@ -42,6 +44,8 @@ class Overview:
             found.append(channels_as_table(self.channels))
         if self.devices:
             found.append(devices_as_table(self.devices))
+        if self.marks:
+            found.append(_marks_as_table(self.marks))
         if log:
             found.append(
                 Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
@@ -77,6 +81,7 @@ def overview(session: RecordedSession) -> Overview:
         ("output", session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
+        *([("analysis", session.outdated)] if session.outdated else []),
         ("boards", session.boards),
         *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
@@ -95,7 +100,30 @@ def overview(session: RecordedSession) -> Overview:
         for event in session.events
     )
     devices = tuple(device_row(device) for device in session.devices)
-    return Overview(facts=facts, runs=runs, log=log, channels=channels, devices=devices)
+    return Overview(
+        facts=facts,
+        runs=runs,
+        log=log,
+        channels=channels,
+        devices=devices,
+        marks=tuple(mark.as_dict() for mark in session.marks_after_end),
+    )
+
+
+def _marks_as_table(marks: tuple[dict[str, Any], ...]) -> Table:
+    rows = tuple(
+        (
+            str(mark["run"]),
+            "whole run" if mark["reading"] is None else str(mark["reading"]),
+            "invalid" if mark["invalid"] else "mark taken back",
+            mark["why"],
+            mark["who"],
+            mark["when"],
+        )
+        for mark in marks
+    )
+    columns = ("run", "reading", "mark", "why", "by", "at (UTC)")
+    return Table(title="Marks after the end", columns=columns, rows=rows)
 
 
 def _run(run: RunRecord) -> dict[str, Any]:

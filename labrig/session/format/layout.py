@@ -20,7 +20,8 @@
 Supplements, groups that are added to a closed session; each has a checksum of its own:
   derived/            what the analysis made of it; may be dropped and made again
   notes/              the operator's notes and photographs
-  marks/              runs and readings declared invalid after the end, and taken back
+  marks/entries       runs and readings declared invalid after the end, or that taken back; a row
+                      each, with a checksum that covers the one of the row before
 A checksum covers the content of a dataset and the attributes of a group or dataset; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
@@ -178,6 +179,19 @@ MARK_ROW: Final = np.dtype(
         ("reading", "<i4"),  # -1: the whole run
         ("why", text_type(240)),
         ("who", text_type(64)),
+    ]
+)
+MARK_WHY_BYTES: Final = 240
+MARK_WHO_BYTES: Final = 64
+END_MARK_ROW: Final = np.dtype(  # of a mark after the end
+    [
+        ("when", text_type(40)),  # ISO 8601, UTC
+        ("run", "<i4"),
+        ("reading", "<i4"),  # -1: the whole run
+        ("invalid", "?"),  # False: a mark is taken back
+        ("why", text_type(MARK_WHY_BYTES)),
+        ("who", text_type(MARK_WHO_BYTES)),
+        ("sha256", text_type(64)),  # of this row and that of the row before
     ]
 )
 # One value a frame, beside the image itself: name -> (type, unit).

@@ -14,18 +14,25 @@ from labrig.config.about import About, recorded_about
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
+from labrig.session.marks.mark import Mark, states_of
+from labrig.session.marks.stored import read_marks
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
-from labrig.session.reading.values import read_setup, read_table, read_text
+from labrig.session.reading.values import damage_told, read_setup, read_table, read_text
+from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
 # Differ from one recording of the same virtual run to the next.
 VOLATILE = frozenset(
     {f"{layout.ENTRY}/{name}" for name in ("identifier", "start_time", "end_time", "checksums")}
+)
+OUTDATED = (
+    "The analysis is out of date: runs or readings were marked since it was made; run labrig "
+    "analyze again."
 )
 VOLATILE_UNDER = f"{layout.SETUP}/versions/"
 
@@ -65,7 +72,8 @@ class RecordedSession:
         self.simulated = self._setup.simulated
         self.devices = self._setup.devices  # none in sessions before version 3
         self.runs: tuple[RunRecord, ...] = tuple(
-            RunRecord(file, path, run, self._setup) for run in self.schedule.runs
+            RunRecord(file, path, run, self._setup, lambda: self.marks_after_end)
+            for run in self.schedule.runs
         )
 
     @property
@@ -130,6 +138,32 @@ class RecordedSession:
                 found.append(LoggedEvent(**values))
         return found
 
+    @cached_property
+    def marks_after_end(self) -> tuple[Mark, ...]:
+        """What was marked since the session was closed, and taken back, oldest first."""
+        return read_marks(self._file, self.path)
+
+    @property
+    def data_checksum(self) -> str:
+        """A sha256 (hex) of the recording with its marks: another one is other data to analyse."""
+        return self.data_checksums[-1]
+
+    @cached_property
+    def data_checksums(self) -> tuple[str, ...]:
+        """The same as it was before the first mark after the end, and after each of them."""
+        if not self.marks_after_end:
+            return (self.checksum,)
+        during = (mark for run in self.runs for mark in run.marks_during)
+        return states_of(self.checksum, during, self.marks_after_end)
+
+    @property
+    def outdated(self) -> str:
+        """Why the measurements kept in the session are out of date, a sentence; else empty."""
+        if not (self.has_measurements and self.marks_after_end):
+            return ""
+        made_of = read_text(self._file, f"{layout.DERIVED}/checksum", self.path)
+        return "" if made_of == self.data_checksum else OUTDATED
+
     @property
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
@@ -148,6 +182,12 @@ class RecordedSession:
         waiting = read_waiting(self.path, self.identifier)
         rest = [replace(note, photograph=b"") for note in waiting if note.identifier not in known]
         return [*found, *rest]
+
+    @property
+    def notes_were_changed(self) -> bool:
+        """Whether the notes in the file are not as they were added."""
+        with damage_told(self.path, layout.NOTES):
+            return layout.NOTES in self._file and not is_sealed(self._file[layout.NOTES])
 
     def photograph(self, identifier: str) -> bytes:
         """Return the photograph of a note. Raises BadInputError when there is none."""
