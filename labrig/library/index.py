@@ -86,7 +86,8 @@ class Library:
             del self._known[name]
         saved_s = time.monotonic()
         for count, name in enumerate(changed):
-            if end_s is not None and time.monotonic() > end_s:
+            # One at least, or a slow disk would keep whoever asks again and again waiting for ever.
+            if count and end_s is not None and time.monotonic() > end_s:
                 self._save()
                 return len(changed) - count
             self._known[name] = _look(self.folder / name, name, there[name])

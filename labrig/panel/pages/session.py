@@ -48,8 +48,8 @@ def one(panel: Here, name: Session) -> Any:
         "runs_table": list(found.runs),
         "devices": list(found.devices),
         "marks_table": list(found.marks),
-        "log": log,
         "about": about,
+        "log": log,
     }
 
 
@@ -64,7 +64,7 @@ class MarkBody(RequestModel):
 
 
 @router.post("/mark")
-def mark(request: Request, body: MarkBody, panel: Here) -> Any:
+def add(request: Request, body: MarkBody, panel: Here) -> Any:
     """Mark a reading or run invalid, or take that back; the recording stays as it is."""
     who = panel.acting(request)
     path = existing(panel.settings.data, body.name, SUFFIX)

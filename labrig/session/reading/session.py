@@ -21,7 +21,8 @@ from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
-from labrig.session.reading.values import read_setup, read_table, read_text
+from labrig.session.reading.values import damage_told, read_setup, read_table, read_text
+from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
@@ -181,6 +182,12 @@ class RecordedSession:
         waiting = read_waiting(self.path, self.identifier)
         rest = [replace(note, photograph=b"") for note in waiting if note.identifier not in known]
         return [*found, *rest]
+
+    @property
+    def notes_were_changed(self) -> bool:
+        """Whether the notes in the file are not as they were added."""
+        with damage_told(self.path, layout.NOTES):
+            return layout.NOTES in self._file and not is_sealed(self._file[layout.NOTES])
 
     def photograph(self, identifier: str) -> bytes:
         """Return the photograph of a note. Raises BadInputError when there is none."""

@@ -60,26 +60,35 @@ def only_writer(path: Path, patience_s: float = 60.0) -> Iterator[None]:
     A file beside it is locked meanwhile. Raises BadInputError when another program does not end.
     """
     beside = path.with_name(f"{path.name}.lock")
-    file = _locked_file(beside, path, patience_s)
-    try:
-        yield
-    finally:
-        with suppress(OSError):  # Windows removes no file that somebody has open
-            beside.unlink()
-        unlock(file)
-        file.close()
+    with locked_file(beside, patience_s):
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # Windows removes no file that somebody has open
+                beside.unlink()
 
 
-def _locked_file(beside: Path, path: Path, patience_s: float) -> BinaryIO:
+@contextmanager
+def locked_file(path: Path, patience_s: float) -> Iterator[BinaryIO]:
+    """Yield the file at `path` open and locked; it is made where there is none.
+
+    Whoever has it locked may delete it. Raises BadInputError when it cannot be used, or when
+    another program does not let go of it.
+    """
     give_up_s = time.monotonic() + patience_s
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
     while True:
         try:
-            file = beside.open("ab")
+            file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
         except OSError as error:
             raise BadInputError(f"{path} cannot be written: {error.strerror}.") from None
-        if lock(file) and _is_at(file, beside):
-            return file
-        file.close()
+        with file:
+            if lock(file) and _is_at(file, path):
+                try:
+                    yield file
+                finally:
+                    unlock(file)
+                return
         if time.monotonic() > give_up_s:
             raise BadInputError(f"{path}: another program is writing to it; try again later.")
         threading.Event().wait(0.02)
