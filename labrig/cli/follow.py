@@ -156,6 +156,7 @@ class RunDisplay:
         self._output = OutputState.UNKNOWN
         self._run: PlannedRun | None = None  # the present or last one
         self._running = False
+        self._run_s = 0.0
         self._invalid: list[str] = []  # why, of this run's readings
 
     def __call__(self, event: Event) -> None:
@@ -165,14 +166,17 @@ class RunDisplay:
             warn(_AFTER_PULSE)
         if isinstance(event, RunStarted):
             self._run, self._running, self._invalid = event.run, True, []
-            self._report(0.0, "")
+            self._run_s = 0.0
+            self._report()
         elif isinstance(event, ReadingTaken) and self._run is not None:
             self._invalid += [event.why] * (not event.valid)
-            fraction_s = self._run.time_of(event.planned)
-            self._report(fraction_s, f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
+            self._run_s = self._run.time_of(event.planned)
+            self._report(f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
             self._running = False
-            self._done_s += self._run.duration_s + self._move_s
+            if event.completed:
+                self._done_s += self._run.duration_s + self._move_s
+                self._run_s = 0.0
             if self._invalid:
                 warn(
                     f"run {event.run + 1}: {len(self._invalid)} of {len(self._run.readings)} "
@@ -185,14 +189,29 @@ class RunDisplay:
                 )
         elif isinstance(event, OutputChanged):
             self._output = event.state
+            self._report()
             if self._running and event.state is OutputState.UNKNOWN:
                 warn(f"{event.why}; labrig keeps trying")
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
-        elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:
-            self._advance(1.0, f"{len(self._runs)} runs done · output {event.output.value}")
+        elif isinstance(event, SessionStopped):
+            self._end(event)
 
-    def _report(self, run_s: float, force: str) -> None:
+    def _end(self, event: SessionStopped) -> None:
+        """Report how it ended, with what is known of the output now and not during the run."""
+        completed = event.outcome is Outcome.COMPLETED
+        where = f"{len(self._runs)} runs done" if completed else event.outcome.value
+        if not completed and self._run is not None:
+            where += f" in run {self._run.index + 1} of {len(self._runs)}"
+        safe = event.output is OutputState.SAFE
+        output = "output safe, read back" if safe else f"OUTPUT {event.output.value.upper()}"
+        self._advance(1.0 if completed else self._fraction, f"{where} · {output}", last=True)
+
+    @property
+    def _fraction(self) -> float:
+        return min((self._done_s + self._run_s) / max(self._whole_s, 1e-9), 1.0)
+
+    def _report(self, force: str = "") -> None:
         run = self._run
         if run is None:
             return
@@ -204,4 +223,4 @@ class RunDisplay:
         ]
         if force:
             parts.append(force)
-        self._advance((self._done_s + run_s) / max(self._whole_s, 1e-9), " · ".join(parts))
+        self._advance(self._fraction, " · ".join(parts))

@@ -49,6 +49,15 @@ export function about(seconds) {
   return `about ${plain(Math.round(seconds / 360) / 10)} h`;
 }
 
+/** '20 s ago', '3 min ago', 'about 1.5 h ago'; empty when the time is not known. */
+export function ago(wall, now_ms = Date.now()) {
+  const seconds = (now_ms - new Date(wall).getTime()) / 1000;
+  if (!wall || !Number.isFinite(seconds)) return "";
+  if (seconds < 60) return `${Math.max(0, Math.round(seconds))} s ago`;
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min ago`;
+  return `${about(seconds)} ago`;
+}
+
 /** A wall time, in the reader's own zone, as 2026-11-21 14:05. */
 export function when(wall) {
   if (!wall) return "\u2013";

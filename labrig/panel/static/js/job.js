@@ -121,6 +121,17 @@ export class Job {
     return this.job != null && (this.job.state === "starting" || this.job.state === "going");
   }
 
+  /** Whether the session is over, as far as anybody can know: then nothing of it is 'now'. */
+  get over() {
+    return this.ended != null || this.job?.state === "ended" || this.job?.state === "lost";
+  }
+
+  /** Whether signals are being acquired; else the newest that came are the last reading. */
+  get acquiring() {
+    const record = this.runs.get(this.signals.run ?? this.now_run);
+    return this.alive !== false && !this.over && Boolean(record?.started) && !record.stopped;
+  }
+
   touch(type) {
     this.dirty.add(type);
     if (this.due) return;
