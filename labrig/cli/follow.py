@@ -108,7 +108,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
 
 def finish(result: Result) -> None:
     """Print how a session ended; exit with its code unless that is 0."""
-    text = f"{result.path}: {result.outcome.value}: {result.status.text.rstrip('.')}."
+    text = f"{result.path}: {result.text}."
     if result.code:
         warn(f"labrig: {text}")
         raise typer.Exit(int(result.code))
