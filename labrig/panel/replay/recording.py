@@ -107,7 +107,7 @@ class Recording:
         if span is None:
             return None
         whole = self._whole_strip(span.run)
-        zero_s = self._session.runs[span.run].time_zero_s - self._begin_s
+        zero_s = self._session.run(span.run).time_zero_s - self._begin_s
         times = whole.values[0]
         new = fresh or after_s < span.from_s
         from_s = to_s - KEEP_S if fresh else after_s
@@ -138,7 +138,7 @@ class Recording:
         if at < 0 or self._frame_times[at] <= after_s:
             return None
         at_s, run_index, row = self._frames[at]
-        run = self._session.runs[run_index]
+        run = self._session.run(run_index)
         number = int(run.frame_column("number")[row])
         frame = Frame(number=number, time_s=at_s, device_time_s=None, image=run.image(row))
         return raw_picture(frame, at_s, run.planned, self._voltage_at(run, at_s))
@@ -160,7 +160,7 @@ class Recording:
 
     def _whole_strip(self, run: int) -> StripChart:
         if self._strips is None or self._strips[0] != run:
-            self._strips = (run, _strip_of(self._session, self._session.runs[run]))
+            self._strips = (run, _strip_of(self._session, self._session.run(run)))
         return self._strips[1]
 
 

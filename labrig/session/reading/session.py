@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -63,9 +63,21 @@ class RecordedSession:
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
         self.devices = self._setup.devices  # none in sessions before version 3
-        self.runs: tuple[RunRecord, ...] = tuple(
-            RunRecord(file, path, run, self._setup) for run in self.schedule.runs
-        )
+        # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
+        self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def run(self, index: int) -> RunRecord:
+        """Return the run of an index. Raises BadInputError."""
+        for run in self.runs:
+            if run.planned.index == index:
+                return run
+        raise BadInputError(f"{self.path}: has no run {index + 1}.")
+
+    def _records(self) -> Iterator[RunRecord]:
+        for run in self.schedule.all_runs:
+            record = RunRecord(self._file, self.path, run, self._setup)
+            if run.repeats is None or record.started:
+                yield record
 
     @property
     def outcome(self) -> Outcome:

@@ -100,7 +100,24 @@ export class Job {
 
   /** The plan's entry of a run. */
   planned(index) {
-    return this.plan?.runs.find((run) => run.run === index) ?? null;
+    const all = [...(this.plan?.runs ?? []), ...(this.plan?.repeats ?? [])];
+    return all.find((run) => run.run === index) ?? null;
+  }
+
+  /** All planned runs, and those that were measured again so far. */
+  begun() {
+    const again = (this.plan?.repeats ?? []).filter((run) => this.runs.has(run.run));
+    return [...(this.plan?.runs ?? []), ...again];
+  }
+
+  /** Readings of a run that do not count, and how many should: { lost: [reading], of }. */
+  losses(index) {
+    const planned = this.planned(index);
+    const run = this.runs.get(index);
+    if (!planned || !run) return { lost: [], of: 0 };
+    const counts = (kind) => kind !== "discarded";
+    const lost = [...run.readings.values()].filter((one) => !one.valid && counts(one.kind));
+    return { lost, of: planned.readings.filter(([, , , kind]) => counts(kind)).length };
   }
 
   /** Readings of a run that count, by voltage: [{ voltage, mean, scatter, count, values }]. */

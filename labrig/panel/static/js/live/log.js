@@ -11,6 +11,7 @@ const NAMES = {
   marked: "MARKED",
   ended: "ENDED",
   action: "DONE BY",
+  reading: "LOST",
 };
 
 /** A job's log lines. */

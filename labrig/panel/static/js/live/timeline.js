@@ -194,7 +194,8 @@ export class Timeline {
     const going = record?.started && !record.stopped && !job.over;
     const run_s = going ? this.runTime(run) : record?.stopped ? run.duration_s : 0;
     const begun = (job.started || job.job) && !job.over;
-    const at = this.x(record?.started ? run.starts_s + run_s : this.waiting(run));
+    const planned = run.repeats == null ? run : job.planned(run.repeats);
+    const at = this.x(record?.started ? planned.starts_s + run_s : this.waiting(planned));
     this.now.setAttribute("d", begun ? `M${at} 28V58M${at - 5} 28H${at + 5}L${at} 34Z` : "");
     const wave = this.waveX(run_s);
     this.waveNow.setAttribute("d", going ? `M${wave} 0V${WAVE_HIGH}` : "");
