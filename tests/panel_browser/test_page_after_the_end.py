@@ -68,3 +68,28 @@ def test_the_schedule_has_no_now_after_the_end(fake, visit, how):
     assert set(page.evaluate(marks)) <= {"", None}
     assert page.locator(".cell-now").count() == 0
     assert page.locator(".cell-broken").count() == 1
+
+
+def test_the_log_counts_from_the_start_whose_date_and_zone_are_told_once(fake, visit):
+    page = visit(f"{fake.url}#/run", timezone_id="Europe/Zurich")
+    until(page, ".log-times", "times since the start, 2026-11-21 13:00 (UTC+1)")
+    assert page.inner_text(".log-lines li:first-child time") == "0:00"
+    fake.tell({**made_up.plan(), "clock": "virtual"}, {"type": "warning", "time_s": 9, "log": "w"})
+    until(page, ".log-times", "by the session\N{RIGHT SINGLE QUOTATION MARK}s own, virtual clock")
+
+
+def test_the_newest_line_of_the_log_is_in_sight_until_the_reader_scrolls_away(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    bottom = """() => {
+      const list = document.querySelector('.log-lines');
+      return list.scrollHeight > list.clientHeight + 40 &&
+        list.scrollHeight - list.scrollTop - list.clientHeight < 4;
+    }"""
+    page.wait_for_selector(".log-lines li")
+    page.wait_for_function(bottom)
+    page.evaluate("document.querySelector('.log-lines').scrollTop = 0")
+    page.wait_for_timeout(100)
+    fake.tell({"type": "warning", "time_s": 9, "text": "w", "log": "a new line"})
+    until(page, ".log-lines", "a new line")
+    page.wait_for_timeout(100)
+    assert page.evaluate("document.querySelector('.log-lines').scrollTop") < 5

@@ -17,7 +17,7 @@ from labrig.panel.core.requests import Here
 from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.overview import overview
-from labrig.session import export_session, open_session
+from labrig.session import RecordedSession, export_session, open_session
 
 router = APIRouter(prefix="/api/library")
 _MOST_LOG = 5000
@@ -30,12 +30,21 @@ def one(panel: Here, name: Session) -> Any:
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
         found = overview(session)
-        log = [
-            {"time_s": e.time_s, "kind": e.kind, "run": e.run if e.run >= 0 else None,
-             "text": " ".join(part for part in (e.subject, e.text) if part)}
-            for e in session.events[-_MOST_LOG:]
-        ]  # fmt: skip
+        log = log_of(session)
     return {**shown(entry), "runs_table": list(found.runs), "log": log}
+
+
+def log_of(session: RecordedSession) -> list[dict[str, Any]]:
+    """Return a session's log, its times since the session's start, by the session's own clock."""
+    return [
+        {
+            "time_s": round(event.time_s - session.began_s, 6),
+            "kind": event.kind,
+            "run": event.run if event.run >= 0 else None,
+            "text": " ".join(part for part in (event.subject, event.text) if part),
+        }
+        for event in session.events[-_MOST_LOG:]
+    ]
 
 
 @router.get("/export")

@@ -197,7 +197,7 @@ def _plan(session: RecordedSession, name: str) -> Message:
     rig: dict[str, Any] = session.resolved.get("rig", {})
     limits = rig.get("limits", {})
     capacity_N = session.resolved.get("load_cell", {}).get("capacity_N")
-    return plan_message(
+    plan = plan_message(
         session.schedule,
         clock="replay",
         session=name,
@@ -209,6 +209,7 @@ def _plan(session: RecordedSession, name: str) -> Message:
         },
         picture=optics_message(_optics(session)),
     )
+    return {**plan, "recorded_clock": session.clock}
 
 
 def _optics(session: RecordedSession) -> Optics | None:

@@ -39,7 +39,7 @@ class Overview:
             found.append(channels_as_table(self.channels))
         if log:
             found.append(
-                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+                Table(title="Log", columns=("s since start", "event", "run", "text"), rows=self.log)
             )
         return found
 
@@ -72,6 +72,7 @@ def overview(session: RecordedSession) -> Overview:
         ("output", session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
+        ("clock", session.clock),
         ("boards", "simulated" if session.simulated else "real"),
         ("protocol", session.schedule.protocol),
         ("runs complete", f"{done} of {len(runs)}"),
@@ -81,7 +82,7 @@ def overview(session: RecordedSession) -> Overview:
     )
     log = tuple(
         (
-            f"{event.time_s:.3f}",
+            f"{event.time_s - session.began_s:.3f}",
             event.kind,
             str(event.run + 1) if event.run >= 0 else "",
             event.text,

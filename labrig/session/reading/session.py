@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,6 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.config.about import About, recorded_about
+from labrig.config.rig import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.notes.note import Note
@@ -128,6 +130,27 @@ class RecordedSession:
             else:
                 found.append(LoggedEvent(**values))
         return found
+
+    @property
+    def clock(self) -> str:
+        """`virtual` where no real time passed: boards simulated in the program; else `real`."""
+        tables = self.resolved.get("rig", {})
+        virtual = any(
+            isinstance(table, dict) and table.get("address") == SIMULATED
+            for table in (tables.values() if isinstance(tables, dict) else ())
+        )
+        return "virtual" if virtual else "real"
+
+    @property
+    def began_s(self) -> float:
+        """Clock time of its first event: times since the start count from here."""
+        return self.events[0].time_s if self.events else 0.0
+
+    @property
+    def duration_s(self) -> float | None:
+        """From its first event to its last, by its own clock; None: nothing was recorded."""
+        times_s = [event.time_s for event in self.events if math.isfinite(event.time_s)]
+        return times_s[-1] - times_s[0] if times_s else None
 
     @property
     def has_measurements(self) -> bool:

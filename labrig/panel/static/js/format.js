@@ -68,6 +68,21 @@ export function when(wall) {
   return `${day} ${two(date.getHours())}:${two(date.getMinutes())}`;
 }
 
+/** The same with the zone, for where a time of day stands once: 2026-11-21 14:05 (UTC+1). */
+export function whenInZone(wall) {
+  const minutes = -new Date(wall).getTimezoneOffset();
+  if (!wall || Number.isNaN(minutes)) return when(wall);
+  const [hours, rest] = [Math.floor(Math.abs(minutes) / 60), Math.abs(minutes) % 60];
+  const shift = minutes ? `${minutes < 0 ? MINUS : "+"}${hours}` : "";
+  return `${when(wall)} (UTC${shift}${rest ? `:${rest}` : ""})`;
+}
+
+/** What the times of a session count from, and by which clock. */
+export function timesOf(wall, clock_kind) {
+  const since = wall ? `times since the start, ${whenInZone(wall)}` : "times since the start";
+  return clock_kind === "virtual" ? `${since}, by the session\u2019s own, virtual clock` : since;
+}
+
 /** Size of a file. */
 export function bytes(count) {
   if (count == null) return "\u2013";

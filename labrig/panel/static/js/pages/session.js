@@ -1,14 +1,14 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
 import { h, put, setText } from "../dom.js";
-import { bytes, clock, digits, number, when } from "../format.js";
+import { bytes, clock, digits, number, timesOf, whenInZone } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
 export function factsOf(session) {
   const facts = [
-    ["started", when(session.started)],
+    ["started", whenInZone(session.started)],
     ["outcome", [outcome(session), session.reason ? ` ${session.reason}` : ""]],
     ["output at the end", (session.output ?? "\u2013").toUpperCase()],
     ["sheet", (session.sheet ?? []).join(", ")],
@@ -16,7 +16,11 @@ export function factsOf(session) {
     ["rig", session.simulated ? "simulated" : "real"],
     ["runs", `${session.runs_complete ?? "\u2013"} of ${session.runs ?? "\u2013"} complete`],
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
-    ["length", clock(session.duration_s)],
+    [
+      "length",
+      clock(session.duration_s) +
+        (session.clock === "virtual" ? ", by its own clock; it was recorded on a virtual one" : ""),
+    ],
     ["size", bytes(session.bytes)],
     ["analysed", session.analysed ? "yes" : "no"],
     ["largest force", `${number(session.largest_force_mN, 3)} mN`],
@@ -134,6 +138,7 @@ function log(session) {
     "section",
     { class: "card log" },
     h("h2", {}, "Log"),
+    h("p", { class: "muted" }, timesOf(session.started, session.clock)),
     h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log of the session" }, lines),
   );
 }
