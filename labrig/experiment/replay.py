@@ -94,6 +94,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
         calibration=plan.calibration,
         interlock=None,
         threaded=False,
+        replayed=session,
     )
     return rig, director
 
@@ -233,9 +234,10 @@ class _RecordedStage:
 
 
 class _Done:
-    """Whatever is asked was done when the session was recorded; runs are repeated as they were."""
+    """What was asked was done when the session was recorded, or nobody was asked; repeats as then."""
 
     def __init__(self, session: RecordedSession) -> None:
+        self.is_present = all(event.kind != "not asked" for event in session.events)
         runs = [run.planned for run in session.runs if run.planned.repeats is not None]
         self._repeated = [(run.configuration, run.position_m) for run in runs]
 

@@ -15,6 +15,7 @@ from labrig.config.about import About, recorded_about
 from labrig.config.rig import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
+from labrig.session.format.devices import REPLAY_OF, boards_in_words
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
@@ -80,6 +81,18 @@ class RecordedSession:
             record = RunRecord(self._file, self.path, run, self._setup)
             if run.repeats is None or record.started:
                 yield record
+
+    @property
+    def boards(self) -> str:
+        """Whether its boards were simulated, in words; "none" of a session without runs."""
+        if not self.runs:
+            return "none"
+        return boards_in_words(self.devices, simulated=self.simulated)
+
+    @property
+    def replay_of(self) -> str:
+        """Identifier of the session that was played in the rig's place; empty of an original."""
+        return self.versions.get(REPLAY_OF, "")
 
     @property
     def outcome(self) -> Outcome:
