@@ -234,7 +234,10 @@ class _RecordedStage:
 
 
 class _Done:
-    """What was asked was done when the session was recorded, or nobody was asked; repeats as then."""
+    """Whatever is asked was done when the session was recorded, or nobody was asked then either.
+
+    Runs are measured again as they were.
+    """
 
     def __init__(self, session: RecordedSession) -> None:
         self.is_present = all(event.kind != "not asked" for event in session.events)

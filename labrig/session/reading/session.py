@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.config.about import About, recorded_about
-from labrig.config.rig import SIMULATED
+from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
