@@ -5,6 +5,7 @@ import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, timesOf, whenInZone } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { Notes } from "../notes.js";
+import { recoverButton, recoveredPlace } from "../recover.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
@@ -93,9 +94,22 @@ export function mount(place, app, asked) {
         session.outcome === "running";
       put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
     },
-    (error) => put(body, h("p", { class: "fault" }, error.message)),
+    (error) => put(body, unopened(app, name, error.message)),
   );
   return notes;
+}
+
+/** Why it cannot be opened; where a crash has left it, with what can be done about that. */
+function unopened(app, name, why) {
+  const said = recoveredPlace();
+  const cut_short = why.includes("labrig recover");
+  return h(
+    "section",
+    { class: "card" },
+    h("p", { class: "fault" }, why),
+    cut_short && recoverButton(app, name, said),
+    said,
+  );
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
