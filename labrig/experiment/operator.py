@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from drivers.interfaces import Prompt
 from labrig.errors import NotReadyError
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 
 
 class ConsoleOperator:

@@ -26,7 +26,7 @@ from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near

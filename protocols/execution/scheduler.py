@@ -69,9 +69,8 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.operator import RecordedOperator
+from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
 from protocols.execution.output import GuardedOutput, MakeSafe
-from protocols.execution.repeats import LostReadings, dismounts, offers
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.run_loop import Loop, RunLoop, Stopped
 from protocols.execution.states import FinishReason, RunState, Status

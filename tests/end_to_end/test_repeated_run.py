@@ -12,7 +12,7 @@ import pytest
 from labrig.analysis.analyze import measure
 from labrig.panel.replay.recording import Recording
 from labrig.session import open_session, recover, verify
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 from sim_hardware.operator import SimulatedOperator
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 

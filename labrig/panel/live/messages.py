@@ -10,7 +10,7 @@ from drivers.interfaces import Prompt
 from protocols import describe
 from protocols.execution import events as ev
 from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 from protocols.planning.schedule import PlannedRun, Schedule
 
 Message = dict[str, Any]

@@ -20,7 +20,7 @@ from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.create import FRAME_COMPRESSION
 from protocols.execution import events as ev
 from protocols.execution.channels import Values
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ import pytest
 from drivers.interfaces import Prompt
 from labrig.panel.job.operator import PageOperator
 from labrig.panel.live.messages import MessageEncoder
-from protocols.execution.repeats import REPEAT
+from protocols.execution.operator import REPEAT
 from protocols.execution.stop import StopRequest
 
 OFFER = Prompt(kind=REPEAT, text="2 of 32 readings do not count", expires_s=0.5)

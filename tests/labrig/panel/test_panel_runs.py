@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from labrig.session import open_session
-from protocols.execution.repeats import EXPIRES_S
+from protocols.execution.operator import EXPIRES_S
 from tests.labrig.panel.page import TOO_BUSY, TRIES, Page, jobs_of, panel
 
 pytestmark = [
