@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,7 +34,8 @@ class CatalogueEntry:
     runs_complete: int = 0
     readings: int = 0
     invalid: int = 0
-    duration_s: float | None = None
+    duration_s: float | None = None  # by the session's own clock
+    clock: str = ""  # real or virtual
     analysed: bool = False
     largest_force_mN: float | None = None
     scatter_mN: float | None = None
@@ -105,7 +105,8 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         runs_complete=sum(run.completed for run in session.runs),
         readings=sum(len(rows) for rows in readings),
         invalid=sum(int((~rows["valid"]).sum()) for rows in readings),
-        duration_s=_duration_s(session.started, session.ended),
+        duration_s=session.duration_s,
+        clock=session.clock,
         analysed=session.has_measurements,
         largest_force_mN=largest_force_mN(means),
         scatter_mN=median_scatter_mN(means),
@@ -145,11 +146,3 @@ def _sheets_of(session: RecordedSession) -> tuple[str, ...]:
     """Of a session that was imported and has no runs."""
     found = session.resolved.get("sheet", {})
     return tuple(found) if isinstance(found, dict) else ()
-
-
-def _duration_s(started: str, ended: str) -> float | None:
-    try:
-        span = dt.datetime.fromisoformat(ended) - dt.datetime.fromisoformat(started)
-    except (ValueError, TypeError):
-        return None
-    return span.total_seconds()

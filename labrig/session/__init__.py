@@ -16,7 +16,7 @@ from labrig.session.reading.compare import compare_sessions
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import LoggedEvent, RecordedSession, open_session
 from labrig.session.recording.writer import SessionWriter, WriterError
-from labrig.session.repair.recover import RecoverReport, recover
+from labrig.session.repair.recover import RecoverReport, is_left_by_a_crash, recover
 from labrig.session.repair.verify import verify
 from labrig.session.tables import read_tables, write_tables
 from labrig.session.tables.exchange import export_session, import_session
@@ -37,6 +37,7 @@ __all__ = [
     "drop_measurements",
     "export_session",
     "import_session",
+    "is_left_by_a_crash",
     "load_finding",
     "load_measurements",
     "open_session",

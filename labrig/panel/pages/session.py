@@ -20,7 +20,7 @@ from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
 from labrig.report.tables.devices import devices_as_table
 from labrig.report.tables.overview import overview
-from labrig.session import Mark, add_mark, export_session, open_session
+from labrig.session import Mark, RecordedSession, add_mark, export_session, open_session
 from labrig.session.format import layout
 from labrig.session.marks.mark import named
 
@@ -36,11 +36,7 @@ def one(panel: Here, name: Session) -> Any:
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
         found, stated = overview(session), session.about
-        log = [
-            {"time_s": e.time_s, "kind": e.kind, "run": e.run if e.run >= 0 else None,
-             "text": " ".join(part for part in (e.subject, e.text) if part)}
-            for e in session.events[-_MOST_LOG:]
-        ]  # fmt: skip
+        log = log_of(session)
     stated_as = [*about_tables(stated), *map(devices_as_table, filter(None, [found.devices]))]
     about = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in stated_as]
     return {
@@ -78,6 +74,19 @@ def add(request: Request, body: MarkBody, panel: Here) -> Any:
     did = f"took back the mark of {which}" if body.undo else f"marked {which} invalid"
     panel.log(who, f"{did} in {body.name}: {why}", note=False)
     return {"ok": True}
+
+
+def log_of(session: RecordedSession) -> list[dict[str, Any]]:
+    """Return a session's log, its times since the session's start, by the session's own clock."""
+    return [
+        {
+            "time_s": round(event.time_s - session.began_s, 6),
+            "kind": event.kind,
+            "run": event.run if event.run >= 0 else None,
+            "text": " ".join(part for part in (event.subject, event.text) if part),
+        }
+        for event in session.events[-_MOST_LOG:]
+    ]
 
 
 @router.get("/export")

@@ -48,7 +48,7 @@ class Overview:
             found.append(_marks_as_table(self.marks))
         if log:
             found.append(
-                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+                Table(title="Log", columns=("s since start", "event", "run", "text"), rows=self.log)
             )
         return found
 
@@ -81,6 +81,7 @@ def overview(session: RecordedSession) -> Overview:
         ("output", session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
+        ("clock", session.clock),
         *([("analysis", session.outdated)] if session.outdated else []),
         ("boards", session.boards),
         *([("replay of", session.replay_of)] if session.replay_of else []),
@@ -92,7 +93,7 @@ def overview(session: RecordedSession) -> Overview:
     )
     log = tuple(
         (
-            f"{event.time_s:.3f}",
+            f"{event.time_s - session.began_s:.3f}",
             event.kind,
             str(event.run + 1) if event.run >= 0 else "",
             event.text,

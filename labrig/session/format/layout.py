@@ -9,7 +9,8 @@
   setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
                       signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
                       simulated, devices (JSON: what each device says that it is), keep_all_frames
-  run_000/            NXsubentry, default -> signals; one for each planned run
+  run_000/            NXsubentry, default -> signals; one for each planned run, and after them
+                      one to measure each measurement again, never begun where nobody wanted that
     planned           the run as planned (JSON)
     acquisition       sample clock, start, counts
     writes            each write of the voltage

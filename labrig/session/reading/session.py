@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,6 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.config.about import About, recorded_about
+from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
@@ -71,10 +73,23 @@ class RecordedSession:
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
         self.devices = self._setup.devices  # none in sessions before version 3
-        self.runs: tuple[RunRecord, ...] = tuple(
-            RunRecord(file, path, run, self._setup, lambda: self.marks_after_end)
-            for run in self.schedule.runs
-        )
+        # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
+        self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def run(self, index: int) -> RunRecord:
+        """Return the run of an index. Raises BadInputError."""
+        for run in self.runs:
+            if run.planned.index == index:
+                return run
+        raise BadInputError(f"{self.path}: has no run {index + 1}.")
+
+    def _records(self) -> Iterator[RunRecord]:
+        for run in self.schedule.all_runs:
+            record = RunRecord(
+                self._file, self.path, run, self._setup, lambda: self.marks_after_end
+            )
+            if run.repeats is None or record.started:
+                yield record
 
     @property
     def boards(self) -> str:
@@ -163,6 +178,27 @@ class RecordedSession:
             return ""
         made_of = read_text(self._file, f"{layout.DERIVED}/checksum", self.path)
         return "" if made_of == self.data_checksum else OUTDATED
+
+    @property
+    def clock(self) -> str:
+        """`virtual` where no real time passed: boards simulated in the program; else `real`."""
+        tables = self.resolved.get("rig", {})
+        virtual = any(
+            isinstance(table, dict) and table.get("address") == SIMULATED
+            for table in (tables.values() if isinstance(tables, dict) else ())
+        )
+        return "virtual" if virtual else "real"
+
+    @property
+    def began_s(self) -> float:
+        """Clock time of its first event: times since the start count from here."""
+        return self.events[0].time_s if self.events else 0.0
+
+    @property
+    def duration_s(self) -> float | None:
+        """From its first event to its last, by its own clock; None: nothing was recorded."""
+        times_s = [event.time_s for event in self.events if math.isfinite(event.time_s)]
+        return times_s[-1] - times_s[0] if times_s else None
 
     @property
     def has_measurements(self) -> bool:

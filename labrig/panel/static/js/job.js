@@ -102,7 +102,24 @@ export class Job {
 
   /** The plan's entry of a run. */
   planned(index) {
-    return this.plan?.runs.find((run) => run.run === index) ?? null;
+    const all = [...(this.plan?.runs ?? []), ...(this.plan?.repeats ?? [])];
+    return all.find((run) => run.run === index) ?? null;
+  }
+
+  /** All planned runs, and those that were measured again so far. */
+  begun() {
+    const again = (this.plan?.repeats ?? []).filter((run) => this.runs.has(run.run));
+    return [...(this.plan?.runs ?? []), ...again];
+  }
+
+  /** Readings of a run that do not count, and how many should: { lost: [reading], of }. */
+  losses(index) {
+    const planned = this.planned(index);
+    const run = this.runs.get(index);
+    if (!planned || !run) return { lost: [], of: 0 };
+    const counts = (kind) => kind !== "discarded";
+    const lost = [...run.readings.values()].filter((one) => !one.valid && counts(one.kind));
+    return { lost, of: planned.readings.filter(([, , , kind]) => counts(kind)).length };
   }
 
   /** Readings of a run that count, by voltage: [{ voltage, mean, scatter, count, values }]. */
@@ -121,6 +138,17 @@ export class Job {
   /** Whether a job is under way now. */
   get going() {
     return this.job != null && (this.job.state === "starting" || this.job.state === "going");
+  }
+
+  /** Whether the session is over, as far as anybody can know: then nothing of it is 'now'. */
+  get over() {
+    return this.ended != null || this.job?.state === "ended" || this.job?.state === "lost";
+  }
+
+  /** Whether signals are being acquired; else the newest that came are the last reading. */
+  get acquiring() {
+    const record = this.runs.get(this.signals.run ?? this.now_run);
+    return this.alive !== false && !this.over && Boolean(record?.started) && !record.stopped;
   }
 
   touch(type) {

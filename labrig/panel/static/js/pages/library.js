@@ -3,6 +3,7 @@
 import { h, newId, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, query } from "../net.js";
+import { recoverButton, recoveredPlace } from "../recover.js";
 
 const PAGE = 100;
 const TYPED_MS = 250;
@@ -54,6 +55,8 @@ const OUTCOMES = ["completed", "aborted", "failed", "crashed", "running"];
 
 /** The outcome as a word with a mark of its own. */
 export function outcome(session) {
+  if (session.recoverable)
+    return h("span", { class: "verdict bad", title: session.error }, "\u2715 cut short");
   if (session.error)
     return h("span", { class: "verdict bad", title: session.error }, "\u2715 DAMAGED");
   const mark =
@@ -85,15 +88,17 @@ function fitted(session, show) {
 }
 
 /** Show the library. */
-export function mount(place) {
-  const page = new Library();
+export function mount(place, app) {
+  const page = new Library(app);
   place.append(page.element);
   page.load();
   return page;
 }
 
 class Library {
-  constructor() {
+  constructor(app) {
+    this.app = app;
+    this.recovered = recoveredPlace();
     this.asked = {
       sort: "started",
       down: 1,
@@ -149,6 +154,7 @@ class Library {
         this.compare,
         this.said,
       ),
+      this.recovered,
       h("section", { class: "card" }, this.body, this.pages),
     );
     this.showChosen();
@@ -249,8 +255,19 @@ class Library {
           "aria-label": `choose ${session.name}`,
         }),
       ),
-      COLUMNS.map((column) => h("td", { class: column.num ? "num" : "" }, column.show(session))),
+      COLUMNS.map((column) =>
+        h(
+          "td",
+          { class: column.num ? "num" : "" },
+          column.show(session),
+          column.key === "outcome" && session.recoverable && this.recover(session.name),
+        ),
+      ),
     );
+  }
+
+  recover(name) {
+    return [" ", recoverButton(this.app, name, this.recovered, () => this.load())];
   }
 
   showChosen() {

@@ -2,16 +2,17 @@
 
 import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
-import { bytes, clock, digits, number, when } from "../format.js";
+import { bytes, clock, digits, number, timesOf, whenInZone } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { Notes } from "../notes.js";
+import { recoverButton, recoveredPlace } from "../recover.js";
 import { outcome } from "./library.js";
 import { SessionMarks } from "./session_marks.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
 export function factsOf(session) {
   const facts = [
-    ["started", when(session.started)],
+    ["started", whenInZone(session.started)],
     ["outcome", [outcome(session), session.reason ? ` ${session.reason}` : ""]],
     ["output at the end", (session.output ?? "\u2013").toUpperCase()],
     ["sheet", (session.sheet ?? []).join(", ")],
@@ -19,7 +20,11 @@ export function factsOf(session) {
     ["boards", session.boards ?? "\u2013"],
     ["runs", `${session.runs_complete ?? "\u2013"} of ${session.runs ?? "\u2013"} complete`],
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
-    ["length", clock(session.duration_s)],
+    [
+      "length",
+      clock(session.duration_s) +
+        (session.clock === "virtual" ? ", by its own clock; it was recorded on a virtual one" : ""),
+    ],
     ["size", bytes(session.bytes)],
     ["analysed", outdated(session.analysed ? "yes" : "no", session.analysis_outdated)],
     ["largest force", `${number(session.largest_force_mN, 3)} mN`],
@@ -97,10 +102,23 @@ export function mount(place, app, asked) {
         session.outcome === "running";
       put(body, facts(session), log(session), marks.element, (session.about ?? []).map(table), notes.element);
     },
-    (error) => put(body, h("p", { class: "fault" }, error.message)),
+    (error) => put(body, unopened(app, name, error.message)),
   );
   load();
   return notes;
+}
+
+/** Why it cannot be opened; where a crash has left it, with what can be done about that. */
+function unopened(app, name, why) {
+  const said = recoveredPlace();
+  const cut_short = why.includes("labrig recover");
+  return h(
+    "section",
+    { class: "card" },
+    h("p", { class: "fault" }, why),
+    cut_short && recoverButton(app, name, said),
+    said,
+  );
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
@@ -147,6 +165,7 @@ function log(session) {
     "section",
     { class: "card log" },
     h("h2", {}, "Log"),
+    h("p", { class: "muted" }, timesOf(session.started, session.clock)),
     h("ol", { class: "log-lines scroll", tabindex: 0, "aria-label": "log of the session" }, lines),
   );
 }
