@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from labrig.errors import BadInputError
-from labrig.library.entry import CatalogueEntry, Fits, read_entry
-from labrig.library.fits import looks_like_model, read_fits
+from labrig.library.entry import CatalogueEntry, read_entry
+from labrig.library.fits import ModelFits, looks_like_model, read_fits, shown_fits
 from labrig.serialise import from_json, to_json
 
-VERSION = 1  # of what is kept
+VERSION = 2  # of what is kept
 KEPT = ".labrig/library.json"
 MOST_FILES = 100_000
 MOST_MODEL_BYTES = 1 << 20
@@ -32,7 +32,7 @@ class _Known:
 
     stamp: Stamp
     entry: CatalogueEntry | None = None
-    fits: tuple[str, Fits] | None = None
+    fits: ModelFits | None = None
 
 
 @dataclass(frozen=True)
@@ -62,20 +62,15 @@ class Library:
             return self._refresh(budget_s, advance)
 
     def entries(self) -> list[CatalogueEntry]:
-        """All sessions as they were at the last `refresh`, with the fit of the newest model."""
+        """All sessions as they were at the last `refresh`, with the fit that `fits` chooses."""
         with self._lock:
-            known = list(self._known.values())
-        fits: dict[str, tuple[int, Fits]] = {}
-        for one in known:
-            if one.fits is not None:
-                checksum, found = one.fits
-                if checksum not in fits or fits[checksum][0] < one.stamp[0]:
-                    fits[checksum] = (one.stamp[0], found)
+            known = dict(self._known)
+        fits = shown_fits(
+            (name, one.stamp[0], one.fits) for name, one in known.items() if one.fits is not None
+        )
         return [
-            replace(one.entry, fit=fits[one.entry.checksum][1])
-            if one.entry.checksum in fits
-            else one.entry
-            for one in known
+            replace(one.entry, fit=fits.get(one.entry.checksum))
+            for one in known.values()
             if one.entry is not None
         ]
 

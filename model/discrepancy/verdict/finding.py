@@ -36,6 +36,7 @@ from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
     ErrorRow,
+    Gap,
     Named,
     Next,
     Ranked,
@@ -49,7 +50,7 @@ from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
-from model.measurements import Measurements
+from model.measurements import FloatArray, Measurements
 
 
 @dataclass(frozen=True)
@@ -106,7 +107,12 @@ class Finding:
         )
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         model = sheet_model(
-            decision.known, decision.unknown, self.measurements, self.options, fitted.after
+            decision.known,
+            decision.unknown,
+            self.measurements,
+            self.options,
+            fitted.after,
+            self._gaps_of_configurations(decision.final, noise),
         )
         return Diagnosis(
             verdict=verdict,
@@ -136,6 +142,14 @@ class Finding:
             plugins={**origins_of_locations(), **origins_of_effects()},
             base=base_parameters(decision.known),
         )
+
+    def _gaps_of_configurations(self, final: MixedModelFit, noise: FloatArray) -> dict[str, Gap]:
+        """Return the gap that is left in each configuration."""
+        residual, out = gaps.refitted(final), self.outcome.outliers
+        return {
+            name: gaps.gap(residual, noise, gaps.cells(final, out, name))
+            for name in final.problem.forward.names
+        }
 
     @property
     def _enough(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -25,24 +26,30 @@ def sheet_model(
     measurements: Measurements,
     options: Options,
     merit: Gap,
+    own_merit: Mapping[str, Gap],
 ) -> SheetModel:
     """Return the model with the effects found; an unknown effect becomes an empirical term.
 
-    `merit` is the model's prediction error.
+    `merit` is the model's error, `own_merit` that of each configuration.
     """
     sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.forward.names)}
     effects = [_active(f, final) for f in final.found]
     if unknown is not None:
         effects.append(unknown_effect(unknown))
-    figures = {
-        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
-    }  # fmt: skip
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
         sheets=sheets, effects=tuple(effects), source=measurements.source,
         checksum=measurements.checksum, held_out=held,
-        merit={k: v for k, v in figures.items() if np.isfinite(v)},
+        merit=_figures(merit), own_merit={name: _figures(one) for name, one in own_merit.items()},
     )  # fmt: skip
+
+
+def _figures(merit: Gap) -> dict[str, float]:
+    """Return the errors as a model file states them: those that exist."""
+    figures = {
+        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
+    }  # fmt: skip
+    return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 def _active(one: Found, final: MixedModelFit) -> ActiveEffect:

@@ -26,16 +26,25 @@ class Cells:
     weight: FloatArray  # (N,) of squares: trends are expected for a reading
 
 
-def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
-    """Return where all that stands; conditions `without`, by number over all, do not count."""
+def cells(
+    fitted: MixedModelFit, without: Collection[int] = (), configuration: str | None = None
+) -> Cells:
+    """Return where all that stands, of all configurations or of one.
+
+    Conditions `without`, by number over all, do not count.
+    """
     forward, first = fitted.problem.forward, 0
     found = Cells(
         force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(forward.layout.size)
     )
     for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         # without contact there is nothing that the sheet's model could be wrong about
+        here = configuration in (None, scene.sheet.configuration)
         counts = np.array(
-            [first + k not in without and not one.zero for k, one in enumerate(scene.look.seen)]
+            [
+                here and first + k not in without and not one.zero
+                for k, one in enumerate(scene.look.seen)
+            ]
         )
         readings = np.bincount(part.reading_of, minlength=scene.K)
         found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
