@@ -11,7 +11,7 @@ from model.identification.joint import Joint, joint_fit
 from model.identification.observations import Observed, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
-from model.identification.residuals import ConditionResidual, Rmse, residuals, rmse
+from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
 from model.measurements import FloatArray, Measurements, ModelError
 from model.parameter import Parameter
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
@@ -98,7 +98,8 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     errors = {kind: rmse(rows, kind) for kind in ("constant", "varying")}
     configurations = {name: part.table(rows) for name, part in parts.items()}
     done = []
-    for model, kind in zip(models, ("constant", "varying"), strict=True):
+    kinds: tuple[Kind, ...] = ("constant", "varying")
+    for model, kind in zip(models, kinds, strict=True):
         own = {name: _merit(one.rmse[kind]) for name, one in configurations.items()}
         done.append(replace(model, merit=_merit(errors[kind]), own_merit=own))
     notes = _notes(measurements, parts, configurations, rows, ratio)

@@ -40,7 +40,7 @@ def ranking_figure(found: Diagnosis) -> Figure | None:
                 f"threshold {found.threshold:.1f}", (found.threshold, 0.0), xytext=(4, 0),
                 textcoords="offset points", fontsize=8, va="center",
             )  # fmt: skip
-        axes.set_xlabel("ln of the Bayes factor against the model before")
+        axes.set_xlabel("ln Bayes factor over the base model")
         axes.grid(visible=False, axis="y")
         return fig
 
@@ -74,11 +74,11 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
         panels[0].set_yticks(range(n), names, fontsize=7)
         panels[0].set_xticks(range(n), names, fontsize=7, rotation=90)
         panels[0].grid(visible=False)
-        letter(panels[0], "a", "likeness of signatures")
+        letter(panels[0], "a", "similarity of signatures")
         bar = fig.colorbar(drawn, ax=panels[0], location="bottom", aspect=40, pad=0.02)
         bar.set_label("|cosine|, B and EIBM refitted; blank: invisible")
         _visible(panels[1], seen.detectability[order], hidden)
-        letter(panels[1], "b", "visibility")
+        letter(panels[1], "b", "detectability")
         return fig
 
 
@@ -88,7 +88,7 @@ def _visible(axes: Axes, sigmas: np.ndarray, hidden: np.ndarray) -> None:
     axes.set_xscale("log")
     axes.set_xlim(left=0.1)
     axes.axvline(VISIBLE, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
-    axes.set_xlabel("sigma at a\nplausible size")
+    axes.set_xlabel("standard uncertainties\nat the prior scale")
     axes.grid(visible=False, axis="y")
 
 
@@ -114,8 +114,8 @@ def _form(axes: Axes, form: FormCurve) -> None:
     at = form.at
     low, high = form.inferred - _REACH * form.band, form.inferred + _REACH * form.band
     axes.fill_between(at, low, high, color=VARYING, alpha=0.2, linewidth=0, label="90 %")
-    axes.plot(at, form.inferred, color=VARYING, label="as the data have it")
-    axes.plot(at, form.catalogue, color=INK, linestyle=(0, (4, 2.5)), label="the catalogue's form")
+    axes.plot(at, form.inferred, color=VARYING, label="estimated")
+    axes.plot(at, form.catalogue, color=INK, linestyle=(0, (4, 2.5)), label="catalogue")
     axes.set_xlabel(_coordinate(form.along, form.unit))
     axes.set_ylabel(form.what)
     axes.legend(fontsize=8)

@@ -31,7 +31,14 @@ from model.discrepancy.verdict.fitted_model import base_parameters, parameters_o
 from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
-from model.discrepancy.verdict.posterior import Choice, Leftover, choices, leftover, with_shapes
+from model.discrepancy.verdict.posterior import (
+    Choice,
+    Leftover,
+    choices,
+    chosen_values,
+    leftover,
+    with_shapes,
+)
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
@@ -277,5 +284,5 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     return Named(
         name=effect.name, location=effect.location, parameters=next(iter(own.values())),
         by_configuration=own if effect.by_configuration else {}, confidence=one.confidence,
-        confusable_with=confusable, form_share=share, form=form,
+        confusable_with=confusable, form_share=share, form=form, choices=chosen_values(one, found),
     )  # fmt: skip

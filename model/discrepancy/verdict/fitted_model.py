@@ -72,25 +72,41 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
             unit=k.unit,
             freedom=INTERVAL_FREEDOM,
             positive=k.log,
+            low=k.low,
+            high=k.high,
         )
         for k in one.effect.parameters
     }
     forward = final.problem.forward
     sheet = forward.scenes[forward.names.index(configuration)].sheet
     derived = one.effect.derived(values, sheet)
-    size = one.effect.amplitude.name
+    amplitude = one.effect.amplitude
+    size = amplitude.name
     h = 0.01 * abs(values[size]) or 1e-9
     moved = one.effect.derived({**values, size: values[size] + h}, sheet)
+    ends = [
+        one.effect.derived({**values, size: end}, sheet) if np.isfinite(end) else {}
+        for end in (amplitude.low, amplitude.high)
+    ]
     for name, value in derived.items():
         slope = (moved[name] - value) / h
         unit = one.effect.extra.get(name, "")
+        low, high = _bounds(ends[0].get(name), ends[1].get(name), rising=slope > 0.0)
         result[name] = Parameter(
             value=value,
             sigma=abs(slope) * sigma.get(size, 0.0),
             unit=unit,
             freedom=INTERVAL_FREEDOM,
+            low=low,
+            high=high,
         )
     return result
+
+
+def _bounds(first: float | None, last: float | None, *, rising: bool) -> tuple[float, float]:
+    """Return the bounds of a derived quantity from its values at those of the amplitude."""
+    low, high = (first, last) if rising else (last, first)
+    return (-np.inf if low is None else low, np.inf if high is None else high)
 
 
 def _step(parameter: EffectParameter) -> float:
