@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.report.parts.style import CONSTANT, INK, VARYING, figure, letter
+from labrig.report.parts.style import ALONG_COLOUR, CONSTANT_COLOUR, INK, figure, letter
 from model.discrepancy.verdict.result import Diagnosis, FormCurve, Ranked, Unknown
 
 if TYPE_CHECKING:
@@ -51,9 +51,9 @@ def _called(one: Ranked) -> str:
 
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:
     if one.name in named:
-        return VARYING
+        return ALONG_COLOUR
     is_it = found.unknown is not None and one.name == f"unknown:{found.unknown.location}"
-    return CONSTANT if is_it else _SOFT
+    return CONSTANT_COLOUR if is_it else _SOFT
 
 
 def signatures_figure(found: Diagnosis) -> Figure | None:
@@ -84,7 +84,9 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
 
 def _visible(axes: Axes, sigmas: np.ndarray, hidden: np.ndarray) -> None:
     shown = np.maximum(np.nan_to_num(sigmas), 0.1)
-    axes.barh(range(len(shown)), shown, color=[_SOFT if h else VARYING for h in hidden], height=0.7)
+    axes.barh(
+        range(len(shown)), shown, color=[_SOFT if h else ALONG_COLOUR for h in hidden], height=0.7
+    )
     axes.set_xscale("log")
     axes.set_xlim(left=0.1)
     axes.axvline(VISIBLE, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
@@ -113,8 +115,8 @@ def form_figure(found: Diagnosis) -> Figure | None:
 def _form(axes: Axes, form: FormCurve) -> None:
     at = form.at
     low, high = form.inferred - _REACH * form.band, form.inferred + _REACH * form.band
-    axes.fill_between(at, low, high, color=VARYING, alpha=0.2, linewidth=0, label="90 %")
-    axes.plot(at, form.inferred, color=VARYING, label="estimated")
+    axes.fill_between(at, low, high, color=ALONG_COLOUR, alpha=0.2, linewidth=0, label="90 %")
+    axes.plot(at, form.inferred, color=ALONG_COLOUR, label="estimated")
     axes.plot(at, form.catalogue, color=INK, linestyle=(0, (4, 2.5)), label="catalogue")
     axes.set_xlabel(_coordinate(form.along, form.unit))
     axes.set_ylabel(form.what)
@@ -125,10 +127,10 @@ def _profile(axes: Axes, one: Unknown) -> None:
     at, band = one.s_mm, _REACH * one.band
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
     axes.fill_between(
-        at, one.profile - band, one.profile + band, color=CONSTANT, alpha=0.25, linewidth=0,
+        at, one.profile - band, one.profile + band, color=CONSTANT_COLOUR, alpha=0.25, linewidth=0,
         label="90 %",
     )  # fmt: skip
-    axes.plot(at, one.profile, color=CONSTANT, label=f"{one.configuration} sheet")
+    axes.plot(at, one.profile, color=CONSTANT_COLOUR, label=f"{one.configuration} sheet")
     axes.set_xlabel(_coordinate(one.along, one.at_unit))
     axes.set_ylabel(f"added to the {one.location.replace('_', ' ')} ({one.unit})")
     axes.legend(fontsize=8)

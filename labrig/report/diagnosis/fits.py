@@ -8,9 +8,9 @@ import numpy as np
 
 from labrig.report.diagnosis.maps import configurations
 from labrig.report.parts.style import (
-    CONSTANT,
+    ALONG_COLOUR,
+    CONSTANT_COLOUR,
     INK,
-    VARYING,
     colour_of,
     figure,
     label_of,
@@ -137,8 +137,8 @@ def _curve(axes: Axes, row: ErrorRow) -> None:
         markeredgewidth=0.8, color=colour_of(row.voltage_V),
     )  # fmt: skip
     for (x, y), colour, style in (
-        (row.before_at_setup_xy_m or row.before_xy_m, CONSTANT, DASHED),
-        (row.after_at_setup_xy_m or row.after_xy_m, VARYING, "-"),
+        (row.before_at_setup_xy_m or row.before_xy_m, CONSTANT_COLOUR, DASHED),
+        (row.after_at_setup_xy_m or row.after_xy_m, ALONG_COLOUR, "-"),
     ):
         axes.plot(1e3 * x, 1e3 * y, color=colour, linestyle=style, linewidth=1.3)
 
@@ -156,7 +156,7 @@ def _curve_legend(fig: Figure, volts: list[float]) -> None:
                 )
                 for v in volts
             ),
-            Line2D([], [], color=CONSTANT, linestyle=DASHED, linewidth=1.3, label="before"),
-            Line2D([], [], color=VARYING, linewidth=1.3, label="after"),
+            Line2D([], [], color=CONSTANT_COLOUR, linestyle=DASHED, linewidth=1.3, label="before"),
+            Line2D([], [], color=ALONG_COLOUR, linewidth=1.3, label="after"),
         ],
     )  # fmt: skip

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POSITIVE, ZERO, NEGATIVE = "#D55E00", "#767676", "#0072B2"  # Okabe and Ito's palette
-VARYING, CONSTANT = "#009E73", "#CC79A7"  # the two simulations, where colour is free for them
+ALONG_COLOUR, CONSTANT_COLOUR = "#009E73", "#CC79A7"  # two simulations, where colour is free
 # Text, axes and neutral lines. A colour of its own, so that the page can turn it with its theme.
 INK = "#1b1f24"
 
@@ -95,7 +95,7 @@ def save(fig: Figure, path: Path) -> None:
 
     ending = path.suffix.lower().lstrip(".")
     if ending not in {"png", "svg", "pdf"}:
-        raise BadInputError(f"{path}: a picture's name must end in .png, .svg or .pdf.")
+        raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
     part = path.with_name(path.name + ".part")
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
     try:

@@ -44,14 +44,14 @@ def _moments(findings: Findings, figures: FigureFolder) -> tuple[Drawn, ...]:
     models = findings.fitted.models
     if models is None:
         return ()
-    fitted = [name for name in findings.names if models.varying.sheets.get(name)]
-    fitted = [name for name in fitted if _varies(models.varying.sheets[name])]
+    fitted = [name for name in findings.names if models.along.sheets.get(name)]
+    fitted = [name for name in fitted if _varies(models.along.sheets[name])]
     if not fitted:
         return ()
     return figures.draw(
         "figure-8",
         "Figure 8. Electrically induced bending moment along the sheet",
-        "The joint fit's EIBM with its 90 % interval, and the constant one (dashed).",
+        "EIBM along the sheet (8) with its 90 % interval; dashed: constant EIBM (9).",
         lambda: moment_figure(models, fitted),
     )
 
