@@ -19,6 +19,11 @@ EachConfiguration = Annotated[
     list[str] | None, typer.Option(help="repeatable; by default all that the model has")
 ]
 
+FigureFormats = Annotated[
+    list[str] | None,
+    typer.Option("--format", help="of figures: png, svg, pdf; repeatable; default png and svg"),
+]
+
 # What `diagnose` and `next` measure the model against: sessions or CSV tables.
 Sessions = Annotated[
     list[Path] | None,

@@ -115,7 +115,7 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     }
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
-    assert "What the model is missing" in page
+    assert "Model discrepancy" in page
 
 
 def test_each_effect_of_the_world_is_named_beside_the_others_with_its_own_values(

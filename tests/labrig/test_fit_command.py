@@ -235,7 +235,7 @@ def test_hold_out_predicts_what_was_left_out_and_keeps_it_in_the_model_file(
         "long, 20 mm, 0 V", "long, 20 mm, +2 V", "long, 20 mm, -2 V",
     ]  # fmt: skip
     assert all(abs(float(re.split("  +", row)[2])) < 0.05 for row in rows)
-    assert "Left out, RMS: varying EIBM 0.0" in out
+    assert "RMS errors: EIBM along the sheet 0.0" in out
     assert len(load_model(path).held_out) == 3
     assert "20 mm" in load_model(path).held_out[0]
 
@@ -275,7 +275,7 @@ def test_the_papers_tables_are_printed_with_its_numbers(day_1, capsys):
     assert places == sorted(places)
     five, six = out[places[1] : places[2]], out[places[2] :]
     assert re.search(r"constant EIBM +2\.\d\d +2\.23", five)
-    assert re.search(r"varying EIBM: force, mN +0\.0\d\d +0\.322", six)
+    assert re.search(r"EIBM along the sheet: force, mN +0\.0\d\d +0\.322", six)
     assert "has no numbers of its table 4" in out
 
 

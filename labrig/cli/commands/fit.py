@@ -11,7 +11,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.measurements import fitted_of
-from labrig.cli.options import Json
+from labrig.cli.options import FigureFormats, Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
@@ -36,11 +36,10 @@ def fit(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
     varying: Annotated[
-        bool, typer.Option("--varying", help="write the model whose EIBM varies along the sheet")
+        bool, typer.Option("--varying", help="write the model with the EIBM along the sheet")
     ] = False,
-    figures: Annotated[
-        Path | None, typer.Option(help="a folder for figures 8 and 9, as PNG and SVG")
-    ] = None,
+    figures: Annotated[Path | None, typer.Option(help="a folder for figures 8 and 9")] = None,
+    formats: FigureFormats = None,
     configuration: Annotated[
         list[str] | None, typer.Option(help="fit this one alone; repeatable")
     ] = None,
@@ -84,6 +83,7 @@ def fit(
     from labrig.model_file import save_model
     from labrig.report.data.separate_sessions import only
     from labrig.report.figures.fit import make_folder, write_fit_figures
+    from labrig.report.parts.style import known_formats
     from model import FitOptions
 
     if output is not None and output.exists() and not force:
@@ -96,6 +96,7 @@ def fit(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap,
     )  # fmt: skip
+    wanted = known_formats(formats)
     if figures is not None:
         make_folder(figures)
     measured = _measured(sessions, apart)
@@ -107,7 +108,7 @@ def fit(
         save_model(found.varying_model if varying else found.model, output)
         written.append(output)
     if figures is not None:
-        written += write_fit_figures(figures, found, measurements)
+        written += write_fit_figures(figures, found, measurements, wanted)
     if as_json:
         print_json(found.to_json())
         return

@@ -11,7 +11,7 @@ from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.diagnosis.tables import VERDICTS
 from labrig.report.page.diagnosis_sections import sections_of
-from labrig.report.page.page import render_page, write_page
+from labrig.report.page.page import FILES, render_page, write_page
 from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
@@ -44,6 +44,7 @@ def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
         cards=_cards(found),
         remarks=[],
         sections=sections_of(found, drawn),
+        files=FILES,
     )
     write_page(text, folder / "index.html")
     return folder / "index.html"

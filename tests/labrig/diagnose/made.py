@@ -213,7 +213,7 @@ def nothing_missing() -> Diagnosis:
     one = found()
     return replace(
         one, verdict="nothing_missing", effects=(), where=(), closed=float("nan"),
-        sentence="Nothing is missing: the base model explains the data to within their noise.",
+        sentence="Nothing is seen that is not in the model: what is left is noise and scatter.",
         fitted=BeforeAfter(one.fitted.after, one.fitted.after),
         held_out=BeforeAfter(one.held_out.after, one.held_out.after),
         model=one.model.with_effects(),
