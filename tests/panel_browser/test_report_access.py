@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from labrig.report.data.kept_diagnosis import keep_diagnosis
@@ -59,7 +61,7 @@ def test_headings_follow_one_another(pages, visit):
     )
     assert levels[0] == 1
     assert levels.count(1) == 1
-    assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
+    assert all(after <= before + 1 for before, after in pairwise(levels))
 
 
 def test_the_keyboard_reaches_the_report_with_a_ring_around_what_has_the_focus(pages, visit):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from labrig.report.parts.table import Table, interval, with_sigma
 from model import Parameter
@@ -56,7 +58,22 @@ def _effect_rows(one: Named) -> Iterator[tuple[str, ...]]:
         for key, p in parts.items():
             if key not in choices:
                 probability, form = percent(one.confidence), percent(one.form_share)
-                yield (f"{one.name}{suffix}: {key}", *_cells(p), probability, form)
+                yield (
+                    f"{one.name}{suffix}: {key}",
+                    *_cells(_bounded(one, key, p)),
+                    probability,
+                    form,
+                )
+
+
+def _bounded(one: Named, key: str, parameter: Parameter) -> Parameter:
+    """Return the parameter with the catalogue's bounds, which older diagnoses do not hold."""
+    known = catalogue()
+    if one.name not in known or math.isfinite(parameter.low) or math.isfinite(parameter.high):
+        return parameter
+    bounds = {p.name: (p.low, p.high) for p in known[one.name].parameters}
+    low, high = bounds.get(key, (parameter.low, parameter.high))
+    return replace(parameter, low=low, high=high)
 
 
 def _choices(one: Named) -> tuple[EffectParameter, ...]:

@@ -40,7 +40,7 @@ def table_3(measurements: Measurements, names: list[str], fit: Fit | None) -> Ta
             if name in quotes:
                 row.append("-" if theirs is None else number(theirs(quotes[name])))
         cells.append(tuple(row))
-    note = "k0: at the clamp to at the end of the free length, and its mean."
+    note = "k0: from the clamp to the end of the free length, and its mean."
     return _beside_paper("Table 3. Sheet configurations", names, cells, note)
 
 
