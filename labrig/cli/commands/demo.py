@@ -59,7 +59,7 @@ def demo(
     analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
     fit([session], model)
-    _heading("5. What the model with a constant EIBM is missing")
+    _heading("5. Effects that are not in the model with constant EIBM")
     diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
     _heading("6. The report")
     report(session, folder / "report")
@@ -111,7 +111,7 @@ def _real_clock(folder: Path) -> None:
     with open_session(session) as opened:
         table = overview(opened).tables()[1]
     print_table(table.title, table.columns, table.rows)
-    say(f"The world's own record of the last voltage: {_last_voltage(record)} V")
+    say(f"Last voltage in the simulated plant's own record: {_last_voltage(record)} V")
 
 
 def _last_voltage(record: Path) -> str:

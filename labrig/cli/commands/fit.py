@@ -28,7 +28,7 @@ def fit(
         list[Path],
         typer.Argument(
             metavar="SESSION",
-            help="a session; further ones of the same sheet are taken together with it",
+            help="a session; further ones of the same sheet are fitted together with it",
         ),
     ],
     output: Annotated[
@@ -58,7 +58,7 @@ def fit(
     ] = False,
     by_run: Annotated[
         bool,
-        typer.Option("--by-run", help="print B and EIBM of each set-up, too (not with --json)"),
+        typer.Option("--by-run", help="also print B and EIBM of each set-up (not with --json)"),
     ] = False,
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="one |EIBM| for both polarities")
@@ -70,7 +70,7 @@ def fit(
         ),
     ] = False,
     bootstrap: Annotated[
-        int, typer.Option(min=0, max=10_000, help="simulated repeats that check the uncertainties")
+        int, typer.Option(min=0, max=10_000, help="number of simulated repeats that check the uncertainties")
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
     as_json: Json = False,

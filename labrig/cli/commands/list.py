@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def list_sessions(
-    folder: Annotated[Path, typer.Argument(help="looked through with all below it")] = Path(),
+    folder: Annotated[Path, typer.Argument(help="a folder, searched with all folders in it")] = Path(),
     sort: Annotated[
         str, typer.Option(help="started, name, outcome, B_Nm2, EIBM_Nm, largest_force_mN, ...")
     ] = "started",
