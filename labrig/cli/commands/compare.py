@@ -15,9 +15,7 @@ from labrig.cli.screen import print_json, print_table, progress, say, warn
 
 def compare(
     session: Recorded,
-    model: Annotated[
-        Path | None, typer.Option(help="a model file to compare as it is")
-    ] = None,
+    model: Annotated[Path | None, typer.Option(help="a model file to compare as it is")] = None,
     as_json: Json = False,
 ) -> None:
     """Compare simpler models with that of large deflections and an EIBM along the sheet.

@@ -70,7 +70,10 @@ def fit(
         ),
     ] = False,
     bootstrap: Annotated[
-        int, typer.Option(min=0, max=10_000, help="number of simulated repeats that check the uncertainties")
+        int,
+        typer.Option(
+            min=0, max=10_000, help="number of simulated repeats that check the uncertainties"
+        ),
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
     as_json: Json = False,

@@ -17,12 +17,16 @@ if TYPE_CHECKING:
 
 
 def list_sessions(
-    folder: Annotated[Path, typer.Argument(help="a folder, searched with all folders in it")] = Path(),
+    folder: Annotated[
+        Path, typer.Argument(help="a folder, searched with all folders in it")
+    ] = Path(),
     sort: Annotated[
         str, typer.Option(help="started, name, outcome, B_Nm2, EIBM_Nm, largest_force_mN, ...")
     ] = "started",
     up: Annotated[bool, typer.Option("--up", help="the smallest or oldest first")] = False,
-    text: Annotated[str, typer.Option(help="words in name, protocol, sheet or reason")] = "",
+    text: Annotated[
+        str, typer.Option(help="words in name, protocol, people, sample or notes")
+    ] = "",
     outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
     as_json: Json = False,
@@ -53,7 +57,7 @@ def list_sessions(
 
 
 _COLUMNS = (
-    "session", "started", "sheet", "outcome", "runs", "readings", "largest force, mN",
+    "session", "started", "sheet", "sample", "outcome", "runs", "readings", "largest force, mN",
     "scatter, mN", "B, µN·m²", "EIBM, µN·m", "kind of EIBM", "model file",
 )  # fmt: skip
 _NOTE = (
@@ -64,11 +68,12 @@ _NOTE = (
 
 def _row(entry: CatalogueEntry) -> list[str]:
     if entry.error:
-        return [entry.name, "-", "-", "cannot be read", *["-"] * (len(_COLUMNS) - 4)]
+        return [entry.name, "-", "-", "-", "cannot be read", *["-"] * (len(_COLUMNS) - 5)]
     return [
         entry.name,
         entry.started[:16].replace("T", " ") or "-",
         ", ".join(entry.sheet) or "-",
+        entry.sample or "-",
         entry.outcome,
         f"{entry.runs_complete} of {entry.runs}",
         str(entry.readings),
