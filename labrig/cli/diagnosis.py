@@ -20,8 +20,8 @@ def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis
 
     if not any(c.voltage_V for c in measurements.conditions):
         raise BadInputError(
-            "nothing was measured under voltage, so the EIBM is not known; measure at 0 V and at one"
-            " voltage at least."
+            "nothing was measured under voltage, so the EIBM is not known; measure at 0 V and at"
+            " one voltage at least."
         )
     with progress("diagnose") as advance:
         return diagnose(measurements, options, lambda text, share: advance(share, text))

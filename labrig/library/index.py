@@ -15,7 +15,7 @@ from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits, shown_fits
 from labrig.serialise import from_json, to_json
 
-VERSION = 2  # of what is kept
+VERSION = 3  # of what is kept
 KEPT = ".labrig/library.json"
 MOST_FILES = 100_000
 MOST_MODEL_BYTES = 1 << 20

@@ -33,7 +33,7 @@ def diagnose(
     model: KnownModel = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="the model file to write, with the effects found (TOML)"),
+        typer.Option("--output", "-o", help="the model file to write, with its effects (TOML)"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
     report: Annotated[
