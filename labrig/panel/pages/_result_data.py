@@ -42,7 +42,11 @@ def measured_result(path: Path, name: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=1)
-def fitted_result(path: Path, name: str, state: str) -> tuple[Measurements, dict[str, Any]]:
+def fitted_result(
+    path: Path,
+    name: str,
+    state: str,  # noqa: ARG001 - a part of the key
+) -> tuple[Measurements, dict[str, Any]]:
     """Return the same with models and their bands, which takes a second; and the measurements.
 
     `state` is that of the files: the last result is kept for `complete_result`, which adds to it.
