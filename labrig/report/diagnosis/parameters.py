@@ -93,7 +93,7 @@ def choice_table(found: Diagnosis) -> Table | None:
         return None
     note = "Posterior probability of each choice, given that the effect acts."
     columns = ("choice", "chosen", "probability", "alternatives")
-    return Table(title="Choices of form", columns=columns, rows=rows, note=note)
+    return Table(title="Choices of form", columns=columns, rows=rows, note=note, text=True)
 
 
 def _choice(one: Named, parameter: EffectParameter) -> Iterator[tuple[str, ...]]:

@@ -97,7 +97,10 @@ def invisible_table(found: Diagnosis) -> Table | None:
         return None
     rows = tuple(found.invisible.items())
     return Table(
-        title="Invisible in these data", columns=("effect", "measurement that shows it"), rows=rows
+        title="Invisible in these data",
+        columns=("effect", "measurement that shows it"),
+        rows=rows,
+        text=True,
     )
 
 

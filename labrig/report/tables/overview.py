@@ -35,7 +35,7 @@ class Overview:
     def tables(self, *, log: bool = False) -> list[Table]:
         """Return the tables of the command line and the report."""
         found = [
-            Table(title="Session", columns=("", ""), rows=self.facts),
+            Table(title="Session", columns=("property", "value"), rows=self.facts, text=True),
             Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
         ]
         if self.channels:
@@ -44,7 +44,12 @@ class Overview:
             found.append(devices_as_table(self.devices))
         if log:
             found.append(
-                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+                Table(
+                    title="Log",
+                    columns=("time, s", "event", "run", "text"),
+                    rows=self.log,
+                    text=True,
+                )
             )
         return found
 
@@ -53,14 +58,14 @@ _COLUMNS = {
     "run": "run",
     "purpose": "purpose",
     "configuration": "sheet",
-    "position_mm": "at mm",
+    "position_mm": "p, mm",
     "state": "state",
     "readings": "readings",
     "invalid": "invalid",
     "lost_samples": "lost samples",
     "frames_dropped": "lost frames",
-    "late_median_ms": "late ms",
-    "late_worst_ms": "at most ms",
+    "late_median_ms": "median lateness, ms",
+    "late_worst_ms": "largest lateness, ms",
 }
 
 

@@ -160,7 +160,7 @@ def found() -> Diagnosis:
             ),
         ),
         threshold=6.2,
-        threshold_from="the 95th percentile of 200 simulated sessions with nothing missing",
+        threshold_from="the 95th percentile of 200 simulated sessions of the base model",
         signatures=Signatures(
             NAMES, np.array([300.0, 60.0, 40.0, 55.0, 2.0]), 30 * (1 - np.eye(n)), cosine
         ),
