@@ -124,13 +124,13 @@ def trust(fit: Fit) -> list[str]:
     """Sentences on how far the parameters are fixed."""
     said = []
     for name, one in fit.configurations.items():
-        widths = {"B": one.B, **{f"EIBM at {volts(v)}": p for v, p in one.eibm.items()}}
+        widths = {"B": one.B, **{f"{CONSTANT} at {volts(v)}": p for v, p in one.eibm.items()}}
         shares = []
         for what, parameter in widths.items():
             low, high = parameter.interval()
             if parameter.value:
-                shares.append(f"{what} {50 * (high - low) / abs(parameter.value):.1f} %")
-        said.append(f"{name}: half width of the 90 % intervals: {', '.join(shares)}.")
+                shares.append(f"±{50 * (high - low) / abs(parameter.value):.1f} % ({what})")
+        said.append(f"{name}: 90 % intervals reach {', '.join(shares)}.")
         if not _has_curves(fit, name):
             said.append(
                 f"{name}: no neutral curves were measured. These numbers rest on the forces alone, "
