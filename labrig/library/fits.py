@@ -16,6 +16,7 @@ from labrig.model_file import load_model
 from model import Along, ConfiguredSheet, ModelError, SheetModel
 
 Kind = Literal["constant", "along_sheet", "effects"]
+Rank = tuple[bool, int, str]  # without effects, time of the last change, name; the highest is shown
 # by configuration: B_Nm2, EIBM_Nm, ... and which file they are from
 Fits = dict[str, dict[str, Any]]
 
@@ -60,18 +61,18 @@ def read_fits(path: Path) -> ModelFits | None:
     return ModelFits(model.checksum, kind, fits)
 
 
-def shown_fits(files: Iterable[tuple[str, int, ModelFits]]) -> dict[str, Fits]:
-    """Return the fits to show for each session, by its checksum.
+def shown_fits(files: Iterable[tuple[str, int, ModelFits]]) -> dict[str, tuple[Rank, Fits]]:
+    """Return the fits to show for each session, by its checksum, with their rank.
 
     `files` are name, time of the last change and content of model files.
     """
-    best: dict[str, tuple[tuple[bool, int, str], Fits]] = {}
+    best: dict[str, tuple[Rank, Fits]] = {}
     for name, changed, one in files:
         rank = (one.kind != "effects", changed, name)
         if one.checksum not in best or best[one.checksum][0] < rank:
             named = {sheet: {**fit, "model": name} for sheet, fit in one.fits.items()}
             best[one.checksum] = (rank, named)
-    return {checksum: fits for checksum, (_, fits) in best.items()}
+    return best
 
 
 def _kind(model: SheetModel) -> Kind:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.library.entry import CatalogueEntry, read_entry
-from labrig.library.fits import ModelFits, looks_like_model, read_fits, shown_fits
+from labrig.library.fits import Fits, ModelFits, Rank, looks_like_model, read_fits, shown_fits
 from labrig.serialise import from_json, to_json
 
 VERSION = 3  # of what is kept
@@ -68,11 +68,7 @@ class Library:
         fits = shown_fits(
             (name, one.stamp[0], one.fits) for name, one in known.items() if one.fits is not None
         )
-        return [
-            replace(one.entry, fit=fits.get(one.entry.checksum))
-            for one in known.values()
-            if one.entry is not None
-        ]
+        return [with_fit(one.entry, fits) for one in known.values() if one.entry is not None]
 
     def _refresh(self, budget_s: float | None, advance: Advance | None) -> int:
         end_s = None if budget_s is None else time.monotonic() + budget_s
@@ -108,6 +104,12 @@ class Library:
             path.parent.mkdir(exist_ok=True)
             beside.write_text(to_json(_Kept(VERSION, self._known)), encoding="utf-8")
             beside.replace(path)
+
+
+def with_fit(entry: CatalogueEntry, fits: Mapping[str, tuple[Rank, Fits]]) -> CatalogueEntry:
+    """Add the fit to the recorded data, where there is one."""
+    known = fits.get(entry.checksum)
+    return entry if known is None else replace(entry, fit=known[1])
 
 
 def _look(path: Path, name: str, stamp: Stamp) -> _Known:
