@@ -20,7 +20,7 @@ def render(findings: Findings, content: ReportContent, files: str = FILES) -> st
     """Return the page's text; `files` says where its figures are and in which formats."""
     return render_page(
         "session.html.j2",
-        title=findings.session.path.name,
+        title=findings.session.about.title or findings.session.path.name,
         session=findings.session,
         names=findings.names,
         cards=cards(findings),

@@ -13,6 +13,11 @@ from labrig.report.tables.fit import one_by_one_table, scatter_table, trust
 from labrig.report.tables.paper import table_4
 from model import ConfiguredSheet
 
+_SOURCE = (
+    "The parameters are from a fit made for this report, as labrig fit makes it; no model file is "
+    "read. The diagnosis refits B and EIBM together with its effects."
+)
+
 
 def applies(findings: Findings) -> bool:
     """Whether something was fitted, or could not be."""
@@ -36,7 +41,7 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
             scatter_table(fit),
             *([one_by_one_table(fit)] if each else []),
         ),
-        (*missing, *trust(fit)),
+        (*missing, *trust(fit), _SOURCE),
     )
 
 
