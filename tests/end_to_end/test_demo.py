@@ -104,7 +104,7 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     for title in ("Table 4. Parameters", "Table 6. Root mean squared errors"):
         assert title in demo.printed
     assert "The world's own record of the last voltage: 0 V" in demo.printed
-    assert "Where simulation and measurement disagree" in demo.printed
+    assert "Largest residuals" in demo.printed
     assert "Verdict: " in demo.printed
     assert (demo.folder / "model+.toml").exists()
     assert (demo.folder / "diagnosis" / "index.html").exists()
