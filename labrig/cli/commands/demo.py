@@ -111,7 +111,7 @@ def _real_clock(folder: Path) -> None:
     with open_session(session) as opened:
         table = overview(opened).tables()[1]
     print_table(table.title, table.columns, table.rows)
-    say(f"Last voltage in the simulated plant's own record: {_last_voltage(record)} V")
+    say(f"The world's own record of the last voltage: {_last_voltage(record)} V")
 
 
 def _last_voltage(record: Path) -> str:
