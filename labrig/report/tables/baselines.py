@@ -34,7 +34,8 @@ def baseline_table(rows: Sequence[BaselineRow]) -> Table:
     note = (
         "EIBM along the sheet: the joint fit. Model files: as they are, nothing refitted. All "
         "other rows: B and one EIBM for each voltage refitted to all forces and curves by least "
-        "squares, k0 held."
+        "squares, k0 held. Me/B: of the constant EIBM (9); of a model file and of the equivalent "
+        "beam the mean over [0, l]."
     )
     return Table(title="Comparison with simpler models", columns=columns, rows=cells, note=note)
 
