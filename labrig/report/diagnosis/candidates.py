@@ -46,7 +46,7 @@ def ranking_figure(found: Diagnosis) -> Figure | None:
 
 
 def _called(one: Ranked) -> str:
-    return one.name.replace("unknown:", "unknown, ").replace("_", " ")
+    return one.name.replace("unknown:", "unknown, ")
 
 
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:
@@ -63,7 +63,7 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
     if n < 2:
         return None
     order = np.argsort(-np.nan_to_num(seen.detectability))
-    names = [seen.names[i].replace("_", " ") for i in order]
+    names = [seen.names[i] for i in order]
     with figure(0.2 * n + 3.4, 0.2 * n + 1.9) as fig:
         panels = fig.subplots(1, 2, width_ratios=[1.0, 0.28], sharey=True)
         alike = np.abs(seen.cosine)[np.ix_(order, order)]
@@ -104,7 +104,7 @@ def form_figure(found: Diagnosis) -> Figure | None:
         panels = fig.subplots(1, count, squeeze=False)[0]
         for axes, (name, form), mark in zip(panels, forms, "abcdefgh", strict=False):
             _form(axes, form)
-            letter(axes, mark, name.replace("_", " "))
+            letter(axes, mark, name)
         if found.unknown is not None:
             _profile(panels[-1], found.unknown)
             location = found.unknown.location.replace("_", " ")

@@ -56,7 +56,7 @@ def _title(found: Diagnosis) -> str:
 
 def _cards(found: Diagnosis) -> list[Card]:
     cards = []
-    named = [(e.name.replace("_", " "), percent(e.confidence), "") for e in found.effects]
+    named = [(e.name, percent(e.confidence), "") for e in found.effects]
     if named:
         cards.append(Card("Effects, posterior probability", tuple(named)))
     if found.unknown is not None:
