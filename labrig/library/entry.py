@@ -9,10 +9,9 @@ from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.library.fits import Fits
 from labrig.serialise import to_plain
 from labrig.session import Note, RecordedSession, open_session
-
-Fits = dict[str, dict[str, Any]]  # by configuration
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,7 +37,7 @@ class Overview:
     def tables(self, *, log: bool = False) -> list[Table]:
         """Return the tables of the command line and the report."""
         found = [
-            Table(title="Session", columns=("", ""), rows=self.facts),
+            Table(title="Session", columns=("property", "value"), rows=self.facts, text=True),
             Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
         ]
         if self.channels:
@@ -48,7 +48,12 @@ class Overview:
             found.append(_marks_as_table(self.marks))
         if log:
             found.append(
-                Table(title="Log", columns=("s since start", "event", "run", "text"), rows=self.log)
+                Table(
+                    title="Log",
+                    columns=("s since start", "event", "run", "text"),
+                    rows=self.log,
+                    text=True,
+                )
             )
         return found
 
@@ -57,14 +62,14 @@ _COLUMNS = {
     "run": "run",
     "purpose": "purpose",
     "configuration": "sheet",
-    "position_mm": "at mm",
+    "position_mm": "p, mm",
     "state": "state",
     "readings": "readings",
     "invalid": "invalid",
     "lost_samples": "lost samples",
     "frames_dropped": "lost frames",
-    "late_median_ms": "late ms",
-    "late_worst_ms": "at most ms",
+    "late_median_ms": "median lateness, ms",
+    "late_worst_ms": "largest lateness, ms",
 }
 
 

@@ -1,7 +1,7 @@
 // The sessions of the data folder: found, sorted, opened, compared, exported.
 
 import { h, newId, put, setText } from "../dom.js";
-import { bytes, clock, digits, number, when } from "../format.js";
+import { bytes, clock, digits, number, volts, when } from "../format.js";
 import { get, query } from "../net.js";
 import { recoverButton, recoveredPlace } from "../recover.js";
 
@@ -42,12 +42,7 @@ const COLUMNS = [
     key: "EIBM",
     name: "EIBM, \u00B5N\u00B7m",
     num: true,
-    show: (s) =>
-      fitted(s, (fit) =>
-        Object.entries(fit.EIBM_Nm ?? {})
-          .map(([, value]) => digits(1e6 * value, 4))
-          .join(" / "),
-      ),
+    show: (s) => [fitted(s, moments), source(s)],
   },
   { key: "bytes", name: "size", num: true, show: (s) => bytes(s.bytes) },
 ];
@@ -85,6 +80,18 @@ function fitted(session, show) {
   return fits.length
     ? fits.map(([name, fit]) => h("span", { class: "per-sheet" }, h("i", {}, name), " ", show(fit)))
     : "\u2013";
+}
+
+/** The EIBM at each voltage. */
+const moments = (fit) =>
+  Object.entries(fit.EIBM_Nm ?? {})
+    .map(([voltage, value]) => `${digits(1e6 * value, 4)} at ${volts(Number(voltage))}`)
+    .join(", ");
+
+/** The kind of EIBM, and the model file that B and EIBM are from. */
+function source(session) {
+  const fit = Object.values(session.fit ?? {})[0];
+  return fit?.model ? h("span", { class: "fit-source" }, `${fit.EIBM_quantity}; ${fit.model}`) : "";
 }
 
 /** Show the library. */

@@ -2,7 +2,7 @@
 
 import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
-import { bytes, clock, digits, number, timesOf, whenInZone } from "../format.js";
+import { bytes, clock, digits, number, timesOf, volts, whenInZone } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
 import { Notes } from "../notes.js";
 import { recoverButton, recoveredPlace } from "../recover.js";
@@ -31,22 +31,33 @@ export function factsOf(session) {
     ["scatter of one reading", `${number(session.scatter_mN, 3)} mN`],
   ];
   if (session.fit_outdated) facts.push(["fit", outdated("yes", true)]);
-  for (const [name, fit] of Object.entries(session.fit ?? {})) {
+  return [...facts, ...factsOfFit(session.fit ?? {})];
+}
+
+/** What a model file says: each number with its quantity and unit, errors by configuration. */
+function factsOfFit(fits) {
+  const facts = [];
+  const rms = (force, curve) => `force ${digits(force, 3)} mN, curve ${digits(curve, 3)} mm`;
+  for (const [name, fit] of Object.entries(fits)) {
     facts.push([
       `B, ${name}`,
       `${digits(1e6 * fit.B_Nm2, 4)} \u00B1 ${digits(1e6 * fit.B_sigma, 2)} \u00B5N\u00B7m\u00B2`,
     ]);
-    for (const [volts, value] of Object.entries(fit.EIBM_Nm ?? {})) {
+    for (const [voltage, value] of Object.entries(fit.EIBM_Nm ?? {})) {
+      const sigma = fit.EIBM_sigma?.[voltage];
+      const error = sigma === null || sigma === undefined ? "" : ` \u00B1 ${digits(1e6 * sigma, 2)}`;
       facts.push([
-        `EIBM, ${name}, ${volts} V`,
-        `${digits(1e6 * value, 4)} \u00B1 ${digits(1e6 * fit.EIBM_sigma?.[volts], 2)} \u00B5N\u00B7m`,
+        `${fit.EIBM_quantity ?? "EIBM"}, ${name}, ${volts(Number(voltage))}`,
+        `${digits(1e6 * value, 4)}${error} \u00B5N\u00B7m`,
       ]);
     }
-    facts.push([
-      `RMSE, ${name}`,
-      `${digits(fit.rmse_force_mN, 3)} mN, ${digits(fit.rmse_curve_mm, 3)} mm`,
-    ]);
+    if (Number.isFinite(fit.rmse_force_mN) || Number.isFinite(fit.rmse_curve_mm))
+      facts.push([`RMSE, ${name}`, rms(fit.rmse_force_mN, fit.rmse_curve_mm)]);
   }
+  const first = Object.values(fits)[0];
+  if (first?.model) facts.push(["model file", first.model]);
+  if (Number.isFinite(first?.rmse_all_force_mN) || Number.isFinite(first?.rmse_all_curve_mm))
+    facts.push(["RMSE, all sheets together", rms(first.rmse_all_force_mN, first.rmse_all_curve_mm)]);
   return facts;
 }
 
