@@ -11,6 +11,7 @@ from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
+from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
@@ -59,7 +60,11 @@ def measure(
     _check_configurations(session, sheets)
     forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}
     seen, notes = _curves(session, sheets, progress, workers, extractor) if curves else ([], [])
-    warnings = [*notes, *dead_weight_warnings(session, forces, calibration)]
+    warnings = [
+        *notes,
+        *wetting_warnings(session),
+        *dead_weight_warnings(session, forces, calibration),
+    ]
     warnings += [text for each in seen for text in each.warnings]
     return Measurements(
         sheets=sheets,

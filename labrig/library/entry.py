@@ -29,6 +29,7 @@ class CatalogueEntry:
     output: str = ""
     reason: str = ""
     simulated: bool = False
+    boards: str = ""  # simulated, real, not known, or of each by name
     runs: int = 0
     runs_complete: int = 0
     readings: int = 0
@@ -86,6 +87,7 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         output=session.output_state.value,
         reason=session.reason,
         simulated=session.simulated,
+        boards=session.boards,
         runs=len(session.runs),
         runs_complete=sum(run.completed for run in session.runs),
         readings=sum(len(rows) for rows in readings),

@@ -42,8 +42,10 @@ def measured_result(path: Path, name: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=1)
-def fitted_result(  # noqa: ARG001 - the state is a part of the key
-    path: Path, name: str, state: str
+def fitted_result(
+    path: Path,
+    name: str,
+    state: str,  # noqa: ARG001 - a part of the key
 ) -> tuple[Measurements, dict[str, Any]]:
     """Return the same with models and their bands, which takes a second; and the measurements.
 

@@ -35,7 +35,12 @@ def one(panel: Here, name: Session) -> Any:
              "text": " ".join(part for part in (e.subject, e.text) if part)}
             for e in session.events[-_MOST_LOG:]
         ]  # fmt: skip
-    return {**shown(entry), "runs_table": list(found.runs), "log": log}
+    return {
+        **shown(entry),
+        "runs_table": list(found.runs),
+        "devices": list(found.devices),
+        "log": log,
+    }
 
 
 @router.get("/export")

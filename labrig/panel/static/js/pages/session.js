@@ -13,7 +13,7 @@ export function factsOf(session) {
     ["output at the end", (session.output ?? "\u2013").toUpperCase()],
     ["sheet", (session.sheet ?? []).join(", ")],
     ["protocol", session.protocol ?? "\u2013"],
-    ["rig", session.simulated ? "simulated" : "real"],
+    ["boards", session.boards ?? "\u2013"],
     ["runs", `${session.runs_complete ?? "\u2013"} of ${session.runs ?? "\u2013"} complete`],
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
     ["length", clock(session.duration_s)],
