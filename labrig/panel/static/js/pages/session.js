@@ -1,8 +1,10 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
+import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
+import { Notes } from "../notes.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
@@ -77,6 +79,7 @@ export function mount(place, app, asked) {
     fault,
     body,
   );
+  const notes = new Notes(app, name);
   get(`/api/library/session?${query({ name })}`).then(
     (session) => {
       resume.hidden =
@@ -84,11 +87,11 @@ export function mount(place, app, asked) {
         session.runs == null ||
         session.runs_complete >= session.runs ||
         session.outcome === "running";
-      put(body, facts(session), log(session));
+      put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
     },
     (error) => put(body, h("p", { class: "fault" }, error.message)),
   );
-  return {};
+  return notes;
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
