@@ -11,7 +11,7 @@ from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig.wiring import wire
 from labrig.panel.job.host import Host
-from labrig.panel.live.frames import raw_picture
+from labrig.panel.live.frames import exposure_time, raw_picture
 
 EVERY_S = 0.1
 _FRAMES = 1.5  # a window of so many frame periods holds at least one frame
@@ -52,4 +52,6 @@ def _show_all(
         frames = camera.frames()
         if frames:
             frame = frames[-1]
-            host.stream.publish_picture(raw_picture(frame, frame.time_s - begun_s, None, None))
+            exposed_s = exposure_time(clock, frame.time_s)
+            picture = raw_picture(frame, frame.time_s - begun_s, None, None, exposed_s=exposed_s)
+            host.stream.publish_picture(picture)
