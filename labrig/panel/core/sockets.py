@@ -23,7 +23,7 @@ from labrig.panel.live.packing import dumps, pack
 MOST_MESSAGE_BYTES = 4096  # of what a page says
 SEND_S = 15.0  # a page that takes nothing for so long is let go; it comes again when it lives
 _TOO_OFTEN = (20.0, 40.0)
-_NEWEST_EVERY_S = 0.015  # what comes meanwhile is sent together; well below a camera's period
+_MESSAGES_EVERY_S = 0.03  # what comes meanwhile is sent together: a page draws no more often
 
 OnMessage = Callable[[Message], Awaitable[None]]
 
@@ -123,7 +123,7 @@ class Post:
                 for packed in _packed(mail, self._client):
                     await self._out(packed)
             self._image_news.set()  # it waits for its story
-            await asyncio.sleep(_NEWEST_EVERY_S)
+            await asyncio.sleep(_MESSAGES_EVERY_S)
 
     async def _deliver_images(self) -> None:
         while True:

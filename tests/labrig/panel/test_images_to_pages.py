@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -70,6 +71,12 @@ class Served:
         self.post.close()
 
 
+def run(coroutine):
+    """Run it in a thread: a test of the browser in the same process has a loop of its own."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(asyncio.run, coroutine).result()
+
+
 def shown(stream, frame):
     stream.publish_picture(({"type": "picture", "frame": frame}, b"pixels"))
 
@@ -100,7 +107,7 @@ def test_a_page_that_acknowledges_nothing_gets_one_image():
             await settled()
             assert numbers(socket) == [0]
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_after_an_acknowledgement_the_newest_image_is_sent_and_none_before_it():
@@ -115,7 +122,7 @@ def test_after_an_acknowledgement_the_newest_image_is_sent_and_none_before_it():
                 await until(lambda count=count: len(socket.images) == count)
             assert numbers(socket) == [9, 19, 29]
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_no_image_is_sent_twice():
@@ -131,7 +138,7 @@ def test_no_image_is_sent_twice():
             shown(stream, 2)
             await until(lambda: len(socket.images) == 2)
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_a_foreign_acknowledgement_brings_no_image():
@@ -146,7 +153,7 @@ def test_a_foreign_acknowledgement_brings_no_image():
             await settled()
             assert numbers(socket) == [1]
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_a_slow_page_delays_no_other():
@@ -166,7 +173,7 @@ def test_a_slow_page_delays_no_other():
             await until(lambda: len(slow.images) == 2)
             assert numbers(slow)[-1] == 29  # of what it missed only the newest
 
-    asyncio.run(pages())
+    run(pages())
 
 
 def test_messages_do_not_wait_for_an_acknowledgement():
@@ -178,7 +185,7 @@ def test_messages_do_not_wait_for_an_acknowledgement():
             stream.publish({"type": "output", "state": "safe"})
             await until(lambda: socket.texts[-1]["type"] == "output")
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_an_image_comes_after_the_story_that_it_belongs_to():
@@ -202,7 +209,7 @@ def test_an_image_comes_after_the_story_that_it_belongs_to():
     async def note(order, what):
         order.append(what)
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_acknowledgements_are_never_too_often_but_other_messages_are():
@@ -219,7 +226,7 @@ def test_acknowledgements_are_never_too_often_but_other_messages_are():
                 socket.say(do="seen", image=0)  # nobody has waited for them
             await until(lambda: socket.closed == 1008)
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_a_pong_tells_the_servers_time():
@@ -232,7 +239,7 @@ def test_a_pong_tells_the_servers_time():
             assert pong["at"] == 12.5
             assert before_s <= pong["wall_s"] <= time.time()
 
-    asyncio.run(page())
+    run(page())
 
 
 def test_an_image_carries_the_time_of_its_exposure_by_the_servers_clock():

@@ -1,12 +1,11 @@
 // What is known of a job: the story's messages applied one after the other, and nothing else.
 //
 // Whoever shows an image tells `seen` when it is drawn. Whoever shows something calls `watch`; watchers are called once for all that came since the last
-// time, with the set of message types, at most once per picture of the screen.
+// time, with the set of message types, at most once per tick.
 
 import { statistics } from "./format.js";
+import { nextFrame } from "./frames.js";
 import { Signals } from "./signals.js";
-
-const HIDDEN_MS = 300; // a hidden tab gets no animation frames, but its title must stay true
 
 /** State of a job; `alive` says whether it is heard of now. */
 export class Job {
@@ -142,18 +141,15 @@ export class Job {
 
   touch(type) {
     this.dirty.add(type);
-    if (this.due) return;
-    this.due = true;
-    const once = () => {
-      if (!this.due) return;
-      this.due = false;
-      const dirty = this.dirty;
-      this.dirty = new Set();
-      for (const update of this.watchers) update(dirty);
-    };
-    requestAnimationFrame(once);
-    setTimeout(once, HIDDEN_MS);
+    nextFrame(this.flush, true); // the title of a hidden page must stay true
   }
+
+  /** Call the watchers. */
+  flush = () => {
+    const dirty = this.dirty;
+    this.dirty = new Set();
+    for (const update of this.watchers) update(dirty);
+  };
 }
 
 const HANDLERS = {

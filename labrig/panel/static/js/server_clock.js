@@ -1,7 +1,6 @@
 // The server's clock as a page knows it: from pings, of which the quickest is believed.
 
 const KEEP = 20; // pings; the clocks of page and server drift apart slowly
-const KEEP_QUICKEST = 3; // mean of so many, so that one lucky ping does not decide alone
 
 /** Time of day in s, on this computer. */
 function here_s() {
@@ -25,8 +24,8 @@ export class ServerClock {
     const now = here_s();
     this.pings.push({ trip_s: now - at, offset_s: wall_s - (at + now) / 2 });
     if (this.pings.length > KEEP) this.pings.shift();
-    const quickest = [...this.pings].sort((a, b) => a.trip_s - b.trip_s).slice(0, KEEP_QUICKEST);
-    this.offset_s = quickest.reduce((sum, ping) => sum + ping.offset_s, 0) / quickest.length;
+    const quickest = this.pings.reduce((a, b) => (b.trip_s < a.trip_s ? b : a));
+    this.offset_s = quickest.offset_s; // wrong by half its trip at most
   }
 
   /** The server's time of day in s; null before the first pong. */

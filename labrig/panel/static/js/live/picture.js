@@ -1,6 +1,7 @@
 // The newest image on a canvas, the extracted neutral curve and the model's over it.
 
 import { h, setText } from "../dom.js";
+import { forgetFrame, nextFrame } from "../frames.js";
 import { ImageRate } from "./image_rate.js";
 import { drawCurve, drawPrediction, drawScaleBar } from "./overlay.js";
 import { errorText } from "./prediction_error.js";
@@ -48,7 +49,7 @@ export class Picture {
     this.seen.disconnect();
     this.job.onPicture.delete(this.came);
     clearInterval(this.timer);
-    cancelAnimationFrame(this.due);
+    forgetFrame(this.show);
   }
 
   update(dirty) {
@@ -89,19 +90,21 @@ export class Picture {
     if (next) this.decode(next);
   }
 
-  /** With the browser's next frame; a hidden page has none, and so gets no further image. */
+  /** With the next tick; a hidden page has none, and so gets no further image. */
   drawSoon() {
-    this.due ??= requestAnimationFrame(() => {
-      this.due = null;
-      this.draw();
-      if (!this.header || this.header === this.drawn) return;
-      this.drawn = this.header;
-      this.shown += 1;
-      this.rate.add(performance.now());
-      this.onshown?.(this.header);
-      this.job.seen(this.header);
-    });
+    nextFrame(this.show);
   }
+
+  /** Draw; acknowledge an image that has not been drawn before. */
+  show = () => {
+    this.draw();
+    if (!this.header || this.header === this.drawn) return;
+    this.drawn = this.header;
+    this.shown += 1;
+    this.rate.add(performance.now());
+    this.onshown?.(this.header);
+    this.job.seen(this.header);
+  };
 
   /** Keep the size of the canvas: to ask for it at each image costs a layout of the page. */
   resize() {
