@@ -10,7 +10,7 @@ import pytest
 
 from tests.labrig.panel.load import flood, silent
 from tests.labrig.panel.page import Page
-from tests.panel_browser.rig_world import rig_world
+from tests.panel_browser.rig_world import energised_page, rig_world
 
 SILENT = 200
 PATIENCE_S = 30.0
@@ -108,7 +108,7 @@ def closed_while_sending(connection, limit_s):
 @pytest.mark.parametrize("where", ["panel", "stop"])
 def test_the_voltage_is_gone_at_once_though_connections_and_requests_abound(tmp_path, where):
     with rig_world(tmp_path / "rig") as world:
-        page = energised(world)
+        page = energised_page(world, "a.h5")
         stop = urlsplit(page.hello["stop_url"]).netloc
         doors = [(world.netloc, "/api/stop"), (stop, "/stop")]
         with ExitStack() as load:
@@ -126,19 +126,3 @@ def test_the_voltage_is_gone_at_once_though_connections_and_requests_abound(tmp_
         assert status == 200
         assert gone_s < LIMIT_S
         page.close()
-
-
-def energised(world):
-    """A page that has started a run, in the middle of its pulses."""
-    page = Page(world.server)
-    page.take_control()
-    page.do("/api/run", protocol="long.toml", sheet="sheet.toml", session="a.h5", clock="real")
-    end_s = time.monotonic() + 90
-    while not any(m["state"] == "energised" for m in page.of("output")):
-        assert time.monotonic() < end_s
-        for prompt in page.of("prompt"):
-            if all(m["prompt"] != prompt["prompt"] for m in page.of("answered")):
-                page.ask("POST", "/api/answer", {"prompt": prompt["prompt"], "done": True})
-        time.sleep(0.1)  # noqa: TID251 - another process is being watched
-    time.sleep(0.7)  # noqa: TID251 - well inside the train: energised without a pause
-    return page
