@@ -16,9 +16,7 @@ from labrig.panel.access.settings import PanelSettings, host_name
 
 STOP_PATH = "/api/stop"  # no press of who has the token is one too many
 _PUBLIC = ("/static/", "/favicon.ico")
-# Requests in a second, and at once: of who has the token, and of one address without it.
-_IDENTIFIED = (120.0, 600.0)
-_UNIDENTIFIED = (20.0, 120.0)
+_IDENTIFIED = (120.0, 600.0)  # requests of who has the token: in a second, at once
 
 
 class _RefusedError(Exception):
@@ -38,13 +36,16 @@ class _TooOftenError(_RefusedError):
 
 
 class AccessControl:
-    """ASGI middleware: host, origin, token, size and rate."""
+    """ASGI middleware: host, origin, token, size and rate.
 
-    def __init__(self, app: ASGIApp, settings: PanelSettings) -> None:
+    `unidentified`: the budgets of addresses without the token, which connections know, too.
+    """
+
+    def __init__(self, app: ASGIApp, settings: PanelSettings, unidentified: Buckets) -> None:
         self._app = app
         self._settings = settings
         self._identified = Bucket(*_IDENTIFIED)
-        self._unidentified = Buckets(*_UNIDENTIFIED)
+        self._unidentified = unidentified
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""

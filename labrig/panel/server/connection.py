@@ -16,6 +16,14 @@ from websockets.exceptions import InvalidState
 
 from labrig.panel.access.credentials import has_token
 from labrig.panel.access.open_connections import HEAD_S, UnidentifiedConnections
+from labrig.panel.access.rate_limits import Buckets
+
+_END_OF_HEAD = b"\r\n\r\n"
+_SENTENCE = b'{"error":"that is too often; wait a second."}'
+_TOO_OFTEN = (
+    b"HTTP/1.1 429 Too Many Requests\r\nconnection: close\r\ncontent-type: application/json\r\n"
+    b"content-length: %d\r\n\r\n" % len(_SENTENCE)
+) + _SENTENCE
 
 
 class PageConnection(WebSocketsSansIOProtocol):
@@ -41,12 +49,15 @@ class RequestConnection(H11Protocol):
         *arguments: Any,
         token: str,
         unidentified: UnidentifiedConnections[RequestConnection],
+        budgets: Buckets,
         **options: Any,
     ) -> None:
         super().__init__(*arguments, **options)
         self._token = token
         self._unidentified = unidentified
+        self._budgets = budgets
         self._deadline: asyncio.TimerHandle | None = None
+        self._begun = False  # something of a request has come
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a request, but not for ever."""
@@ -58,6 +69,24 @@ class RequestConnection(H11Protocol):
         """Forget it."""
         self._forget()
         super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Refuse a flood before it costs anything: access control would refuse it as well."""
+        if self._is_one_too_many(data):
+            self.transport.write(_TOO_OFTEN)
+            self.transport.close()
+            return
+        self._begun = True
+        super().data_received(data)
+
+    def _is_one_too_many(self, data: bytes) -> bool:
+        """Whether this is a whole head without the token, of an address that has spent its budget.
+
+        A head that comes in parts is left to access control.
+        """
+        if self._begun or self.client is None or not self._budgets.spent(self.client[0]):
+            return False
+        return _END_OF_HEAD in data and self._token.encode() not in data
 
     def handle_events(self) -> None:
         """Serve what has come; see whether it shows the token."""
@@ -95,15 +124,20 @@ def _text_of(headers: list[tuple[bytes, bytes]]) -> dict[str, str]:
     return {name.decode("latin-1"): value.decode("latin-1") for name, value in headers}
 
 
-def request_connections(token: str) -> type[asyncio.Protocol]:
-    """Return what uvicorn makes of each connection; all of them share one bound."""
+def request_connections(token: str, budgets: Buckets) -> type[asyncio.Protocol]:
+    """Return what uvicorn makes of each connection; all of them share one bound.
+
+    `budgets`: how often an address may ask without the token.
+    """
     unidentified: UnidentifiedConnections[RequestConnection] = UnidentifiedConnections(
         RequestConnection.drop
     )
 
     class Bounded(RequestConnection):
         def __init__(self, *arguments: Any, **options: Any) -> None:
-            super().__init__(*arguments, token=token, unidentified=unidentified, **options)
+            super().__init__(
+                *arguments, token=token, unidentified=unidentified, budgets=budgets, **options
+            )
 
     return Bounded
 

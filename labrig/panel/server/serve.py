@@ -12,6 +12,7 @@ from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.panel.access.open_connections import LISTEN_BACKLOG, raise_descriptor_limit
+from labrig.panel.access.rate_limits import UNIDENTIFIED, Buckets
 from labrig.panel.access.settings import ANYWHERE, LOOPBACK, PanelSettings
 from labrig.panel.core.sockets import MOST_MESSAGE_BYTES
 from labrig.panel.processes import detached, module_environment
@@ -34,12 +35,13 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
         # Before anything else is started: it finds the faults of files.
         with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
             panel.settings = replace(settings, stop_port=stop_port)
+            unidentified = Buckets(*UNIDENTIFIED)
             config = uvicorn.Config(
-                create_app(panel),
+                create_app(panel, unidentified),
                 log_level="warning",
                 access_log=False,
                 server_header=False,
-                http=request_connections(settings.token),
+                http=request_connections(settings.token, unidentified),
                 ws=PageConnection,
                 backlog=LISTEN_BACKLOG,
                 ws_max_size=2 * MOST_MESSAGE_BYTES,

@@ -13,7 +13,6 @@ import ssl
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 from labrig.panel.access.open_connections import (
@@ -21,30 +20,20 @@ from labrig.panel.access.open_connections import (
     LISTEN_BACKLOG,
     UnidentifiedConnections,
 )
-from labrig.panel.access.rate_limits import Buckets
+from labrig.panel.access.rate_limits import UNIDENTIFIED, Buckets
+from labrig.panel.stop.client import Client
 from labrig.panel.stop.press import StopConnection
 from labrig.panel.stop.request import Head, StopSettings, head_of, refusal_of
 
-MOST_HEAD_BYTES = 16 << 10
 MOST_BODY_BYTES = 4096
 MOST_DRAINED_BYTES = 256 << 10
 MOST_PRESSES = 32  # at a time; each may wait for `labrig safe`
 _BODY_S = 1.0  # whatever the body holds, or does not: STOP was pressed
 _DRAIN_S = 1.0  # with a client that has its answer and is still sending
-_UNIDENTIFIED = (20.0, 120.0)  # requests of one address: in a second, and at once
+
+_FLOOD = {"error": "that is too often; wait a second."}
 
 Answer = dict[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class _Client:
-    reader: asyncio.StreamReader
-    writer: asyncio.StreamWriter
-
-    @property
-    def address(self) -> str:
-        peer = self.writer.get_extra_info("peername")
-        return str(peer[0]) if peer else "unknown"
 
 
 class StopServer:
@@ -54,10 +43,8 @@ class StopServer:
         self._settings = settings
         self._line = line
         self._listening = _bound(settings)
-        self._unidentified: UnidentifiedConnections[_Client] = UnidentifiedConnections(
-            lambda client: client.writer.transport.abort()
-        )
-        self._budget = Buckets(*_UNIDENTIFIED)
+        self._unidentified: UnidentifiedConnections[Client] = UnidentifiedConnections(Client.drop)
+        self._budgets = Buckets(*UNIDENTIFIED)
         self._presses = ThreadPoolExecutor(MOST_PRESSES, "press")
         self._tls = _tls(settings)
 
@@ -73,55 +60,62 @@ class StopServer:
         work.start()
 
     async def _serve_all(self) -> None:
-        server = await asyncio.start_server(
-            self._serve,
+        server = await asyncio.get_running_loop().create_server(
+            self._client,
             sock=self._listening,
             backlog=LISTEN_BACKLOG,
-            limit=MOST_HEAD_BYTES,
             ssl=self._tls,
             ssl_handshake_timeout=None if self._tls is None else HEAD_S,
         )
         await server.serve_forever()
 
-    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        client = _Client(reader, writer)
-        self._unidentified.add(client)
-        try:
-            async with asyncio.timeout(HEAD_S):
-                head = head_of(await reader.readuntil(b"\r\n\r\n"))
-            await self._answer(client, head)
-        except (OSError, ValueError, EOFError, asyncio.LimitOverrunError, TimeoutError):
-            pass  # it went away, came too late, or speaks something else
-        finally:
-            self._unidentified.discard(client)
-            writer.transport.abort()
+    def _client(self) -> Client:
+        too_often = _packed(429, _FLOOD, None)
+        token = self._settings.token
+        return Client(self._serve, too_often, token, self._unidentified, self._budgets)
 
-    async def _answer(self, client: _Client, head: Head) -> None:
+    async def _serve(
+        self, client: Client, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        with suppress(OSError, ValueError, EOFError, asyncio.LimitOverrunError, TimeoutError):
+            head = head_of(await reader.readuntil(b"\r\n\r\n"))
+            client.head_came()
+            if await self._answer(client, head, reader, writer):
+                await _drain(reader, writer)
+        writer.transport.abort()
+
+    async def _answer(
+        self,
+        client: Client,
+        head: Head,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+    ) -> bool:
+        """Answer; return whether the rest of the request is to be read."""
         refused = refusal_of(head, self._settings)
-        if refused is None:
-            self._unidentified.discard(client)
-            await self._send(client, head, 200, await self._done(client, head))
-        elif not self._budget.take(client.address):
-            await self._send(client, head, 429, {"error": "that is too often; wait a second."})
-            return
+        too_often = refused is not None and not self._budgets.take(client.address)
+        body: Answer | None
+        if too_often:
+            status, body = 429, _FLOOD
+        elif refused is not None:
+            status, body = refused
         else:
-            await self._send(client, head, *refused)
-        await _drain(client)
+            client.identified()
+            status, body = 200, await self._done(client, head, reader)
+        writer.write(_packed(status, body, head.origin(self._settings)))
+        async with asyncio.timeout(HEAD_S):
+            await writer.drain()
+        return not too_often
 
-    async def _done(self, client: _Client, head: Head) -> Answer:
+    async def _done(self, client: Client, head: Head, reader: asyncio.StreamReader) -> Answer:
         if head.method == "GET":
             return {"ready": True, "going": self._line.going}
-        asked = await _body(client.reader, head)
+        asked = await _body(reader, head)
         name = " ".join(str(asked.get("name") or "somebody").split())[:40]
         who, why = f"{name} ({client.address})", str(asked.get("why") or "")[:200]
         loop = asyncio.get_running_loop()
         pressed = await loop.run_in_executor(self._presses, self._line.press, who, why)
         return pressed.as_dict()
-
-    async def _send(self, client: _Client, head: Head, status: int, body: Answer | None) -> None:
-        client.writer.write(_packed(status, body, head.origin(self._settings)))
-        async with asyncio.timeout(HEAD_S):
-            await client.writer.drain()
 
 
 async def _body(reader: asyncio.StreamReader, head: Head) -> Answer:
@@ -133,18 +127,18 @@ async def _body(reader: asyncio.StreamReader, head: Head) -> Answer:
     return found if isinstance(found, dict) else {}
 
 
-async def _drain(client: _Client) -> None:
+async def _drain(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
     """End the answer and read what is still sent: else the answer may be lost.
 
     Closing a connection on which something is still coming resets it.
     """
-    if client.writer.can_write_eof():
-        client.writer.write_eof()
+    if writer.can_write_eof():
+        writer.write_eof()
     drained = 0
     with suppress(TimeoutError):
         async with asyncio.timeout(_DRAIN_S):
             while drained < MOST_DRAINED_BYTES:
-                part = await client.reader.read(1 << 16)
+                part = await reader.read(1 << 16)
                 if not part:
                     return
                 drained += len(part)
