@@ -118,7 +118,7 @@ def test_pictures_curves_and_signals_reach_the_screen(fake, visit):
         fake.tell(
             made_up.signals(4, from_s := 12.9 + 0.04 * (number - 301), from_s + 0.04, fresh=False)
         )
-        page.wait_for_function("(n) => labrig.page.view.picture.header.frame === n", arg=number)
+        page.wait_for_function("(n) => labrig.page.view.picture.drawn.frame === n", arg=number)
     assert page.evaluate("labrig.page.view.picture.shown") == 11
     page.wait_for_function("(n) => labrig.page.view.strips.points === n", arg=before + 40)
     assert page.evaluate("labrig.job.signals.newest('drive_V')") == pytest.approx(2.0)

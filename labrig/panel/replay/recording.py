@@ -153,7 +153,23 @@ class Recording:
         run = self._session.run(run_index)
         number = int(run.frame_column("number")[row])
         frame = Frame(number=number, time_s=at_s, device_time_s=None, image=run.image(row))
-        return raw_picture(frame, at_s, run.planned, self._voltage_at(run, at_s))
+        voltage_V = self._voltage_at(run, at_s)
+        force_mN = self._force_at(run_index, voltage_V, at_s)
+        return raw_picture(frame, at_s, run.planned, voltage_V, force_mN=force_mN)
+
+    def _force_at(self, run: int, voltage_V: float, at_s: float) -> float | None:
+        """Return the force of the last good reading of the run at this voltage, in mN."""
+        for _, message in reversed(self.timed[: bisect_right(self._times, at_s)]):
+            if message["type"] == "run_started":
+                return None
+            if (
+                message["type"] == "reading"
+                and message["run"] == run
+                and message["valid"]
+                and message["voltage_V"] == voltage_V
+            ):
+                return float(message["force_mN"])
+        return None
 
     def stored_curve(self, after_s: float, to_s: float) -> Message | None:
         """Return the curve that the analysis has found in the newest picture of this time."""

@@ -1,17 +1,19 @@
 // What is known of a job: the story's messages applied one after the other, and nothing else.
 //
-// Whoever shows something calls `watch`; watchers are called once for all that came since the last
-// time, with the set of message types, at most once per picture of the screen.
+// Whoever shows an image tells `seen` when it is drawn. Whoever shows something calls `watch`; watchers are called once for all that came since the last
+// time, with the set of message types, at most once per tick.
 
 import { statistics } from "./format.js";
+import { nextFrame } from "./frames.js";
 import { Signals } from "./signals.js";
-
-const HIDDEN_MS = 300; // a hidden tab gets no animation frames, but its title must stay true
 
 /** State of a job; `alive` says whether it is heard of now. */
 export class Job {
   constructor() {
     this.watchers = new Set();
+    this.onPicture = new Set(); // called with each image at once, not with the next frame
+    this.onSeen = () => {}; // tells the server that an image is drawn: only then the next one comes
+    this.clock = null; // the server's, where the job is on a socket
     this.dirty = new Set();
     this.counts = { pictures: 0, signals: 0, messages: 0 };
     this.alive = null;
@@ -22,6 +24,7 @@ export class Job {
 
   /** Forget everything of the job, as a story demands. */
   forget() {
+    if (this.picture) this.seen(this.picture);
     Object.assign(this, {
       job: null,
       plan: null,
@@ -68,12 +71,27 @@ export class Job {
       this.counts.pictures += 1;
       this.picture = { ...header, bytes: new Uint8Array(buffer, start), came: performance.now() };
       this.setLatest(header.time_s);
+      for (const show of this.onPicture) show(this.picture);
     } else if (header.type === "signals") {
       this.counts.signals += header.count;
       if (header.fresh || header.run !== this.signals.run) this.signals = new Signals(header.run);
       this.signals.append(header.rows, header.count, buffer, start);
     }
     this.touch(header.type);
+  }
+
+  /** An image is drawn, or nobody will draw it any more. */
+  seen(picture) {
+    if (picture.seen) return;
+    picture.seen = true;
+    this.onSeen(picture);
+  }
+
+  /** How old an image is in s; null where its exposure has no time of day (a replay). */
+  ageOf(picture) {
+    const now_s = this.clock?.now_s();
+    if (picture.exposed_s == null || now_s == null) return null;
+    return Math.max(0, now_s - picture.exposed_s);
   }
 
   setAlive(alive) {
@@ -153,18 +171,15 @@ export class Job {
 
   touch(type) {
     this.dirty.add(type);
-    if (this.due) return;
-    this.due = true;
-    const once = () => {
-      if (!this.due) return;
-      this.due = false;
-      const dirty = this.dirty;
-      this.dirty = new Set();
-      for (const update of this.watchers) update(dirty);
-    };
-    requestAnimationFrame(once);
-    setTimeout(once, HIDDEN_MS);
+    nextFrame(this.flush, true); // the title of a hidden page must stay true
   }
+
+  /** Call the watchers. */
+  flush = () => {
+    const dirty = this.dirty;
+    this.dirty = new Set();
+    for (const update of this.watchers) update(dirty);
+  };
 }
 
 const HANDLERS = {

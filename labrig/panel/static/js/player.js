@@ -20,6 +20,8 @@ export class Player {
       binary: (...frame) => this.job.applyBinary(...frame),
       alive: (is) => this.job.setAlive(is),
     });
+    this.job.clock = this.socket.clock;
+    this.job.onSeen = (picture) => this.socket.seen(picture);
   }
 
   receive(message) {

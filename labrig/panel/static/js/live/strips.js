@@ -3,13 +3,13 @@
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
 import { colourOf, h, newId } from "../dom.js";
 import { plain } from "../format.js";
+import { drawEnvelope } from "./envelope.js";
 import { drawMark } from "./marks.js";
 import { Numerals } from "./numerals.js";
 import { KEYS, StripCursor } from "./strip_cursor.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
-const CHART_MS = 60;
 const ROWS = [
   {
     key: "drive_V",
@@ -71,7 +71,6 @@ export class Strips {
   destroy() {
     this.seen.disconnect();
     this.numerals.destroy();
-    clearTimeout(this.due);
     removeEventListener("labrig-theme", this.themed);
     this.lines.forEach((line) => line.plot?.destroy());
   }
@@ -126,7 +125,6 @@ export class Strips {
   }
 
   chart(line, width, height) {
-    const stroke = () => this.colours(line).trace;
     const axis = {
       stroke: () => this.colours(line).ink,
       grid: { stroke: () => this.colours(line).grid, width: 1 },
@@ -145,10 +143,9 @@ export class Strips {
       },
       series: [
         {},
-        { stroke, width: 1.25, points: { show: false } },
-        { stroke, width: 1.25, points: { show: false } },
+        { paths: () => null, points: { show: false } },
+        { paths: () => null, points: { show: false } },
       ],
-      bands: [{ series: [2, 1], fill: stroke }],
       axes: [
         {
           ...axis,
@@ -159,7 +156,7 @@ export class Strips {
         },
         { ...axis, size: 46, gap: 4, space: 26, values: (_, ticks) => ticks.map(plain) },
       ],
-      hooks: { draw: [(plot) => this.drawMarks(plot, line)] },
+      hooks: { draw: [(plot) => this.drawSignal(plot, line)] },
     };
     return new uPlot(options, [[], [], []], line.place);
   }
@@ -196,21 +193,7 @@ export class Strips {
   }
 
   update(dirty) {
-    if (REDRAWN_BY.some((type) => dirty.has(type))) this.showSoon();
-  }
-
-  /** At most every `CHART_MS`: signals come more often than eyes and cheap screens can follow. */
-  showSoon() {
-    if (this.due) return;
-    const wait = CHART_MS - (performance.now() - (this.drawn ?? -Infinity));
-    this.due = setTimeout(
-      () => {
-        this.due = null;
-        this.drawn = performance.now();
-        this.show();
-      },
-      Math.max(0, wait),
-    );
+    if (REDRAWN_BY.some((type) => dirty.has(type))) this.show();
   }
 
   show() {
@@ -228,6 +211,11 @@ export class Strips {
     this.numerals.update();
   }
 
+  drawSignal(plot, line) {
+    drawEnvelope(plot, this.colours(line).trace, window.devicePixelRatio || 1);
+    this.drawMarks(plot, line);
+  }
+
   /** Planned sampling points as ticks at the foot, taken ones as marks on the trace. */
   drawMarks(plot, line) {
     const { job } = this;
@@ -242,9 +230,12 @@ export class Strips {
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top - 6 * ratio, bbox.width, bbox.height + 12 * ratio);
     ctx.clip();
+    const { min, max } = plot.scales.x;
     for (const [index, run_s, volts] of planned.readings) {
       const reading = taken.get(index);
-      const x = plot.valToPos(reading?.run_s ?? run_s, "x", true);
+      const at_s = reading?.run_s ?? run_s;
+      if (at_s < min || at_s > max) continue;
+      const x = plot.valToPos(at_s, "x", true);
       const colour = volts > 0 ? colours.plus : volts < 0 ? colours.minus : colours.zero;
       ctx.strokeStyle = colour;
       ctx.lineWidth = ratio;
