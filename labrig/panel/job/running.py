@@ -10,7 +10,7 @@ from pathlib import Path
 from labrig.errors import BadInputError, NotReadyError
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
-from labrig.experiment.rig.networked_rig import at_addresses, served_rig
+from labrig.experiment.rig.networked_rig import at_addresses, served_rig, why_not_served
 from labrig.experiment.rig.rig import Rig
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
@@ -30,7 +30,6 @@ from protocols import ScheduleError
 from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.events import ActionTaken
 from protocols.execution.stop import StopLevel, StopRequest
-from protocols.planning.schedule import Purpose
 
 
 def run(host: Host) -> tuple[int, str]:
@@ -65,7 +64,9 @@ def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
     if not plan.rig.is_simulated or order.clock == "virtual":
         yield plan
         return
-    _refuse_what_nobody_does(plan)
+    why_not = why_not_served(plan.schedule)
+    if why_not:
+        raise NotReadyError(why_not)
     rig = plan.rig
     options: list[str] = []
     if rig.simulated is not None and rig.simulated.world is not None:
@@ -73,17 +74,6 @@ def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
     record = hidden_folder(Path(order.data)) / "world_record.csv"
     with served_rig(record, plan.schedule.runs[0].configuration, options) as served:
         yield replace(plan, rig=at_addresses(rig, served))
-
-
-def _refuse_what_nobody_does(plan: Plan) -> None:
-    """Refuse what a simulated operator does by hand: in another process there is none."""
-    runs = plan.schedule.runs
-    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
-    if by_hand or len({run.configuration for run in runs}) > 1:
-        raise NotReadyError(
-            "On the real clock a simulated rig measures one configuration, mounted once; choose "
-            'such a protocol (mode = "paper", one [[places]]), or the virtual clock.'
-        )
 
 
 class _Run:

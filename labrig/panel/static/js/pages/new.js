@@ -38,12 +38,7 @@ class NewRun {
       h("label", { for: this.keep.id }, "save the changed protocol as"),
       this.keep,
     );
-    this.clock = h(
-      "select",
-      { id: newId("clock") },
-      h("option", { value: "real" }, "real time"),
-      h("option", { value: "virtual" }, "as fast as it can"),
-    );
+    this.clock = new ClockChoice();
     this.check = h(
       "button",
       { type: "button", onclick: () => this.act(() => this.tryRig()) },
@@ -78,12 +73,7 @@ class NewRun {
             ),
             this.keepRow,
             app.status?.simulated &&
-              h(
-                "div",
-                { class: "field" },
-                h("label", { for: this.clock.id }, "simulated rig\u2019s clock"),
-                this.clock,
-              ),
+              this.clock.element,
             h("div", { class: "buttons" }, this.check, this.start),
           ),
           this.preflight.element,
@@ -128,6 +118,7 @@ class NewRun {
     if (asked !== this.asked) return;
     this.planned = plan instanceof Error ? null : plan;
     setText(this.fault, plan instanceof Error ? plan.message : "");
+    this.clock.offer(this.planned?.not_on_real_clock);
     if (this.planned) this.preview.apply({ type: "story", messages: [{ ...plan, type: "plan" }] });
     this.show();
   }
@@ -194,6 +185,41 @@ class NewRun {
     if (this.app.status?.simulated) body.clock = this.clock.value;
     await post("/api/run", body);
     location.hash = "#/run";
+  }
+}
+
+/** Real time, unless the protocol wants what only the simulated operator can do, at once. */
+class ClockChoice {
+  constructor() {
+    this.real = h("option", { value: "real" }, "real time");
+    this.select = h(
+      "select",
+      { id: newId("clock"), onchange: () => (this.chosen = this.select.value) },
+      this.real,
+      h("option", { value: "virtual" }, "as fast as it can"),
+    );
+    this.why = h("p", { class: "field-hint", id: newId("why") });
+    this.select.setAttribute("aria-describedby", this.why.id);
+    this.element = h(
+      "div",
+      { class: "field" },
+      h("label", { for: this.select.id }, "simulated rig\u2019s clock"),
+      this.select,
+      this.why,
+    );
+    this.offer(null);
+  }
+
+  /** `whyNot`: why this protocol cannot run in real time, or nothing. */
+  offer(whyNot) {
+    this.real.disabled = Boolean(whyNot);
+    this.select.value = whyNot ? "virtual" : (this.chosen ?? "real");
+    setText(this.why, whyNot ?? "");
+    this.why.hidden = !whyNot;
+  }
+
+  get value() {
+    return this.select.value;
   }
 }
 
