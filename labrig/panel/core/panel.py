@@ -35,7 +35,7 @@ class Panel:
         self.actions = Actions(settings.data)
         self.control = Control(self.stream.publish_newest)
         self.frame_pipeline = FramePipeline(self.stream)
-        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline)
+        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline, settings.rig)
         self.library = Library(settings.data)
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()

@@ -23,6 +23,8 @@ function netFault(text) {
 // ------------------------------------------------------------------------------------ the socket
 
 function welcome(hello) {
+  // A panel that was started again: this page may only speak with the STOP process it was told of.
+  if (app.status && app.status.stop_url !== hello.stop_url) return again();
   app.status = hello.status;
   sessionStorage.setItem(CLIENT, hello.client);
   setClient(hello.client);
@@ -35,6 +37,12 @@ function welcome(hello) {
   if (!location.hash) location.replace(firstPage(hello.status));
   app.welcomed = true;
   dispatchEvent(new Event("labrig-hello"));
+}
+
+/** Load this page again; it hears nothing more, so that it still knows what it held. */
+function again() {
+  app.socket.close();
+  location.reload();
 }
 
 /** The address to begin with; a panel that was started with a session begins with that one. */
@@ -55,6 +63,11 @@ async function alive(is) {
   netFault(
     "The panel does not answer: what is shown may be old. The run goes on without it; STOP still works.",
   );
+  await askWhyNot();
+}
+
+/** A panel that was started again may know another token. */
+async function askWhyNot() {
   const status = await get("/api/status").catch((error) => error);
   if (status.status === 401)
     netFault(
@@ -170,4 +183,5 @@ app.socket = new Socket(known, {
   message: receive,
   binary: (...frame) => app.job.applyBinary(...frame),
   alive,
+  failed: askWhyNot,
 });
