@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -87,8 +88,9 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)
+        show.step("starting the simulated rig" if plan.rig.is_simulated else "loading drivers")
         rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub, resumption=resumption)
+        return run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:
@@ -157,6 +159,13 @@ class RunDisplay:
         self._run: PlannedRun | None = None  # the present or last one
         self._running = False
         self._invalid: list[str] = []  # why, of this run's readings
+
+    def step(self, text: str) -> None:
+        """Show what is done next before the session begins."""
+        if sys.stderr.isatty():
+            self._advance(0.0, text)
+        else:
+            warn(f"session: {text}")
 
     def __call__(self, event: Event) -> None:
         """See `protocols.execution.event_bus`: called for each event."""

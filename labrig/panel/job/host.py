@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ class Host:
 
     def __init__(self, order: Order) -> None:
         self.order = order
+        self._began_s = time.monotonic()
         self.stream = EventStream()
         self._handlers: dict[str, Handler] = {}
         self._server = JobConnectionServer(self._do, self._publisher)
@@ -50,6 +52,11 @@ class Host:
     def publish(self, message: Message) -> None:
         """Send a message to all panels."""
         self.stream.publish(message)
+
+    def step(self, text: str) -> None:
+        """Publish what is done next before the job is under way."""
+        since_s = round(time.monotonic() - self._began_s, 3)
+        self.publish({"type": "step", "text": text, "since_s": since_s})
 
     def end(self, code: int, text: str) -> None:
         """Publish and write down how it ended."""

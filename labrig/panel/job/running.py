@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.errors import BadInputError, NotReadyError
+from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
 from labrig.experiment.rig.networked_rig import at_addresses, served_rig, why_not_served
@@ -37,11 +38,13 @@ def run(host: Host) -> tuple[int, str]:
     order = host.order
     if order.session is None:
         raise BadInputError("a run needs the name of the session file to make.")
-    with _planned(order) as (plan, resumption), _on_its_clock(order, plan) as rig_plan:
+    host.step("reading the files")
+    with _planned(order) as (plan, resumption), _on_its_clock(host, plan) as rig_plan:
         done = resumption.done if resumption is not None else frozenset()
         clock = "virtual" if rig_plan.rig.is_simulated else "real"
         host.publish(setup_message(plan.optics, plan.sheets))
         host.publish(message_of_plan(plan, clock, order.session_name, done))
+        host.step("starting the simulated rig" if rig_plan.rig.is_simulated else "loading drivers")
         result = _Run(host, rig_plan).execute(Path(order.session), resumption)
     return int(result.code), f"{result.outcome.value}: {result.status.text}"
 
@@ -59,8 +62,9 @@ def _planned(order: Order) -> Iterator[tuple[Plan, Resumption | None]]:
 
 
 @contextmanager
-def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
+def _on_its_clock(host: Host, plan: Plan) -> Iterator[Plan]:
     """Yield the plan on the simulated boards' own sockets, when it is to take its real time."""
+    order = host.order
     if not plan.rig.is_simulated or order.clock == "virtual":
         yield plan
         return
@@ -72,6 +76,7 @@ def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
     if rig.simulated is not None and rig.simulated.world is not None:
         options = ["--world", str(rig.simulated.world)]
     record = hidden_folder(Path(order.data)) / "world_record.csv"
+    host.step("starting the simulated rig on the real clock")
     with served_rig(record, plan.schedule.runs[0].configuration, options) as served:
         yield replace(plan, rig=at_addresses(rig, served))
 
@@ -83,6 +88,7 @@ class _Run:
         self._host = host
         self._plan = plan
         self._stop = StopRequest()
+        self._pause: PauseFile | None = None  # once the session's file is named
         self._event_bus = EventBus(threaded=not plan.rig.is_simulated)
         encoder = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
@@ -92,6 +98,7 @@ class _Run:
         for name, handler in (
             ("stop", self._do_stop),
             ("stop_after_pulse", self._do_stop_after_pulse),
+            ("pause", self._do_pause),
             ("answer", self._do_answer),
             ("mark", self._do_mark),
             ("note", lambda asked: self._note(str(asked["who"]), str(asked["what"]))),
@@ -101,6 +108,7 @@ class _Run:
     def execute(self, path: Path, resumption: Resumption | None) -> Result:
         """Run the session."""
         self._event_bus.add_best_effort("the panel", self._follower)
+        self._pause = PauseFile(path)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
             result = run_session(
@@ -110,6 +118,7 @@ class _Run:
                 self._stop,
                 self._event_bus,
                 resumption=resumption,
+                on_step=self._host.step,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
         self._follower.publish_state()
@@ -139,6 +148,17 @@ class _Run:
         who = str(asked["who"])
         self._stop.request(StopLevel.AFTER_PULSE, f"stopped by {who}, after the pulse")
         self._note(who, "asked for a stop after the pulse")
+
+    def _do_pause(self, asked: Message) -> None:
+        who, on = str(asked["who"]), bool(asked["on"])
+        if self._pause is None or not self._follower.going:
+            raise BadInputError("no session is going on, so none can pause.")
+        if on:
+            self._pause.ask(who)
+        else:
+            self._pause.end()
+        self._host.publish({"type": "pause", "on": on, "who": who})
+        self._note(who, "asked for a pause after this position" if on else "ended the pause")
 
     def _do_answer(self, asked: Message) -> None:
         answer = self._operator.answer(int(asked["prompt"]), bool(asked["done"]))

@@ -29,6 +29,8 @@ export class Job {
       state: { state: "idle", run: null },
       output: null,
       prompt: null,
+      step: null, // of the beginning
+      pause: null, // whether one is asked for
       ended: null,
       curve: null,
       picture: null,
@@ -144,6 +146,8 @@ const HANDLERS = {
   },
   plan: (job, m) => (job.plan = m),
   model: (job, m) => (job.model = m.name),
+  step: (job, m) => (job.step = m),
+  pause: (job, m) => (job.pause = m),
   started: (job, m) => (job.started = m),
   state: (job, m) => {
     job.state = m;
