@@ -12,6 +12,8 @@ from pathlib import Path
 import typer
 
 from labrig.cli.screen import Advance, progress, say, warn
+from labrig.errors import ExitCode
+from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -84,13 +86,29 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
+        _hooks(plan, output) as hooks,
         _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)
         show.step("starting the simulated rig" if plan.rig.is_simulated else "loading drivers")
-        rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
+        asked = operator if yes else NotifyingOperator(operator, hooks)
+        rig = wire(plan, asked, hub.emit)
+        result = run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
+        hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
+        return result
+
+
+@contextmanager
+def _hooks(plan: Plan, output: Path) -> Iterator[Hooks]:
+    """Yield the rig's hooks; what is still told when the session is over is waited for."""
+    hooks: Hooks | None = None
+    try:
+        with hooks_of(plan.rig.hooks, output.name, warn) as hooks:
+            yield hooks
+    finally:
+        if hooks is not None:
+            hooks.close()
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:

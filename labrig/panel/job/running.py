@@ -7,7 +7,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from labrig.errors import BadInputError, NotReadyError
+from labrig.config import RigConfig, load_rig
+from labrig.config.hooks import HooksConfig
+from labrig.errors import BadInputError, ExitCode, NotReadyError
+from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
@@ -45,8 +48,20 @@ def run(host: Host) -> tuple[int, str]:
         host.publish(setup_message(plan.optics, plan.sheets))
         host.publish(message_of_plan(plan, clock, order.session_name, done))
         host.step("starting the simulated rig" if rig_plan.rig.is_simulated else "loading drivers")
-        result = _Run(host, rig_plan).execute(Path(order.session), resumption)
+        config = _hooks_config(order, plan)
+        with hooks_of(config, order.session_name or "", host.warn) as hooks:
+            host.on_exit = hooks.close
+            result = _Run(host, rig_plan, hooks).execute(Path(order.session), resumption)
+            hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
     return int(result.code), f"{result.outcome.value}: {result.status.text}"
+
+
+def _hooks_config(order: Order, plan: Plan) -> HooksConfig | None:
+    """Return this rig's hooks; those of a session that is resumed may be anybody's."""
+    if order.resume is None or order.rig is None:
+        return plan.rig.hooks
+    config = load_rig(Path(order.rig))
+    return config.hooks if isinstance(config, RigConfig) else None
 
 
 @contextmanager
@@ -84,9 +99,10 @@ def _on_its_clock(host: Host, plan: Plan) -> Iterator[Plan]:
 class _Run:
     """One run and the requests that it answers."""
 
-    def __init__(self, host: Host, plan: Plan) -> None:
+    def __init__(self, host: Host, plan: Plan, hooks: Hooks) -> None:
         self._host = host
         self._plan = plan
+        self._hooks = hooks
         self._stop = StopRequest()
         self._pause: PauseFile | None = None  # once the session's file is named
         self._event_bus = EventBus(threaded=not plan.rig.is_simulated)
@@ -125,7 +141,8 @@ class _Run:
         return result
 
     def _wired(self, plan: Plan) -> Rig:
-        rig = wire(plan, self._operator, self._event_bus.emit)
+        operator = NotifyingOperator(self._operator, self._hooks)
+        rig = wire(plan, operator, self._event_bus.emit)
         preview = None
         if rig.camera is not None and not plan.rig.is_simulated:
             preview = Preview(rig.camera, rig.clock, plan.schedule.frame_rate_hz)
