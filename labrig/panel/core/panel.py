@@ -20,6 +20,7 @@ from labrig.panel.job import Kind, Order
 from labrig.panel.job.jobs import Jobs
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
+from labrig.panel.queue.run_queue import RunQueue
 
 State = TypeVar("State")
 VERSION = 1  # of what page and server say to each other
@@ -37,6 +38,7 @@ class Panel:
         self.frame_pipeline = FramePipeline(self.stream)
         self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline, settings.rig)
         self.library = Library(settings.data)
+        self._queue = None if settings.rig is None else self._queue_of(settings.rig)
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()
         self.model: str | None = None
@@ -46,6 +48,8 @@ class Panel:
 
     def close(self) -> None:
         """Let go of everything but the job."""
+        if self._queue is not None:
+            self._queue.close()
         self.jobs.close()
         self.frame_pipeline.close()
 
@@ -66,6 +70,23 @@ class Panel:
         if self.settings.rig is None:
             raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
         return self.settings.rig
+
+    @property
+    def queue(self) -> RunQueue:
+        """The sessions to come. Raises NotNowError when the panel was started without a rig."""
+        if self._queue is None:
+            raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
+        return self._queue
+
+    def _queue_of(self, rig: Path) -> RunQueue:
+        return RunQueue(
+            data=self.settings.data,
+            rig=rig,
+            jobs=self.jobs,
+            order=self.order,
+            publish=self.stream.publish_newest,
+            log=self.actions.add,
+        )
 
     def status(self, host: str, client: str) -> Message:
         """Return the status; `host`: the name by which this page reached us."""

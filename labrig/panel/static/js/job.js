@@ -17,6 +17,7 @@ export class Job {
     this.alive = null;
     this.replay = null;
     this.model = null; // the panel's choice, not the job's
+    this.queue = null; // the panel's, too
     this.forget();
   }
 
@@ -178,6 +179,7 @@ const HANDLERS = {
   },
   curve: (job, m) => (job.curve = m),
   preflight: (job, m) => (job.preflight = m),
+  queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),

@@ -49,6 +49,11 @@ class NewRun {
       { type: "button", class: "main", onclick: () => this.act(() => this.run()) },
       "Start the run",
     );
+    this.later = h(
+      "button",
+      { type: "button", onclick: () => this.act(() => this.enqueue()) },
+      "Add to the queue",
+    );
     this.element = h(
       "div",
       { class: "new" },
@@ -74,7 +79,7 @@ class NewRun {
             this.keepRow,
             app.status?.simulated &&
               this.clock.element,
-            h("div", { class: "buttons" }, this.check, this.start),
+            h("div", { class: "buttons" }, this.check, this.later, this.start),
           ),
           this.preflight.element,
         ),
@@ -134,6 +139,7 @@ class NewRun {
     const why = job.going ? "Something is going on already." : control.why();
     this.check.disabled = this.start.disabled = !ready || Boolean(why);
     this.start.title = why;
+    this.later.disabled = !ready || Boolean(control.why());
     this.keepRow.hidden = !this.protocol?.touched;
     if (this.protocol?.touched && !this.keep.value) this.keep.value = this.protocol.name;
     put(this.facts, this.factsOf(this.planned), why && fact("not now", why));
@@ -181,10 +187,19 @@ class NewRun {
   }
 
   async run() {
+    await post("/api/run", await this.wanted());
+    location.hash = "#/run";
+  }
+
+  async enqueue() {
+    await post("/api/queue/add", await this.wanted());
+    location.hash = "#/queue";
+  }
+
+  async wanted() {
     const body = { ...(await this.saved()), session: this.session.value.trim() };
     if (this.app.status?.simulated) body.clock = this.clock.value;
-    await post("/api/run", body);
-    location.hash = "#/run";
+    return body;
   }
 }
 
