@@ -136,7 +136,7 @@ class QueuePage {
 
 function sentence(going, running, waiting) {
   const left = waiting === 1 ? "1 session waits" : `${waiting} sessions wait`;
-  if (going) return `The queue goes on by itself; ${left}.`;
+  if (going) return `The queue continues by itself; ${left}.`;
   if (running) return `This session is the last for now; ${left}.`;
   return waiting ? `${left}. All are checked before the first begins.` : "The queue is empty.";
 }
