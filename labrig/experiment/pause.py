@@ -36,7 +36,7 @@ class PauseFile:
             self.path.unlink(missing_ok=True)
 
     def asked_by(self) -> str:
-        """See `protocols.execution.pause.PauseRequest`."""
+        """See `protocols.execution.stop.PauseRequest`."""
         try:
             with self.path.open("rb") as file:
                 return " ".join(file.read(_MOST_BYTES).decode("utf-8", "replace").split()) or "-"

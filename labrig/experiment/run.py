@@ -22,11 +22,10 @@ from labrig.session import SessionWriter
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, Outcome, OutputState, RunStarted
-from protocols.execution.pause import Pause
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import Status
-from protocols.execution.stop import StopRequest
+from protocols.execution.stop import Pause, StopRequest
 
 
 @dataclass(frozen=True)

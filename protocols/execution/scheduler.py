@@ -75,11 +75,10 @@ from protocols.execution.events import (
 )
 from protocols.execution.operator import RecordedOperator
 from protocols.execution.output import GuardedOutput, MakeSafe
-from protocols.execution.pause import Pause, wait_for_end
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.run_loop import Loop, RunLoop, Stopped
 from protocols.execution.states import FinishReason, RunState, Status
-from protocols.execution.stop import StopLevel, StopRequest
+from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
 from protocols.planning.limits import SafetyLimits, check_schedule
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule

@@ -12,7 +12,7 @@ from protocols.execution.events import (
     RunStarted,
     VoltageSet,
 )
-from protocols.execution.pause import Pause
+from protocols.execution.stop import Pause
 
 SCHEDULE = short_schedule(0.0, 0.005, 0.01)
 
