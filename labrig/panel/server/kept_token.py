@@ -11,6 +11,7 @@ import secrets
 import stat
 from pathlib import Path
 
+from labrig.errors import LabrigError
 from labrig.files import not_written
 from labrig.panel.job.registry import hidden_folder
 
@@ -20,13 +21,21 @@ _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
 def kept_token(data: Path) -> str:
-    """Return the token of this folder's last panel, or a new one that is kept from now on."""
-    path = hidden_folder(data) / _NAME
-    return _read(path) or new_token(data)
+    """Return the token of this folder's last panel, or a new one, kept where that is possible."""
+    found = _read(hidden_folder(data) / _NAME)
+    if found is not None:
+        return found
+    try:
+        return new_token(data)
+    except LabrigError:  # a folder of sessions that can only be read
+        return secrets.token_urlsafe(24)
 
 
 def new_token(data: Path) -> str:
-    """Return a new token and keep it: pages with an earlier one are no longer let in."""
+    """Return a new token and keep it: pages with an earlier one are no longer let in.
+
+    Raises LabrigError when it cannot be kept.
+    """
     path, token = hidden_folder(data) / _NAME, secrets.token_urlsafe(24)
     beside = path.with_name(f"{_NAME}.{os.getpid()}.new")
     try:

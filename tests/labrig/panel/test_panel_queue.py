@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sys
 import time
 from contextlib import suppress
 from urllib.parse import urlsplit
@@ -14,6 +15,7 @@ import pytest
 from labrig.config.templates import write_templates
 from labrig.session import open_session
 from tests.labrig.panel.page import Page, Server, jobs_of
+from tests.labrig.test_hooks import KEEP, told
 
 pytestmark = pytest.mark.slow
 PROTOCOL = """
@@ -187,4 +189,35 @@ def test_a_panel_that_comes_back_later_begins_nothing_by_itself(folder):
         assert "started again" in found["text"]
         assert states(found) == [("x.h5", "waiting")]
     finally:
+        server.end()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs a pseudo-terminal")
+def test_a_session_that_needs_hands_waits_and_the_hook_is_told(folder, tmp_path):
+    told_in = tmp_path / "told"
+    hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])
+    with (folder / "rig.toml").open("a") as text:
+        text.write(f"\n[hooks]\ncommand = {hook}\nwaiting_after_s = 0.2\n")
+    (folder / "hands.toml").write_text("moisten = true\n" + (folder / "short.toml").read_text())
+    server = Server(folder / "rig.toml")
+    page = Page(server)
+    try:
+        page.take_control(force=True)
+        add(page, "hands.toml", "hands.h5", clock="real")
+        page.do("/api/queue/start")
+        prompt = page.until("prompt")
+        end_s = time.monotonic() + 30
+        while not told_in.exists() or not told(told_in):
+            assert time.monotonic() < end_s
+            time.sleep(0.1)  # noqa: TID251 - another process is watched
+        message = told(told_in)[0]
+        assert (message["event"], message["session"]) == ("waiting", "hands.h5")
+        assert message["text"] == prompt["text"]
+        page.do("/api/answer", prompt=prompt["prompt"], done=False)
+        assert states(held(page)) == [("hands.h5", "stopped")]
+        while told(told_in)[-1]["event"] != "stopped":
+            assert time.monotonic() < end_s + 30
+            time.sleep(0.1)  # noqa: TID251 - another process is watched
+    finally:
+        page.close()
         server.end()
