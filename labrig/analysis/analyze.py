@@ -11,6 +11,7 @@ from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
+from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
@@ -45,8 +46,9 @@ def measure(
     *,
     workers: int = 1,
     extractor: str = BUILT_IN,
+    curves: bool = True,
 ) -> Measurements:
-    """Return the same without keeping it."""
+    """Return the same without keeping it; without `curves` the images are left alone."""
     if not any(run.started for run in session.runs):
         raise BadInputError(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
@@ -57,12 +59,16 @@ def measure(
     )
     _check_configurations(session, sheets)
     forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}
-    curves, notes = _curves(session, sheets, progress, workers, extractor)
-    warnings = [*notes, *dead_weight_warnings(session, forces, calibration)]
-    warnings += [text for each in curves for text in each.warnings]
+    seen, notes = _curves(session, sheets, progress, workers, extractor) if curves else ([], [])
+    warnings = [
+        *notes,
+        *wetting_warnings(session),
+        *dead_weight_warnings(session, forces, calibration),
+    ]
+    warnings += [text for each in seen for text in each.warnings]
     return Measurements(
         sheets=sheets,
-        conditions=conditions_of(session, forces, curves),
+        conditions=conditions_of(session, forces, seen),
         series=tuple(_series(session, calibration)),
         source=session.path.name,
         checksum=session.checksum,

@@ -19,10 +19,12 @@ class QueuedRun:
     protocol: Path
     sheet: Path
     session: Path  # the file to make
+    about: str | None = None  # text, in place of the about.toml beside rig.toml
 
     def plan(self) -> Plan:
         """Return what is going to be done; LabrigError for any fault of files or limits."""
-        return load_plan(self.rig, self.protocol, self.sheet)
+        plan = load_plan(self.rig, self.protocol, self.sheet)
+        return plan if self.about is None else plan.with_about(self.about)
 
 
 def faults_of(runs: Sequence[QueuedRun]) -> list[str]:

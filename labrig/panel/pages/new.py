@@ -13,6 +13,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.experiment.plan import Plan, load_plan, make_plan
 from labrig.experiment.rig.networked_rig import why_not_served
 from labrig.panel.core import configuration_files as files
+from labrig.panel.core.configuration_files import about_text
 from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
@@ -26,7 +27,7 @@ _SUFFIXES = (".toml", ".json")
 class FileBody(RequestModel):
     """A file as text, or as the values of a form."""
 
-    kind: Literal["rig", "sheet", "protocol", "load_cell", "optics", "model", "world"]
+    kind: Literal["rig", "sheet", "protocol", "load_cell", "about", "optics", "model", "world"]
     text: str | None = Field(None, max_length=200_000)
     values: dict[str, Any] | None = None
 
@@ -96,6 +97,12 @@ def write(request: Request, name: str, body: FileBody, panel: Here) -> Any:
     return {"name": name, **found.as_dict()}
 
 
+@router.get("/about")
+def about(panel: Here) -> Any:
+    """Return what the about.toml beside rig.toml states."""
+    return files.about_file(panel.rig.parent).as_dict()
+
+
 @router.post("/plan")
 def plan(body: PlanBody, panel: Here) -> Any:
     """Return what would be done, and on which clocks a simulated rig can do it."""
@@ -134,6 +141,7 @@ class RunBody(RequestModel):
     sheet: Name = "sheet.toml"
     session: Name | None = None
     clock: Literal["real", "virtual"] = "virtual"
+    about: dict[str, Any] | None = None  # in place of about.toml, for this session alone
     resume: Name | None = None
 
 
@@ -161,6 +169,8 @@ def run(request: Request, body: RunBody, panel: Here) -> Any:
             "protocol": str(existing(folder, body.protocol, ".toml")),
             "sheet": str(existing(folder, body.sheet, ".toml")),
         }
+        if body.about is not None:
+            files["about"] = about_text(folder, body.about)
     session = inside(data, name, ".h5")
     if session.exists():
         raise BadInputError(f"{name} exists already; choose another name.")

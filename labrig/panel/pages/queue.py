@@ -10,6 +10,7 @@ from pydantic import Field
 from labrig.errors import BadInputError
 from labrig.experiment.plan import load_plan
 from labrig.experiment.rig.networked_rig import why_not_served
+from labrig.panel.core.configuration_files import about_text
 from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
@@ -26,6 +27,7 @@ class AddBody(RequestModel):
     sheet: Name = "sheet.toml"
     session: Name | None = None
     clock: Literal["real", "virtual"] = "virtual"
+    about: dict[str, Any] | None = None  # in place of about.toml, for this session alone
 
 
 class MoveBody(RequestModel):
@@ -66,6 +68,7 @@ def add(request: Request, body: AddBody, panel: Here) -> Any:
             sheet=body.sheet,
             session=body.session or "",
             clock=body.clock,
+            about=None if body.about is None else about_text(folder, body.about),
         )
     )
     return _done(panel, who, f"added {entry.session} to the queue")

@@ -33,6 +33,7 @@ class Entry:
     sheet: str
     session: str
     clock: Literal["real", "virtual"] = "virtual"  # of a simulated rig
+    about: str | None = None  # text, in place of the about.toml beside rig.toml
     estimate_s: float | None = None
     state: State = State.WAITING
     job: str | None = None  # the job that runs it, or has run it

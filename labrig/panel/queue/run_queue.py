@@ -166,6 +166,7 @@ class RunQueue:
                 protocol=str(run.protocol),
                 sheet=str(run.sheet),
                 clock=entry.clock,
+                about=entry.about,
             )
             with self._changing():  # first: a job that cannot be found again begins nothing more
                 self._change(replace(entry, state=State.RUNNING, job=order.id))
@@ -232,6 +233,7 @@ class RunQueue:
             protocol=folder / entry.protocol,
             sheet=folder / entry.sheet,
             session=self._data / entry.session,
+            about=entry.about,
         )
 
     def _name(self, entry: Entry, taken: set[str]) -> str:

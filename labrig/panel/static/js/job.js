@@ -37,6 +37,8 @@ export class Job {
       picture: null,
       preflight: null,
       weighing: null,
+      result: null, // of what was measured so far
+      analysis: null, // the job of analysis that was heard of last
       latest_s: null,
       now_run: null,
     });
@@ -181,6 +183,8 @@ const HANDLERS = {
   preflight: (job, m) => (job.preflight = m),
   queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
+  result: (job, m) => (job.result = m),
+  analysis: (job, m) => (job.analysis = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

@@ -3,15 +3,18 @@
 import { h, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { get, post } from "../net.js";
+import { Notes } from "../notes.js";
 
 /** Show the present job. */
 export function mount(place, app) {
   const { job, control } = app;
-  const view = new LiveView(job, {
+  const notes = new Notes(app);
+  const acts = {
     answer: (prompt, done) => control.act(() => post("/api/answer", { prompt, done })),
     mark: (run, reading, why) => control.act(() => post("/api/mark", { run, reading, why })),
     may: () => control.why(),
-  });
+  };
+  const view = new LiveView(job, acts, [notes.element]);
   const bar = runBar(app);
   place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, bar.notice, view.element);
   const again = () => view.update(new Set(["prompt"]));
@@ -23,6 +26,7 @@ export function mount(place, app) {
     destroy() {
       stop();
       control.watchers.delete(again);
+      notes.destroy();
       view.destroy();
     },
   };
@@ -73,6 +77,7 @@ function runBar({ job, control }) {
   );
   const begin = h("a", { class: "button", href: "#/new" }, "New run");
   const replay = h("a", { class: "button" }, "Replay it");
+  const result = h("a", { class: "button" });
   const act = async (work) => {
     setText(fault, control.why());
     if (fault.textContent) return;
@@ -96,6 +101,7 @@ function runBar({ job, control }) {
     gentle,
     begin,
     replay,
+    result,
   );
   const notice = h("p", { class: "notice card", role: "status", hidden: true });
   const update = () => {
@@ -124,6 +130,10 @@ function runBar({ job, control }) {
     );
     begin.hidden = job.going;
     replay.hidden = job.going || !session || !job.started;
+    result.hidden = !session || !job.started || job.job?.kind !== "run";
+    setText(result, job.going ? "The result so far" : "Show the result");
+    result.classList.toggle("main", !job.going);
+    if (session) result.setAttribute("href", `#/result?session=${encodeURIComponent(session)}`);
     if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
     if (document.activeElement !== model) chosenModel(model, job.model ?? "");
   };

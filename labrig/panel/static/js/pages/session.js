@@ -1,8 +1,10 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
+import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
+import { Notes } from "../notes.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
@@ -13,7 +15,7 @@ export function factsOf(session) {
     ["output at the end", (session.output ?? "\u2013").toUpperCase()],
     ["sheet", (session.sheet ?? []).join(", ")],
     ["protocol", session.protocol ?? "\u2013"],
-    ["rig", session.simulated ? "simulated" : "real"],
+    ["boards", session.boards ?? "\u2013"],
     ["runs", `${session.runs_complete ?? "\u2013"} of ${session.runs ?? "\u2013"} complete`],
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
     ["length", clock(session.duration_s)],
@@ -67,6 +69,7 @@ export function mount(place, app, asked) {
     h(
       "div",
       { class: "buttons session-do" },
+      link("Result", `#/result?${query({ session: name })}`, { class: "button main" }),
       link("Replay", `#/replay?${query({ session: name })}`),
       h("button", { type: "button", onclick: () => tables() }, "Export tables (CSV)"),
       link("Download the file", file("h5"), { download: "" }),
@@ -76,6 +79,7 @@ export function mount(place, app, asked) {
     fault,
     body,
   );
+  const notes = new Notes(app, name);
   get(`/api/library/session?${query({ name })}`).then(
     (session) => {
       resume.hidden =
@@ -83,11 +87,11 @@ export function mount(place, app, asked) {
         session.runs == null ||
         session.runs_complete >= session.runs ||
         session.outcome === "running";
-      put(body, facts(session), log(session));
+      put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
     },
     (error) => put(body, h("p", { class: "fault" }, error.message)),
   );
-  return {};
+  return notes;
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
