@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.panel_browser.rig_world import ENDED, enter, rig_world
+from tests.panel_browser.test_page_access import violations
 
 DONE_MS = 120_000
 
@@ -34,6 +35,17 @@ def test_sessions_are_added_ordered_and_run(world, visit):
     page.wait_for_function("!labrig.job.queue.going")
     assert states(page) == [["second.h5", "completed"], ["first.h5", "completed"]]
     assert "completed" in page.inner_text(".queue table")
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_axe_finds_nothing_on_a_queue_with_sessions(world, visit, width):
+    page = enter(visit, world, "queue", width=width)
+    page.locator(".queue-add select").first.select_option("short.toml")
+    for number in (1, 2):
+        page.click(".queue-add button:has-text('Add')")
+        page.wait_for_function("(n) => labrig.job.queue?.entries.length === n", arg=number)
+    assert violations(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
 def test_a_protocol_with_a_fault_is_refused_with_its_sentence(world, visit):
