@@ -144,7 +144,9 @@ class RunQueue:
 
     def _settle(self, entry: Entry) -> None:
         address = self._jobs.address
-        if address is None or address.id != entry.job:
+        if address is None:
+            return  # a panel that was started again has not found the job yet
+        if address.id != entry.job:
             self._stop_at(entry, "its end was not seen: another job was begun")
         elif address.state != GOING:
             with self._changing():
