@@ -13,11 +13,13 @@ from labrig.config import ReplayConfig, load_rig
 from labrig.errors import BadInputError
 from labrig.library import Library
 from labrig.panel.access.settings import PanelSettings, host_name
+from labrig.panel.analysis.jobs import AnalysisJobs
 from labrig.panel.core.actions import Actions
 from labrig.panel.core.control import Control, utc_now
 from labrig.panel.errors import NotNowError
 from labrig.panel.job import Kind, Order
 from labrig.panel.job.jobs import Jobs
+from labrig.panel.job.registry import hidden_folder
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
 
@@ -36,6 +38,9 @@ class Panel:
         self.control = Control(self.stream.publish_newest)
         self.frame_pipeline = FramePipeline(self.stream)
         self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline)
+        self.analysis_jobs = AnalysisJobs(
+            hidden_folder(settings.data), self.stream.publish_newest, lambda: self.jobs.going
+        )
         self.library = Library(settings.data)
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()
@@ -46,6 +51,7 @@ class Panel:
 
     def close(self) -> None:
         """Let go of everything but the job."""
+        self.analysis_jobs.close()
         self.jobs.close()
         self.frame_pipeline.close()
 

@@ -63,8 +63,17 @@ class Findings:
         return quality(self.session, self.measurements)
 
 
-def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Measurements:
-    """Return a session's measurements; one not analysed yet is analysed, which `tell` reports."""
+def measured(
+    path: Path,
+    progress: Progress,
+    tell: Callable[[str], None],
+    *,
+    processes: int | None = None,
+) -> Measurements:
+    """Return a session's measurements; one not analysed yet is analysed, which `tell` reports.
+
+    `processes`: how many search for curves at a time; by default as many as the computer allows.
+    """
     with open_session(path) as session:
         known = session.has_measurements
     if known:
@@ -72,7 +81,7 @@ def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Mea
     from labrig.analysis import analyze
 
     tell(f"{path}: not analysed yet; analysing it now, and keeping the result in it.")
-    return analyze(path, progress, workers=workers())
+    return analyze(path, progress, workers=processes or workers())
 
 
 def workers() -> int:
