@@ -121,6 +121,13 @@ class Joint:
             result[f"EIBM at {voltage:+g} V"] = row
         return result
 
+    def own_parameters(self, n: int) -> list[int]:
+        """Return where a configuration's parameters stand in the vector of all."""
+        part = self._part(n)
+        terms = range(len(part.forms))
+        eibm = {first + i for first, _ in part.eibm.values() for i in terms}
+        return sorted({part.stiffness, *eibm, *part.rest})
+
     def bootstrap(self, count: int, seed: int) -> FloatArray:
         """Deviations of the parameters (count, p) in sessions simulated with the noise found.
 
