@@ -34,6 +34,7 @@ class AnalysisProcess:
         self._process, self._folder = _spawn(order, hidden)
         self._messages: queue.Queue[Message | None] = queue.Queue()
         self._code: int | None = None
+        self._ending = threading.Lock()
         self.is_low = False
         threading.Thread(target=self._read, name="panel-analysis-reader", daemon=True).start()
 
@@ -61,20 +62,24 @@ class AnalysisProcess:
     def end(self) -> int:
         """End it with all its children, remove what is unfinished, and return its exit code.
 
-        May be called again.
+        May be called again, and by several threads.
         """
-        if self._code is not None:
+        with self._ending:
+            if self._code is None:
+                self._code = self._end()
             return self._code
+
+    def _end(self) -> int:
         # Also when it has ended by itself: children of a process that crashed would stay.
         end_with_children(self.pid)
-        self._code = self._process.wait()
+        code = self._process.wait()
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 with suppress(OSError):
                     stream.close()
         discard_unfinished(self._session, self.pid)
         shutil.rmtree(self._folder, ignore_errors=True)
-        return self._code
+        return code
 
     def _read(self) -> None:
         assert self._process.stdout is not None  # noqa: S101 - for the type checker

@@ -14,6 +14,7 @@ from labrig.errors import BadInputError
 from labrig.library import Library
 from labrig.panel.access.settings import PanelSettings, host_name
 from labrig.panel.analysis.jobs import AnalysisJobs
+from labrig.panel.analysis.live_fit import LiveFit
 from labrig.panel.core.actions import Actions
 from labrig.panel.core.control import Control, utc_now
 from labrig.panel.errors import NotNowError
@@ -41,6 +42,7 @@ class Panel:
         self.analysis_jobs = AnalysisJobs(
             hidden_folder(settings.data), self.stream.publish_newest, lambda: self.jobs.going
         )
+        self.live_fit = LiveFit(settings.data, hidden_folder(settings.data), self.stream)
         self.library = Library(settings.data)
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()
@@ -52,6 +54,7 @@ class Panel:
     def close(self) -> None:
         """Let go of everything but the job."""
         self.analysis_jobs.close()
+        self.live_fit.close()
         self.jobs.close()
         self.frame_pipeline.close()
 
