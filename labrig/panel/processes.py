@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import TypedDict
 
 _ROOT = Path(__file__).resolve().parents[2]
-LOW_PRIORITY = 10  # the nice value of what must not slow a run down
+LOWER_BY = 10  # nice steps of what must not slow a run down
+LOWEST_PRIORITY = 19
 
 
 class Detached(TypedDict):
@@ -48,10 +49,11 @@ def in_background() -> Detached:
 
 
 def lower_priority(leader: int) -> None:
-    """Give a detached process and all its children the low priority."""
+    """Lower the priority of a detached process and all its children; it cannot be raised again."""
     if sys.platform != "win32":
         with suppress(OSError):  # it has just ended
-            os.setpriority(os.PRIO_PGRP, leader, LOW_PRIORITY)
+            now = os.getpriority(os.PRIO_PGRP, leader)
+            os.setpriority(os.PRIO_PGRP, leader, min(LOWEST_PRIORITY, now + LOWER_BY))
 
 
 def end_with_children(leader: int) -> None:

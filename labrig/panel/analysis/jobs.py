@@ -197,8 +197,9 @@ class AnalysisJobs:
                 files = {name: output_path(session, name).name for name in message["files"]}
                 job.result = {"files": files, "notes": message["notes"]}
                 job.state, job.fraction, job.message = "done", 1.0, message["message"]
+                job.step = ""
             else:
-                job.state, job.message = "failed", message["message"]
+                job.state, job.step, job.message = "failed", "", message["message"]
         self._tell()
 
     def _finish(self, job: AnalysisJob, process: AnalysisProcess) -> None:

@@ -47,8 +47,8 @@ def fit(order: AnalysisOrder, progress: Progress) -> Outcome:
     from labrig.report.data.fitted import fit_what_can_be
 
     notes: list[str] = []
-    measurements = _measured(order, progress, notes)
-    progress(ANALYZE_SHARE, "fit")
+    measurements, rest = _measured(order, progress, notes)
+    rest(0.0, "fit")
     fitted = fit_what_can_be(measurements)
     if fitted.fit is None:
         why = "; ".join(dict.fromkeys(why.rstrip(".") for why in fitted.missing.values()))
@@ -71,9 +71,8 @@ def diagnose(order: AnalysisOrder, progress: Progress) -> Outcome:
     from model.discrepancy import diagnose as find
 
     session, notes = Path(order.session), list[str]()
-    measurements = _measured(order, progress, notes)
+    measurements, rest = _measured(order, progress, notes)
     require_driven(measurements)
-    rest = _within(progress, ANALYZE_SHARE, 1.0)
     found = find(measurements, DiagnoseOptions(), lambda step, fraction: rest(fraction, step))
     found = with_protocol(found, measurements, session)
     try:
@@ -94,10 +93,11 @@ def report(order: AnalysisOrder, progress: Progress) -> Outcome:
 
     session, notes = Path(order.session), list[str]()
     try:
-        _measured(order, progress, notes)
+        _, rest = _measured(order, progress, notes)
     except BadInputError as error:  # the report says so, too, and shows what there is
         notes.append(str(error))
-    rest = _within(progress, ANALYZE_SHARE, 1.0)
+        rest = progress
+    rest(0.0, "fit")
     with tempfile.TemporaryDirectory() as folder:
         page = write_report(session, Path(folder), progress=rest, tell=notes.append)
         text = page.read_text(encoding="utf-8")
@@ -113,13 +113,13 @@ def next_measurement(order: AnalysisOrder, progress: Progress) -> Outcome:
     from labrig.report.diagnosis.tables import next_sentence
 
     session, notes = Path(order.session), list[str]()
-    measurements = _measured(order, progress, notes)
+    measurements, rest = _measured(order, progress, notes)
     diagnosis = kept_diagnosis(session)
     if order.between is None and diagnosis is None:
         raise BadInputError("this session has no diagnosis yet; diagnose it first.")
     if order.between is None and diagnosis is not None and pair_of(diagnosis) is None:
         return Outcome(message=f"There are no two effects to tell apart: {diagnosis.sentence}")
-    progress(ANALYZE_SHARE, "comparing candidate measurements")
+    rest(0.0, "comparing candidate measurements")
     found = proposal(measurements, diagnosis, order.between)
     text = protocol_text(found, measurements, session)
     write_text(output_path(session, "next"), text)
@@ -135,22 +135,24 @@ WORK: dict[AnalysisKind, Work] = {
 }
 
 
-def _measured(order: AnalysisOrder, progress: Progress, notes: list[str]) -> Measurements:
-    """Return the session's measurements; one that has none is analysed first."""
+def _measured(
+    order: AnalysisOrder, progress: Progress, notes: list[str]
+) -> tuple[Measurements, Progress]:
+    """Return the session's measurements, analysed now where it has none, and the later progress."""
     from labrig.report.data.findings import measured
+    from labrig.session import open_session
 
-    part = _within(progress, 0.0, ANALYZE_SHARE, "analyze")
-    return measured(Path(order.session), part, notes.append, processes=order.workers)
+    with open_session(Path(order.session)) as session:
+        share = 0.0 if session.has_measurements else ANALYZE_SHARE
 
+    def analyzing(fraction: float, text: str) -> None:
+        progress(share * fraction, f"analyze: {text}")
 
-def _within(progress: Progress, first: float, last: float, step: str = "") -> Progress:
-    """Return the progress of a part of a job."""
+    def rest(fraction: float, text: str) -> None:
+        progress(share + (1 - share) * fraction, text)
 
-    def advance(fraction: float, text: str) -> None:
-        words = ": ".join(filter(None, (step, text)))
-        progress(first + (last - first) * fraction, words)
-
-    return advance
+    found = measured(Path(order.session), analyzing, notes.append, processes=order.workers)
+    return found, rest
 
 
 def _parameters(one: ConfigurationFit) -> str:

@@ -12,8 +12,6 @@ from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.sections.interface import ordered
 
-_ANALYZE_SHARE = 0.5  # of the progress
-
 
 def _quiet(_fraction: float, _text: str) -> None:
     pass
@@ -36,14 +34,9 @@ def write_report(
     folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
-    found = gather(session, lambda part, text: progress(_ANALYZE_SHARE * part, text), tell)
+    found = gather(session, progress, tell)
     with found.session:
-        content = report_content(
-            found,
-            FigureFolder(folder / "figures"),
-            ordered(),
-            lambda part, text: progress(_ANALYZE_SHARE + (1 - _ANALYZE_SHARE) * part, text),
-        )
+        content = report_content(found, FigureFolder(folder / "figures"), ordered(), progress)
         for text in content.left_out:
             tell(text)
         write_page(render(found, content), folder / "index.html")
