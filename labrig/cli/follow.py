@@ -11,6 +11,8 @@ from pathlib import Path
 import typer
 
 from labrig.cli.screen import Advance, progress, say, warn
+from labrig.config import read_text
+from labrig.config.about import FILE as ABOUT
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -51,6 +53,7 @@ def run_and_follow(
     output: Path,
     *,
     yes: bool,
+    about: Path | None = None,
     follows: str = "",
     earlier: int = 0,
 ) -> Result:
@@ -59,17 +62,31 @@ def run_and_follow(
     `follows`: identifier of the session that this one adds to; it is kept with the session's files.
     `earlier`: how many sessions there are already that it is taken together with.
     """
-    plan = replace(load_plan(rig, protocol, sheet), earlier=earlier)
+    plan = replace(load_plan(rig, protocol, sheet, about), earlier=earlier)
     if follows:
         plan = replace(plan, texts={**plan.texts, FOLLOWS: follows})
     return _run(plan, output, None, yes=yes)
 
 
-def resume_and_follow(path: Path, files: Files | None, output: Path | None, *, yes: bool) -> Result:
-    """`labrig run --resume`: the runs of a session that are not complete."""
+def resume_and_follow(
+    path: Path,
+    files: Files | None,
+    output: Path | None,
+    *,
+    yes: bool,
+    about: Path | None = None,
+) -> Result:
+    """`labrig run --resume`: the runs of a session that are not complete.
+
+    People and sample stay those of the session, unless `about` states others.
+    """
     with open_session(path) as session:
         resumption = Resumption(session)
         plan = resumed_plan(session) if files is None else load_plan(*files)
+        if about is not None:
+            plan = plan.with_about(read_text(about), str(about))
+        elif ABOUT in session.texts:
+            plan = plan.with_about(session.texts[ABOUT])
         resumption.check(plan)
         return _run(plan, output or output_beside(path), resumption, yes=yes)
 

@@ -20,9 +20,9 @@ from labrig.session import open_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 
 
-def follow_up(first: Path, rig: Path, sheet: Path, *, yes: bool) -> None:
+def follow_up(first: Path, rig: Path, sheet: Path, *, yes: bool, about: Path | None = None) -> None:
     """Diagnose a session that was just run, and measure further where that helps."""
-    ended = closed_loop(first, _AtTheRig(rig, sheet, yes=yes), say)
+    ended = closed_loop(first, _AtTheRig(rig=rig, sheet=sheet, yes=yes, about=about), say)
     if len(ended.sessions) > 1 or ended.diagnosis.verdict == "indistinguishable":
         say(f"Ended with {len(ended.sessions)} sessions: {ended.why}.")
     if ended.code is not ExitCode.DONE:
@@ -30,13 +30,14 @@ def follow_up(first: Path, rig: Path, sheet: Path, *, yes: bool) -> None:
         raise typer.Exit(int(ended.code))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _AtTheRig:
     """See `labrig.experiment.next_measurement.closed_loop.MeasurementRig`."""
 
     rig: Path
     sheet: Path
     yes: bool
+    about: Path | None
 
     def diagnose(self, sessions: list[Path]) -> Diagnosis:
         found = diagnosed(of_sessions(sessions), DiagnoseOptions())
@@ -65,6 +66,7 @@ class _AtTheRig:
             self.sheet,
             output,
             yes=self.yes,
+            about=self.about,
             follows=follows,
             earlier=len(sessions),
         )

@@ -10,6 +10,10 @@ import typer
 Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
 Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
 RigFile = Annotated[Path, typer.Argument(help="rig.toml")]
+AboutFile = Annotated[
+    Path | None,
+    typer.Option("--about", help="about.toml; by default the one beside rig.toml, if any"),
+]
 ModelFile = Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")]
 EachConfiguration = Annotated[
     list[str] | None, typer.Option(help="repeatable; by default all that the model has")

@@ -1,5 +1,6 @@
-"""rig.toml, sheet.toml, protocol.toml and calibrations as validated objects."""
+"""rig.toml, sheet.toml, protocol.toml, about.toml and calibrations as validated objects."""
 
+from labrig.config.about import About, load_about, parse_about, recorded_about
 from labrig.config.base import parse_json, parse_toml, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
 from labrig.config.protocol import PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
@@ -8,14 +9,17 @@ from labrig.config.sheet import load_sheet, parse_sheet
 
 __all__ = [
     "PROTOCOLS",
+    "About",
     "ProtocolConfig",
     "ReplayConfig",
     "RigConfig",
+    "load_about",
     "load_load_cell",
     "load_output",
     "load_protocol",
     "load_rig",
     "load_sheet",
+    "parse_about",
     "parse_json",
     "parse_load_cell",
     "parse_protocol",
@@ -23,5 +27,6 @@ __all__ = [
     "parse_sheet",
     "parse_toml",
     "read_text",
+    "recorded_about",
     "recorded_calibration",
 ]

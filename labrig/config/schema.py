@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import create_model
 
+from labrig.config.about import About
 from labrig.config.base import ClosedModel
 from labrig.config.load_cell import LoadCellConfig
 from labrig.config.protocol import protocol_model
@@ -20,6 +21,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         "sheet": _sheet_schema(),
         "protocol": protocol_model().model_json_schema(),
         "load_cell": LoadCellConfig.model_json_schema(),
+        "about": About.model_json_schema(),
     }
 
 

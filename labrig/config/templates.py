@@ -14,6 +14,7 @@ _COMMON = {
     "protocol.toml": "protocol.toml",
     "load_cell.toml": "load_cell.toml",
     "optics.json": "optics.json",
+    "about.toml": "about.toml",
 }
 # The date of calibrations that nobody has made: the shipped files hold values to start from.
 NOT_CALIBRATED = dt.date(1970, 1, 1)

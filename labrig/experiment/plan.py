@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from drivers.force_sensors import FORCE_SENSORS
 from drivers.load_cell import LoadCellCalibration
 from labrig.config import (
+    About,
     ProtocolConfig,
     ReplayConfig,
     RigConfig,
     load_rig,
+    parse_about,
     parse_load_cell,
     parse_protocol,
     parse_sheet,
     read_text,
 )
+from labrig.config.about import FILE as ABOUT
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.errors import BadInputError
 from labrig.serialise import to_plain
@@ -37,6 +40,7 @@ class Plan:
     calibration: LoadCellCalibration
     optics: Optics | None
     schedule: Schedule
+    about: About  # title, people and sample; empty where nothing states them
     texts: Mapping[str, str]  # the files as written, by the names they have in a session
     # sessions that this one adds to: a simulated rig has other noise and set-ups in each of them
     earlier: int = 0
@@ -55,11 +59,19 @@ class Plan:
             "load_cell": to_plain(self.calibration),
             FORCE_UNIT: "N" if _reads_newtons(self.rig) else "V",
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
+            **({} if self.about.is_empty else {"about": self.about.model_dump(mode="json")}),
         }
 
+    def with_about(self, text: str, name: str = ABOUT) -> Plan:
+        """Return the plan with another about.toml; BadInputError for any fault in it."""
+        return replace(self, about=parse_about(text, name), texts={**self.texts, ABOUT: text})
 
-def load_plan(rig: Path, protocol: Path, sheet: Path) -> Plan:
-    """Read the three files and the calibrations they name; BadInputError for any fault in them."""
+
+def load_plan(rig: Path, protocol: Path, sheet: Path, about: Path | None = None) -> Plan:
+    """Read the three files and the calibrations they name; BadInputError for any fault in them.
+
+    `about` is by default the about.toml beside rig.toml, where there is one.
+    """
     config = load_rig(rig)
     if isinstance(config, ReplayConfig):
         raise BadInputError(
@@ -69,6 +81,8 @@ def load_plan(rig: Path, protocol: Path, sheet: Path) -> Plan:
     paths["load_cell.toml"] = config.load_cell.calibration
     if config.camera is not None:
         paths["optics.json"] = config.camera.optics
+    if about is not None or (rig.parent / ABOUT).exists():
+        paths[ABOUT] = about or rig.parent / ABOUT
     texts = {name: read_text(path) for name, path in paths.items()}
     names = {name: str(path) for name, path in paths.items()}
     return make_plan(config, texts, names)
@@ -91,6 +105,7 @@ def make_plan(
         calibration=_calibration(rig, texts["load_cell.toml"], called["load_cell.toml"]),
         optics=optics,
         schedule=protocol.schedule(called["protocol.toml"]),
+        about=parse_about(texts.get(ABOUT, ""), called.get(ABOUT, ABOUT)),
         texts=dict(texts),
     )
     _check_against_rig(plan, called)

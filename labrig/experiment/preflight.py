@@ -27,19 +27,30 @@ _RATE_TOLERANCE = 0.1
 _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 
 
-def check_rig(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> list[Check]:
+def check_rig(
+    rig: Path,
+    protocol: Path | None = None,
+    sheet: Path | None = None,
+    about: Path | None = None,
+) -> list[Check]:
     """`labrig check`: the files beside rig.toml where none are named, else the shipped ones."""
     from labrig.experiment.operator import NoOperator
     from labrig.experiment.rig.wiring import wire
 
-    plan = plan_of(rig, protocol, sheet)
+    plan = plan_of(rig, protocol, sheet, about)
     wired = wire(plan, NoOperator(lambda _text: None))
     return preflight(wired, plan, rig.parent)
 
 
-def plan_of(rig: Path, protocol: Path | None = None, sheet: Path | None = None) -> Plan:
+def plan_of(
+    rig: Path,
+    protocol: Path | None = None,
+    sheet: Path | None = None,
+    about: Path | None = None,
+) -> Plan:
     """Return a plan for what needs the rig but no particular experiment."""
-    return load_plan(rig, protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet"))
+    files = protocol or _beside(rig, "protocol"), sheet or _beside(rig, "sheet")
+    return load_plan(rig, *files, about)
 
 
 def _beside(rig: Path, name: str) -> Path:
@@ -50,7 +61,7 @@ def _beside(rig: Path, name: str) -> Path:
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, check everything, close it. `folder` is where the session would go."""
-    checks = [*calibrations(plan), _disk(plan, folder)]
+    checks = [*calibrations(plan), _names(plan), _disk(plan, folder)]
     try:
         with opened(rig):
             checks += open_rig_checks(rig, plan)
@@ -94,6 +105,18 @@ def estimated_size(plan: Plan, frame_bytes: int) -> int:
     every = plan.protocol.camera.keep_all_frames
     frames = seconds * plan.schedule.frame_rate_hz if every else readings
     return math.ceil(samples + frames * frame_bytes) + 1_000_000
+
+
+def _names(plan: Plan) -> Check:
+    """Return what the session will state of operator and sample; nothing is required."""
+    operators, sample = ", ".join(plan.about.operators), plan.about.sample
+    return Check(
+        name="operator and sample",
+        ok=True,
+        found=f"operator {operators or 'not stated'}, "
+        f"sample {sample.identity if sample else 'not stated'}",
+        wanted="any (about.toml)",
+    )
 
 
 def _disk(plan: Plan, folder: Path) -> Check:

@@ -17,6 +17,7 @@ import numpy as np
 
 from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
+from labrig.config.about import FILE as ABOUT
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
@@ -62,10 +63,13 @@ class Resumption:
         path = self.session.path
         if len(self.done) == len(self.session.runs):
             raise BadInputError(f"{path}: all its runs are complete; there is nothing to resume.")
+        names = dict.fromkeys((*self.session.texts, *plan.texts))
         other = [
-            name for name in self.session.texts if self.session.texts[name] != _text(plan, name)
+            name
+            for name in names
+            if name != ABOUT  # another person may continue it
+            and self.session.texts.get(name) != plan.texts.get(name)
         ]
-        other += [name for name in plan.texts if name not in self.session.texts]
         if other:
             raise BadInputError(
                 f"{path}: {', '.join(other)} is not what this session was begun with; leave the "
@@ -120,10 +124,6 @@ class Resumption:
         began = dt.datetime.fromisoformat(self.session.started)
         ago_s = (dt.datetime.now(dt.UTC) - began).total_seconds()
         return now_s - ago_s - events[0].time_s
-
-
-def _text(plan: Plan, name: str) -> str | None:
-    return plan.texts.get(name)
 
 
 def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:

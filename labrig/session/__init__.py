@@ -8,6 +8,8 @@ from labrig.session.derived.store import (
     store_measurements,
     stored_curve_extractor,
 )
+from labrig.session.notes.add import add_note, add_waiting
+from labrig.session.notes.note import Note
 from labrig.session.reading.compare import compare_sessions
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import LoggedEvent, RecordedSession, open_session
@@ -19,11 +21,14 @@ from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
     "LoggedEvent",
+    "Note",
     "RecordedSession",
     "RecoverReport",
     "RunRecord",
     "SessionWriter",
     "WriterError",
+    "add_note",
+    "add_waiting",
     "compare_sessions",
     "drop_measurements",
     "export_session",

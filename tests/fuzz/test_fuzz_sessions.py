@@ -287,7 +287,14 @@ def _other_leaf(text: str, dice: random.Random) -> str:
 @pytest.mark.slow
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
-    odd = (np.int64(3), np.float64("nan"), "1", np.zeros((3, 3)), [1, 2], h5py.Empty("f8"))
+    odd = (
+        np.int64(layout.FORMAT + 1),
+        np.float64("nan"),
+        "1",
+        np.zeros((3, 3)),
+        [1, 2],
+        h5py.Empty("f8"),
+    )
     for value in odd:
         shutil.copy(sound, path)
         with h5py.File(path, "r+") as file:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.options import Json, RigFile
+from labrig.cli.options import AboutFile, Json, RigFile
 from labrig.cli.screen import print_json, print_table
 from labrig.errors import NotReadyError
 
@@ -21,6 +21,7 @@ def check(
     sheet: Annotated[
         Path | None, typer.Option(help="sheet.toml; by default the one beside rig.toml")
     ] = None,
+    about: AboutFile = None,
     as_json: Json = False,
 ) -> None:
     """Preflight: everything that rig.toml names is there, quiet, calibrated and at 0 V.
@@ -29,7 +30,7 @@ def check(
     """
     from labrig.experiment.preflight import check_rig
 
-    checks = check_rig(rig, protocol, sheet)
+    checks = check_rig(rig, protocol, sheet, about)
     good = all(item.ok for item in checks)
     if as_json:
         print_json({"ok": good, "checks": [item.as_dict() for item in checks]})

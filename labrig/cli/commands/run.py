@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
+from labrig.cli.options import AboutFile
 from labrig.errors import BadInputError
 
 
@@ -25,6 +26,7 @@ def run(
         Path | None,
         typer.Option("--resume", help="a session to go on with; the files can be left out"),
     ] = None,
+    about: AboutFile = None,
     diagnose: Annotated[
         bool,
         typer.Option(
@@ -50,7 +52,7 @@ def run(
     if diagnose and resume is not None:
         raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
     if resume is not None and rig is None:
-        finish(resume_and_follow(resume, None, output, yes=yes))
+        finish(resume_and_follow(resume, None, output, yes=yes, about=about))
         return
     if rig is None or protocol is None or sheet is None:
         raise BadInputError(
@@ -58,7 +60,8 @@ def run(
             "none of them."
         )
     if resume is not None:
-        finish(resume_and_follow(resume, (rig, protocol, sheet), output, yes=yes))
+        files = rig, protocol, sheet
+        finish(resume_and_follow(resume, files, output, yes=yes, about=about))
         return
     if output is None:
         raise BadInputError("labrig run needs -o with the name of the session file to make.")
@@ -66,11 +69,11 @@ def run(
     if isinstance(config, ReplayConfig):
         finish(replay_and_follow(config.replay, output))
         return
-    finish(run_and_follow(rig, protocol, sheet, output, yes=yes))
+    finish(run_and_follow(rig, protocol, sheet, output, yes=yes, about=about))
     if diagnose:
         from labrig.cli.follow_up import follow_up
 
-        follow_up(output, rig, sheet, yes=yes)
+        follow_up(output, rig, sheet, yes=yes, about=about)
 
 
 COMMAND = Command("run", run, order=50)

@@ -1,28 +1,19 @@
-"""Measurements kept in a session: a group of its own that can be dropped and made again.
-
-The session is copied beside, the copy gets the group and takes the session's place, so a crash at
-any moment leaves the session as it was or as it was to be.
-"""
+"""Measurements kept in a session: a supplement that can be dropped and made again."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from labrig.errors import BadInputError
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
-from labrig.session.reading.values import damage_told, read_array, read_dataset
+from labrig.session.reading.values import read_array, read_dataset
 from labrig.session.recording.create import set_attributes
-from labrig.session.recording.disk import written_beside
-from labrig.session.recording.recorder import digest
+from labrig.session.supplements.store import replaced, seal
 from model.measurements import Measurements
 
 # What was made of the measurements: texts beside them, gone with them.
@@ -36,10 +27,8 @@ def store_measurements(
 
     `curve_extractor`: name, distribution and version of what made the curves; "": the built-in one.
     """
-    with _remade(Path(path)) as file:
-        write_derived(file, measurements)
-        if curve_extractor:
-            set_attributes(file[layout.DERIVED], curve_extractor=curve_extractor)
+    with replaced(Path(path), without=layout.DERIVED) as file:
+        write_derived(file, measurements, curve_extractor=curve_extractor)
 
 
 def load_measurements(path: Path) -> Measurements:
@@ -80,27 +69,19 @@ def drop_measurements(path: Path) -> None:
     with open_file(path) as file:
         if layout.DERIVED not in file:
             return
-    with _remade(path):
+    with replaced(path, without=layout.DERIVED):
         pass
 
 
 def store_finding(path: Path, name: str, text: str) -> None:
     """Keep one of `FINDINGS` beside the measurements of a session that has some; replaces it."""
     path, where = Path(path), f"{layout.DERIVED}/{name}"
-    with (
-        written_beside(path) as beside,
-        open_file(path) as old,
-        h5py.File(beside, "x", libver=layout.LIBVER) as new,
-    ):
-        with damage_told(path):
-            _copy_raw(old, new)
-            old.copy(layout.DERIVED, new[layout.ENTRY])
-        if where in new:
-            del new[where]
+    with replaced(path) as file:
+        if where in file:
+            del file[where]
         content = np.frombuffer(text.encode("utf-8"), dtype=np.uint8)
-        new.create_dataset(where, data=content, compression="gzip")
-        group = new[layout.DERIVED]
-        set_attributes(group, sha256=derived_digest(group))
+        file.create_dataset(where, data=content, compression="gzip")
+        seal(file[layout.DERIVED])
 
 
 def load_finding(path: Path, name: str) -> str | None:
@@ -116,49 +97,13 @@ def load_finding(path: Path, name: str) -> str | None:
         raise BadInputError(f"{path}: {where} is damaged; it is no text in UTF-8.") from None
 
 
-def write_derived(file: Any, measurements: Measurements) -> None:
+def write_derived(file: Any, measurements: Measurements, *, curve_extractor: str = "") -> None:
     """Make the group in a session that has none and is open for writing."""
     group = file.create_group(layout.DERIVED)
     set_attributes(group, NX_class="NXcollection")
+    if curve_extractor:
+        set_attributes(group, curve_extractor=curve_extractor)
     for name, table in tables_from_measurements(measurements).items():
         packed = {"compression": "gzip", "shuffle": True} if table.size else {}
         group.create_dataset(name, data=table, **(packed if table.shape else {}))
-    set_attributes(group, sha256=derived_digest(group))
-
-
-def derived_digest(group: Any) -> str:
-    """Return the sha256 over all tables of the group."""
-    total = hashlib.sha256()
-    for name in sorted(group):
-        total.update(f"{name} {digest(group[name])}\n".encode())
-    return total.hexdigest()
-
-
-@contextmanager
-def _remade(path: Path) -> Iterator[Any]:
-    """Yield a copy of the session without measurements, to write into; it replaces the session."""
-    # Left in the reverse order: a file that is open cannot be replaced everywhere.
-    with (
-        written_beside(path) as beside,
-        open_file(path) as old,
-        h5py.File(beside, "x", libver=layout.LIBVER) as new,
-    ):
-        with damage_told(path):
-            _copy_raw(old, new)
-        yield new
-
-
-def _copy_raw(old: Any, new: Any) -> None:
-    _copy_attributes(old, new)
-    entry = new.create_group(layout.ENTRY)
-    _copy_attributes(old[layout.ENTRY], entry)
-    for name in old[layout.ENTRY]:
-        if f"{layout.ENTRY}/{name}" != layout.DERIVED:
-            # Moves the chunks as they are on the disk, so frames are not unpacked.
-            old.copy(f"{layout.ENTRY}/{name}", entry)
-
-
-def _copy_attributes(source: Any, target: Any) -> None:
-    for name in source.attrs:
-        kind = source.attrs.get_id(name).dtype
-        target.attrs.create(name, source.attrs[name], dtype=kind)
+    seal(group)

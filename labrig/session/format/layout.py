@@ -1,24 +1,32 @@
-"""The session file's layout, version 2: every group, dataset and type has its name here.
+"""The session file's layout, version 3: every group, dataset and type has its name here.
 
 /                       NXroot, default -> session, labrig_format
 /session                NXentry, default -> run_000
-identifier, outcome, reason, output_state, start_time, end_time
-events              the log, a row for each event (a long text goes on in rows of kind +)
-checksums           sha256 of every other dataset, written at the close
-setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
-signals (name, range, quantity, unit, gain, offset of each channel), rate_hz, simulated,
-keep_all_frames
-run_000/            NXsubentry, default -> signals; one for each planned run
-planned         the run as planned (JSON)
-acquisition     sample clock, start, counts
-writes          each write of the voltage
-readings        each reading, as seen while running
-marks           readings declared invalid
-signals/        NXdata: raw samples in V, a dataset for each channel, and their time
-frames/         NXdata: images, time, number, device_time, sample_index, reading
-derived/            what the analysis made of it; may be dropped and made again
-In version 1 `signals` held names and ranges only, and the values of a reading were always force_N,
-drive_V and current_A; in version 2 they are those of the session's channels, a column each.
+  identifier, outcome, reason, output_state, start_time, end_time
+  events              the log, a row for each event (a long text goes on in rows of kind +)
+  checksums           sha256 of every other group and dataset, written at the close
+  title, project, license, user_1/ (NXuser), ..., sample/ (NXsample): what about.toml states
+  setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
+                      signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
+                      simulated, devices (JSON: what each device says that it is), keep_all_frames
+  run_000/            NXsubentry, default -> signals; one for each planned run
+    planned           the run as planned (JSON)
+    acquisition       sample clock, start, counts
+    writes            each write of the voltage
+    readings          each reading, as seen while running
+    marks             readings declared invalid during the session
+    signals/          NXdata: raw samples in V, a dataset for each channel, and their time
+    frames/           NXdata: images, time, number, device_time, sample_index, reading
+Supplements, groups that are added to a closed session; each has a checksum of its own:
+  derived/            what the analysis made of it; may be dropped and made again
+  notes/              the operator's notes and photographs
+  marks/              runs and readings declared invalid after the end, and taken back
+A checksum covers the content of a dataset and the attributes of a group or dataset; that of a
+supplement, its attribute `sha256`, covers everything in the group.
+
+Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds
+names and ranges only, and the values of a reading are always force_N, drive_V and current_A; since
+version 2 they are those of the session's channels, a column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
 they were flushed. Anything else in a file is refused when it is opened.
 """
@@ -34,13 +42,16 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 2  # that is written
-READABLE: Final = (1, 2)
+FORMAT: Final = 3  # that is written
+READABLE: Final = (1, 2, 3)
 # The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
 LIBVER: Final = ("v110", "v110")
 ENTRY: Final = "/session"
 SETUP: Final = "/session/setup"
 DERIVED: Final = "/session/derived"
+NOTES: Final = "/session/notes"
+MARKS: Final = "/session/marks"
+SUPPLEMENTS: Final = (DERIVED, NOTES, MARKS)
 CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
@@ -83,6 +94,7 @@ STATUS_TEXTS: Final = {
     "end_time": 40,
 }
 
+# `dataset` is the full name of a dataset or, since version 3, of a group.
 CHECKSUM_ROW: Final = np.dtype([("dataset", text_type(200)), ("sha256", text_type(64))])
 QUANTITY_BYTES: Final = 64
 _SIGNAL_1: Final = [("name", text_type(64)), ("range_V", "<f8")]
@@ -93,7 +105,11 @@ _SIGNAL_2: Final = [
     ("gain", "<f8"),  # unit per V; NaN: converted by a calibration of its own
     ("offset", "<f8"),  # in the unit, at 0 V
 ]
-SIGNAL_ROWS: Final = {1: np.dtype(_SIGNAL_1), 2: np.dtype(_SIGNAL_2)}  # by version
+SIGNAL_ROWS: Final = {  # by version
+    1: np.dtype(_SIGNAL_1),
+    2: np.dtype(_SIGNAL_2),
+    3: np.dtype(_SIGNAL_2),
+}
 EVENT_ROW: Final = np.dtype(
     [
         ("time_s", "<f8"),
@@ -172,6 +188,11 @@ FRAME_COLUMNS: Final = {
     "sample_index": ("<f8", ""),
     "reading": ("<i4", ""),  # -1: no reading's frame
 }
+
+
+def in_supplement(name: str) -> bool:
+    """Whether a full name is that of a supplement, or of something in one."""
+    return any(name == group or name.startswith(f"{group}/") for group in SUPPLEMENTS)
 
 
 def run_path(run: int) -> str:

@@ -16,12 +16,14 @@ from labrig.errors import BadInputError
 from labrig.serialise import SerialiseError, from_plain, to_json, to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import check_channels, value_columns, version_1_channel
+from labrig.session.format.devices import RecordedDevice
 from protocols import Channel
 from protocols.planning.limits import check_structure
 from protocols.planning.schedule import Schedule
 
 # Of the schedule of a session that was imported: it has no runs, and no camera was asked for it.
 IMPORTED_FRAME_RATE_HZ = 25.0
+DEVICES_SINCE = 3  # version of the layout
 _MOST_HZ = 1e7
 _MOST_PIXELS = 16_384  # rows or columns
 _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headless", "numba")
@@ -70,6 +72,7 @@ class SessionSetup:
     frame_dtype: str = "uint8"
     keep_all_frames: bool = False
     simulated: bool = False
+    devices: tuple[RecordedDevice, ...] = ()
     identifier: str = field(default_factory=lambda: str(uuid.uuid4()))
     versions: Mapping[str, str] = field(default_factory=present_versions)
     version: int = layout.FORMAT  # of the layout: that of an older session that is recovered

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from labrig.session.format.checksums import ATTRIBUTES_SINCE, blocks, covered, finished, version_of
 from labrig.session.format.layout import DERIVED
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.session import VOLATILE, VOLATILE_UNDER
 from labrig.session.reading.values import damage_told, dataset_names
-from labrig.session.recording.recorder import blocks
 
 # Where the derived measurements were taken from: differs with the file's name.
 _VOLATILE = VOLATILE | {f"{DERIVED}/source"}
@@ -31,12 +31,25 @@ def compare_sessions(a: Path, b: Path) -> list[str]:
                 difference = _difference(first[name], second[name])
             if difference:
                 found.append(f"{name} differs: {difference}.")
-        return found
+        with damage_told(Path(a), f"an attribute, here or in {b},"):
+            return found + _attributes(first, second)
 
 
 def _names(file: Any, path: Path) -> set[str]:
     names = dataset_names(file, path)
     return {name for name in names if not name.startswith(VOLATILE_UNDER)} - _VOLATILE
+
+
+def _attributes(first: Any, second: Any) -> list[str]:
+    """Return a sentence for each group or dataset of the recordings whose attributes differ."""
+    if version_of(first) != version_of(second) or version_of(first) < ATTRIBUTES_SINCE:
+        return []
+    items_a, items_b = covered(first), covered(second)
+    return [
+        f"{name} differs: its attributes."
+        for name in sorted(items_a.keys() & items_b.keys())
+        if finished(items_a[name], ATTRIBUTES_SINCE) != finished(items_b[name], ATTRIBUTES_SINCE)
+    ]
 
 
 def _difference(a: Any, b: Any) -> str:

@@ -10,8 +10,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from labrig.config.about import About, recorded_about
 from labrig.errors import BadInputError
 from labrig.session.format import layout
+from labrig.session.notes.note import Note
+from labrig.session.notes.stored import read_photograph, read_stored
+from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.values import read_setup, read_table, read_text
@@ -58,6 +62,7 @@ class RecordedSession:
         self.frame_dtype = self._setup.frame_dtype
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
+        self.devices = self._setup.devices  # none in sessions before version 3
         self.runs: tuple[RunRecord, ...] = tuple(
             RunRecord(file, path, run, self._setup) for run in self.schedule.runs
         )
@@ -116,6 +121,30 @@ class RecordedSession:
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
         return layout.DERIVED in self._file
+
+    @cached_property
+    def about(self) -> About:
+        """Title, people and sample as its about.toml stated them; empty where none did."""
+        return recorded_about(self.texts)
+
+    @property
+    def notes(self) -> list[Note]:
+        """What was added to the session, without photographs; also what still waits beside it."""
+        found = read_stored(self._file, self.path)
+        known = {note.identifier for note in found}
+        waiting = read_waiting(self.path, self.identifier)
+        rest = [replace(note, photograph=b"") for note in waiting if note.identifier not in known]
+        return [*found, *rest]
+
+    def photograph(self, identifier: str) -> bytes:
+        """Return the photograph of a note. Raises BadInputError when there is none."""
+        found = read_photograph(self._file, self.path, identifier)
+        for note in () if found else read_waiting(self.path, self.identifier):
+            if note.identifier == identifier:
+                found = note.photograph
+        if not found:
+            raise BadInputError(f"{self.path}: there is no such photograph.")
+        return found
 
     @cached_property
     def checksum(self) -> str:

@@ -15,8 +15,9 @@ from labrig.errors import BadInputError
 from labrig.serialise import from_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channels_of
+from labrig.session.format.devices import RecordedDevice
 from labrig.session.format.layout import Array
-from labrig.session.format.setup import SessionSetup, check_recorded
+from labrig.session.format.setup import DEVICES_SINCE, SessionSetup, check_recorded
 from labrig.session.recording.disk import is_of_writing
 from protocols.errors import ScheduleError
 from protocols.planning.schedule import Schedule
@@ -130,11 +131,19 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
             frame_dtype=frame_dtype,
             keep_all_frames=bool(scalar("keep_all_frames")),
             simulated=bool(scalar("simulated")),
+            devices=_devices(file, version, path),
             identifier=read_text(file, f"{layout.ENTRY}/identifier", path),
             versions=read_texts(file, f"{layout.SETUP}/versions", path),
         )
     except (ScheduleError, TypeError, ValueError, IndexError) as error:
         raise BadInputError(f"{path}: what was planned cannot be read: {error}.") from None
+
+
+def _devices(file: Any, version: int, path: Path) -> tuple[RecordedDevice, ...]:
+    if version < DEVICES_SINCE:
+        return ()
+    plain = _json(file, "devices", path)
+    return from_plain(tuple[RecordedDevice, ...], plain, "devices", lenient=True)
 
 
 def _json(file: Any, name: str, path: Path) -> Any:

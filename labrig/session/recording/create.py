@@ -7,17 +7,21 @@ is there from the beginning: the schedule says what will come.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from labrig.config.about import About, recorded_about
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.serialise import to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channel_rows
+from labrig.session.format.checksums import covered
 from labrig.session.format.layout import Array
-from labrig.session.format.setup import SessionSetup
+from labrig.session.format.setup import DEVICES_SINCE, SessionSetup
 from protocols import run_to_dict, schedule_to_dict
 from protocols.execution.channels import FORCE
 from protocols.execution.events import Outcome, OutputState
@@ -41,6 +45,7 @@ def fill_file(file: Any, setup: SessionSetup) -> None:
         set_attributes(entry, default="run_000")
     _status(entry, setup)
     _setup_group(file, setup)
+    _about(file, recorded_about(setup.texts))
     _table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
     for run in setup.schedule.runs:
         _run(file, run, setup)
@@ -93,10 +98,35 @@ def _setup_group(file: Any, setup: SessionSetup) -> None:
     group.create_dataset("signals", data=channel_rows(setup.signals, setup.version))
     group.create_dataset("rate_hz", data=np.float64(setup.rate_hz))
     group.create_dataset("simulated", data=np.bool_(setup.simulated))
+    if setup.version >= DEVICES_SINCE:
+        put_text(group, "devices", json.dumps(to_plain(setup.devices)))
     group.create_dataset("keep_all_frames", data=np.bool_(setup.keep_all_frames))
     if setup.frame_shape is not None:
         group.create_dataset("frame_shape", data=np.array(setup.frame_shape, dtype="<i4"))
         put_text(group, "frame_dtype", setup.frame_dtype)
+
+
+def _about(file: Any, about: About) -> None:
+    """Write what is stated of people and sample as NeXus has it; what is not stated is left out."""
+    facts = {"title": about.title, "project": about.project, "license": about.licence}
+    _texts(file[layout.ENTRY], facts)
+    for number, person in enumerate(about.people, 1):
+        values = person.model_dump()
+        values["ORCID"] = values.pop("orcid")
+        _texts(_group(file, f"{layout.ENTRY}/user_{number}", "NXuser"), values)
+    if about.sample is not None:
+        sample = about.sample
+        group = _group(file, f"{layout.ENTRY}/sample", "NXsample")
+        values = sample.model_dump(include={"material", "batch", "preparation"})
+        values |= {"name": sample.identity, "description": sample.notes}
+        values["preparation_date"] = "" if sample.made is None else sample.made.isoformat()
+        _texts(group, values)
+
+
+def _texts(group: Any, values: Mapping[str, str]) -> None:
+    for name, text in values.items():
+        if text:
+            put_text(group, name, text)
 
 
 def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
@@ -189,13 +219,7 @@ def _table(group: Any, name: str, row: np.dtype[Any], rows_in_chunk: int) -> Non
 
 
 def _checksum_table(file: Any) -> None:
-    names: list[bytes] = []
-
-    def note(path: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset):
-            names.append(f"/{path}".encode())
-
-    file.visititems(note)
+    names = sorted(name.encode() for name in covered(file))
     rows = np.zeros(len(names), dtype=layout.CHECKSUM_ROW)
-    rows["dataset"] = sorted(names)
+    rows["dataset"] = names
     file.create_dataset(layout.CHECKSUMS, data=rows)

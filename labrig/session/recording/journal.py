@@ -1,20 +1,14 @@
 """The journal beside a session that is being written: append-only, checksummed, synced.
 
 The session file's own metadata is rewritten in place, so a power cut can spoil it; the journal
-cannot be spoilt before its last sync. It holds all that the file holds. A record is
-
-    magic, number, length of head, length of blob | CRC-32 of all the rest | head | blob
-
-with the head a JSON object and the blob raw bytes. Record 0 holds the session's setup. A writer
-keeps its journal locked, so that nobody repairs a session that is still alive.
+cannot be spoilt before its last sync. It holds all that the file holds. Record 0 holds the
+session's setup. A writer keeps its journal locked, so that nobody repairs a session that is still
+alive.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import struct
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,13 +16,10 @@ from typing import Any, BinaryIO
 
 from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.locking import lock, unlock
+from labrig.session.recording.records import packed, records, write_all
 from labrig.session.recording.rows import EventRows
 from protocols.errors import ScheduleError
 
-_MAGIC = b"LRJ1"
-_FIXED = struct.Struct("<4sQIQ")
-_CRC = struct.Struct("<I")
-_LONGEST_HEAD = 1 << 28
 _MOST_ROWS = 1 << 40
 # What a text that is no setup makes of itself.
 _NO_SETUP = (AttributeError, KeyError, OverflowError, TypeError, ValueError)
@@ -76,12 +67,7 @@ class Journal:
             self._file.close()
 
     def _write(self, head: dict[str, Any], blob: bytes) -> None:
-        text = json.dumps(head).encode("utf-8")
-        fixed = _FIXED.pack(_MAGIC, self._number, len(text), len(blob))
-        crc = zlib.crc32(blob, zlib.crc32(text, zlib.crc32(fixed)))
-        view = memoryview(b"".join((fixed, _CRC.pack(crc), text, blob)))
-        while view:
-            view = view[self._file.write(view) :]
+        write_all(self._file, packed(self._number, head, blob))
         self._number += 1
 
 
@@ -97,7 +83,7 @@ class JournalReader:
         """All whole records, one at a time."""
         with self.path.open("rb") as file:
             file.seek(self.first_row)
-            for head, blob in _records(file, first=1):
+            for head, blob in records(file, first=1):
                 rows = _rows(head, blob)
                 if rows is None:
                     return
@@ -106,7 +92,7 @@ class JournalReader:
     def whole_bytes(self) -> int:
         """How many bytes from the beginning are whole records."""
         with self.path.open("rb") as file:
-            for _ in _records(file, first=0):
+            for _ in records(file, first=0):
                 pass
             return file.tell()
 
@@ -115,7 +101,7 @@ def read_journal(path: Path) -> JournalReader | None:
     """Return the journal at a path; None when not even its first record is whole."""
     try:
         with path.open("rb") as file:
-            for head, _ in _records(file, first=0):
+            for head, _ in records(file, first=0):
                 return JournalReader(path, SessionSetup.from_json(head["setup"]), file.tell())
     except FileNotFoundError:
         return None
@@ -131,37 +117,3 @@ def _rows(head: dict[str, Any], blob: bytes) -> EventRows | None:
             if 0 <= count < _MOST_ROWS and 0 <= (at or 0) < _MOST_ROWS:
                 return EventRows(path=path, at=at, count=count, blob=blob, packed=p)
     return None
-
-
-def _records(file: BinaryIO, first: int) -> Iterator[tuple[dict[str, Any], bytes]]:
-    """Yield records numbered from `first`; leave the file at the end of the last whole one."""
-    number = first
-    size = os.fstat(file.fileno()).st_size
-    while True:
-        begin = file.tell()
-        record = _record(file, number, size)
-        if record is None:
-            file.seek(begin)
-            return
-        yield record
-        number += 1
-
-
-def _record(file: BinaryIO, number: int, size: int) -> tuple[dict[str, Any], bytes] | None:
-    fixed = file.read(_FIXED.size)
-    wanted = file.read(_CRC.size)
-    if len(fixed) < _FIXED.size or len(wanted) < _CRC.size:
-        return None
-    magic, found, head_length, blob_length = _FIXED.unpack(fixed)
-    if magic != _MAGIC or found != number or head_length > _LONGEST_HEAD:
-        return None
-    if head_length + blob_length > size - file.tell():
-        return None
-    text, blob = file.read(head_length), file.read(blob_length)
-    if zlib.crc32(blob, zlib.crc32(text, zlib.crc32(fixed))) != _CRC.unpack(wanted)[0]:
-        return None
-    try:
-        head = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    return (head, blob) if isinstance(head, dict) else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,10 +10,10 @@ import h5py
 import numpy as np
 
 from labrig.session.format import layout
+from labrig.session.format.checksums import digest, finished, version_of
 from labrig.session.format.layout import Array
 from labrig.session.recording.rows import EventRows
 
-_BLOCK_BYTES = 1 << 24
 # Rows wait in memory for others of their dataset up to so many bytes: the library takes a tenth of
 # a millisecond for each resize and write, however small.
 _WAITING_BYTES = 1 << 20
@@ -107,31 +106,14 @@ class Recorder:
         self._growing.clear()
 
     def write_checksums(self) -> None:
-        """Write the sha256 of every dataset; appended ones are known without reading."""
+        """Write the sha256 of each object; appended content is known without reading."""
         self.put()
-        table = self._file[layout.CHECKSUMS]
+        table, version = self._file[layout.CHECKSUMS], version_of(self._file)
         rows = table[()]
         for row in rows:
             path = row["dataset"].decode()
-            known = self._digests.get(path)
-            row["sha256"] = (known.hexdigest() if known else digest(self._file[path])).encode()
+            known, item = self._digests.get(path), self._file[path]
+            row["sha256"] = (
+                finished(item, version, known) if known else digest(item, version)
+            ).encode()
         table[()] = rows
-
-
-def digest(dataset: Any) -> str:
-    """Return the sha256 of a dataset's content (its bytes in C order), read block by block."""
-    found = hashlib.sha256()
-    for block in blocks(dataset):
-        found.update(np.ascontiguousarray(block).tobytes())
-    return found.hexdigest()
-
-
-def blocks(dataset: Any) -> Iterator[Array]:
-    """Yield a dataset's content in the order of its rows, a few megabytes at a time."""
-    if dataset.shape == ():
-        yield np.asarray(dataset[()], dtype=dataset.dtype)
-        return
-    row_bytes = dataset.dtype.itemsize * int(np.prod(dataset.shape[1:], dtype=np.int64))
-    step = max(1, _BLOCK_BYTES // max(row_bytes, 1))
-    for at in range(0, dataset.shape[0], step):
-        yield dataset[at : at + step]

@@ -18,7 +18,10 @@ from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
 from labrig.session.format import layout
 from labrig.session.format.channels import as_recorded
+from labrig.session.format.devices import RecordedDevice
 from labrig.session.format.setup import SessionSetup, present_versions
+from labrig.session.notes.add import add_waiting
+from labrig.session.notes.waiting import waiting_path
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.recording.journal import Journal, journal_path
@@ -73,6 +76,7 @@ class SessionWriter:
         frame_dtype: np.dtype[Any] | str = "uint8",
         keep_all_frames: bool = False,
         simulated: bool = False,
+        devices: Sequence[RecordedDevice] = (),
         parts: Mapping[str, str] | None = None,
         patience_s: float = PATIENCE_S,
     ) -> None:
@@ -91,6 +95,7 @@ class SessionWriter:
             frame_dtype=np.dtype(frame_dtype).name,
             keep_all_frames=keep_all_frames,
             simulated=simulated,
+            devices=tuple(devices),
             versions=present_versions() | dict(parts or {}),
         )
         self._journal = _begin(self.path, self._setup)
@@ -127,6 +132,7 @@ class SessionWriter:
     def close(self) -> None:
         """Write all that is queued, finish the file and remove the journal; may be called twice.
 
+        Notes that wait beside the file are added to it.
         Raises WriterError when the session was not recorded to its end.
         """
         if self._closed:
@@ -140,6 +146,9 @@ class SessionWriter:
             self._failure = StalledError(f"the disk has not answered for {CLOSE_S:g} s")
         if self._failure is not None:
             raise self._sentence(self._failure) from self._failure
+        # What the disk does not take now waits on beside the session, and is shown with it.
+        with contextlib.suppress(LabrigError):
+            add_waiting(self.path)
 
     def __enter__(self) -> Self:
         return self
@@ -216,6 +225,11 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
     """Make journal and file; the file appears at its path whole, or not at all."""
     if path.exists():
         raise BadInputError(f"{path} exists already; choose another name with -o.")
+    if waiting_path(path).exists():
+        raise BadInputError(
+            f"{waiting_path(path)} holds notes of an earlier session; move it away, or choose "
+            "another name with -o."
+        )
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
         journal = Journal(journal_path(path), setup)

@@ -11,6 +11,7 @@ import numpy as np
 from labrig.session.format import layout
 from labrig.session.format.setup import SessionSetup
 from labrig.session.reading.values import dataset_names
+from labrig.session.supplements.store import is_sealed
 
 
 def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
@@ -29,6 +30,21 @@ def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
                 _extend(new[name], source)
         except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
             notes.append(f"{name} of the session file cannot be read ({error}).")
+    return notes
+
+
+def copy_supplements(new: Any, old: Any) -> list[str]:
+    """Copy the supplements of `old` that are whole; returns a sentence for each other one."""
+    notes: list[str] = []
+    for name in layout.SUPPLEMENTS:
+        try:
+            if name not in old:
+                continue
+            if not is_sealed(old[name]):
+                raise ValueError("its checksum is another one")
+            old.copy(name, new[layout.ENTRY])
+        except (KeyError, OSError, RuntimeError, ValueError) as error:
+            notes.append(f"{name} of the session file is not whole and was left out ({error}).")
     return notes
 
 

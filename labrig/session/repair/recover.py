@@ -17,16 +17,19 @@ import numpy as np
 from labrig.errors import BadInputError, LabrigError
 from labrig.session.format import layout
 from labrig.session.format.setup import SessionSetup
+from labrig.session.notes.add import add_waiting
+from labrig.session.notes.stored import add_to_file
+from labrig.session.notes.waiting import WaitingNotes, open_waiting
 from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
 from labrig.session.reading.opening import check_format, check_is_hdf5
 from labrig.session.reading.session import open_session
-from labrig.session.reading.values import damage_told, read_setup
+from labrig.session.reading.values import damage_told, read_setup, read_text
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.journal import JournalReader, journal_path, read_journal
 from labrig.session.recording.locking import is_locked
 from labrig.session.recording.recorder import MisplacedRowsError, Recorder
-from labrig.session.repair.merge import add_missing, trim
+from labrig.session.repair.merge import add_missing, copy_supplements, trim
 from labrig.session.repair.superblock import unlocked
 from labrig.session.repair.verify import verify
 from protocols.execution.events import Outcome, OutputState
@@ -68,12 +71,16 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
     if target.exists() and not in_place:
         raise BadInputError(f"{target} exists already; choose another name with -o.")
     notes: list[str] = []
-    with written_beside(target) as new:
-        with ExitStack() as until:
-            old = _open_old(path, journal, until, notes)
-            guard = read_guard_report(path)
-            _build(new, _setup(path, journal, old), journal, old, guard, notes)
-        _insist_on_whole(new, target)
+    with open_waiting(path) as waiting:
+        with written_beside(target) as new:
+            with ExitStack() as until:
+                old = _open_old(path, journal, until, notes)
+                guard = read_guard_report(path)
+                _build(new, _setup(path, journal, old), journal, old, guard, notes)
+                _add_notes(new, waiting, notes)
+            _insist_on_whole(new, target)
+        if in_place and waiting is not None:
+            waiting.clear()
     if in_place:
         beside.unlink(missing_ok=True)
         forget_guard_report(path)
@@ -93,6 +100,8 @@ def _nothing_to_do(path: Path, journal: Path, in_place: bool) -> RecoverReport:
     if in_place and journal.exists():
         journal.unlink()
         notes.append("Its journal, which it does not need any more, was removed.")
+    if in_place and (added := add_waiting(path)):
+        notes.append(f"{_counted(added)} from beside it added.")
     return _report(path, None, from_journal=False, notes=notes)
 
 
@@ -133,6 +142,7 @@ def _build(
             _replay(file, journal, notes)
         if old is not None:
             notes.extend(add_missing(file, old, status_too=journal is None))
+            notes.extend(copy_supplements(file, old))
         notes.extend(trim(file, setup))
         _end(file, guard)
         Recorder(file).write_checksums()
@@ -163,6 +173,20 @@ def _end(file: Any, guard: GuardReport | None) -> None:
     entry["outcome"][()] = np.bytes_(Outcome.CRASHED.value)
     entry["reason"][()] = np.bytes_(layout.pieces(reason, layout.STATUS_TEXTS["reason"])[0])
     entry["output_state"][()] = np.bytes_(output.value)
+
+
+def _add_notes(new: Path, waiting: WaitingNotes | None, notes: list[str]) -> None:
+    """Add the notes that wait beside the session; those in its file were copied with it."""
+    if waiting is None:
+        return
+    with h5py.File(new, "r+", libver=layout.LIBVER) as file:
+        found = waiting.read(read_text(file, f"{layout.ENTRY}/identifier", new))
+        if found:
+            notes.append(f"{_counted(add_to_file(file, found))} from beside it added.")
+
+
+def _counted(count: int) -> str:
+    return f"{count} note{'' if count == 1 else 's'}"
 
 
 def _insist_on_whole(new: Path, target: Path) -> None:

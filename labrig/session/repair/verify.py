@@ -8,14 +8,20 @@ from typing import Any
 
 from labrig.check import Check
 from labrig.errors import BadInputError
-from labrig.session.derived.store import derived_digest
 from labrig.session.format import layout
+from labrig.session.format.checksums import ATTRIBUTES_SINCE, covered, digest, version_of
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import RecordedSession
-from labrig.session.reading.values import damage_told, dataset_names, read_dataset, read_table
-from labrig.session.recording.recorder import digest
+from labrig.session.reading.values import damage_told, read_table
+from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome
+
+_SUPPLEMENTS = {
+    layout.DERIVED: ("derived measurements", "; run labrig analyze again"),
+    layout.NOTES: ("notes", ""),
+    layout.MARKS: ("marks after the end", ""),
+}
 
 
 def verify(path: Path) -> list[Check]:
@@ -31,6 +37,7 @@ def verify(path: Path) -> list[Check]:
             session = RecordedSession(file, path)
             checks.append(_outcome(session))
             checks.extend(_checksums(file, path))
+            checks.extend(_supplements(file, path))
             for run in session.runs:
                 checks.extend(_run(run, session))
         except BadInputError as error:
@@ -53,38 +60,40 @@ def _checksums(file: Any, path: Path) -> Iterator[Check]:
         str(row["dataset"]): str(row["sha256"])
         for row in read_table(file, layout.CHECKSUMS, layout.CHECKSUM_ROW, path)
     }
-    raw = {name for name in dataset_names(file, path) if not name.startswith(layout.DERIVED)}
-    extra = sorted(raw - set(stored) - {layout.CHECKSUMS})
+    with damage_told(path):
+        items = covered(file)
+        own = list(file[layout.CHECKSUMS].attrs)
+    extra = sorted(items.keys() - stored.keys())
+    extra += [f"{layout.CHECKSUMS}@{name}" for name in own]
     if extra:
         yield Check(
             name="datasets", ok=False, found=", ".join(extra), wanted="none beyond the layout"
         )
-    changed = [name for name, wanted in stored.items() if _digest(file, name, path) != wanted]
-    found = f"{len(stored) - len(changed)} of {len(stored)} datasets unchanged"
+    version = version_of(file)
+    changed = [name for name, sha in stored.items() if _digest(items.get(name), version) != sha]
+    what = "datasets" if version < ATTRIBUTES_SINCE else "groups and datasets"
+    found = f"{len(stored) - len(changed)} of {len(stored)} {what} unchanged"
     if changed:
         found += f"; changed: {', '.join(changed)}"
     yield Check(
-        name="checksums", ok=not changed, found=found, wanted=f"{len(stored)} datasets unchanged"
+        name="checksums", ok=not changed, found=found, wanted=f"{len(stored)} {what} unchanged"
     )
-    if layout.DERIVED in file:
-        yield _derived(file, path)
 
 
-def _derived(file: Any, path: Path) -> Check:
-    with damage_told(path, layout.DERIVED):
-        group = file[layout.DERIVED]
-        stored = group.attrs.get("sha256")
-        ok = isinstance(stored, bytes) and stored.decode("ascii", "replace") == derived_digest(
-            group
-        )
-    found = "unchanged" if ok else "changed since they were stored; run labrig analyze again"
-    return Check(name="derived measurements", ok=ok, found=found, wanted="unchanged")
+def _supplements(file: Any, path: Path) -> Iterator[Check]:
+    for name, (title, remedy) in _SUPPLEMENTS.items():
+        if name not in file:
+            continue
+        with damage_told(path, name):
+            ok = is_sealed(file[name])
+        found = "unchanged" if ok else f"changed since they were stored{remedy}"
+        yield Check(name=title, ok=ok, found=found, wanted="unchanged")
 
 
-def _digest(file: Any, name: str, path: Path) -> str:
+def _digest(item: Any, version: int) -> str:
     try:
-        return digest(read_dataset(file, name, path))
-    except (OSError, RuntimeError, BadInputError):
+        return "missing" if item is None else digest(item, version)
+    except (OSError, RuntimeError, ValueError):
         return "unreadable"
 
 

@@ -1,4 +1,4 @@
-"""Sessions of the layout's version 1, as an earlier labrig has written them, are still of use."""
+"""Sessions of the layout's versions 1 and 2, as an earlier labrig wrote them, are still of use."""
 
 from __future__ import annotations
 
@@ -11,19 +11,63 @@ import pytest
 
 from labrig.experiment.resume import Resumption
 from labrig.report.tables.overview import overview
-from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
+from labrig.session import (
+    SessionWriter,
+    compare_sessions,
+    open_session,
+    recover,
+    store_measurements,
+    verify,
+)
 from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome
+from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import CHANNELS, FRAME_SHAPE, RATE_HZ, TEXTS
 
 DATA = Path(__file__).parent / "data"
 CUT = 5000  # bytes that the disk never got
 
 
+OLDER = (1, 2)
+
+
 @pytest.fixture
-def old(tmp_path):
-    return Path(shutil.copy(DATA / "version_1.hdf5", tmp_path / "old.h5"))
+def old(tmp_path, request):
+    version = getattr(request, "param", 1)
+    return Path(shutil.copy(DATA / f"version_{version}.hdf5", tmp_path / "old.h5"))
+
+
+def of_both(test):
+    return pytest.mark.parametrize(("old", "version"), [(v, v) for v in OLDER], indirect=["old"])(
+        test
+    )
+
+
+@of_both
+def test_an_older_session_passes_verify_and_a_changed_sample_is_found(old, version):
+    assert all(check.ok for check in verify(old))
+    with h5py.File(old, "r+") as file:
+        file["session/run_001/signals/force"][7] += 1e-9
+    assert [check.name for check in verify(old) if not check.ok] == ["checksums"]
+
+
+@of_both
+def test_measurements_are_kept_in_an_older_session_without_changing_its_recording(old, version):
+    with open_session(old) as session:
+        before = session.checksum
+    store_measurements(old, measurements())
+    with open_session(old) as session:
+        assert (session.version, session.checksum) == (version, before)
+    assert all(check.ok for check in verify(old))
+
+
+def test_a_session_of_version_2_has_no_devices_and_its_marks(tmp_path):
+    with open_session(DATA / "version_2.hdf5") as session:
+        assert session.version == 2
+        assert session.devices == ()
+        assert [c.unit for c in session.signals] == ["N", "A", "V"]
+        assert list(session.runs[1].readings["why"][:3]) == ["", "a bubble", ""]
 
 
 def test_a_session_of_version_1_is_read_with_the_units_of_its_channels(old):
@@ -42,15 +86,16 @@ def test_a_session_of_version_1_is_read_with_the_units_of_its_channels(old):
     assert all(check.ok for check in verify(old))
 
 
-def test_a_session_of_version_1_is_recovered_from_its_journal_as_one_of_version_1(old, tmp_path):
+@of_both
+def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, version, tmp_path):
     crashed = tmp_path / "crashed.h5"
-    journal = (DATA / "version_1.hdf5-journal").read_bytes()
+    journal = (DATA / f"version_{version}.hdf5-journal").read_bytes()
     journal_path(crashed).write_bytes(journal[:-CUT])
     report = recover(crashed, tmp_path / "whole.h5")
     assert report.from_journal
     assert report.outcome is Outcome.CRASHED
     with h5py.File(tmp_path / "whole.h5") as file:
-        assert file.attrs["labrig_format"] == 1
+        assert file.attrs["labrig_format"] == version
     with open_session(tmp_path / "whole.h5") as new, open_session(old) as whole:
         assert new.runs[0].completed
         np.testing.assert_array_equal(new.runs[0].readings, whole.runs[0].readings)
@@ -60,8 +105,9 @@ def test_a_session_of_version_1_is_recovered_from_its_journal_as_one_of_version_
     assert any("session/outcome" in text for text in compare_sessions(tmp_path / "whole.h5", old))
 
 
-def test_the_runs_of_a_session_of_version_1_are_copied_into_a_new_one_when_it_is_resumed(
-    old, tmp_path
+@of_both
+def test_the_runs_of_an_older_session_are_copied_into_a_new_one_when_it_is_resumed(
+    old, version, tmp_path
 ):
     with open_session(old) as session:
         writer = SessionWriter(
@@ -80,7 +126,7 @@ def test_the_runs_of_a_session_of_version_1_are_copied_into_a_new_one_when_it_is
             )
             writer.handle(stopped)
         with open_session(tmp_path / "new.h5") as new:
-            assert new.version == 2
+            assert new.version == 3
             for before, after in zip(session.runs, new.runs, strict=True):
                 for row, copy in zip(before.readings, after.readings, strict=True):
                     assert after.values(copy) == before.values(row)

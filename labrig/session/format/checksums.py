@@ -1,0 +1,102 @@
+"""What a session's checksums cover: the content of datasets and, since version 3, attributes."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from typing import Any
+
+import h5py
+import numpy as np
+
+from labrig.session.format import layout
+from labrig.session.format.layout import Array
+
+ATTRIBUTES_SINCE = 3  # version of the layout
+SUPPLEMENT_SUM = "sha256"  # attribute of a supplement
+_BLOCK_BYTES = 1 << 24
+
+
+def version_of(file: Any) -> int:
+    """Return the version of the layout of an open session."""
+    return int(file.attrs["labrig_format"])
+
+
+def covered(file: Any) -> dict[str, Any]:
+    """Return the groups and datasets that the table of checksums lists, by full name."""
+    found: dict[str, Any] = {"/": file["/"]} if version_of(file) >= ATTRIBUTES_SINCE else {}
+
+    def note(path: str, item: Any) -> None:
+        name = f"/{path}"
+        if name == layout.CHECKSUMS or layout.in_supplement(name):
+            return
+        if isinstance(item, h5py.Dataset) or version_of(file) >= ATTRIBUTES_SINCE:
+            found[name] = item
+
+    file.visititems(note)
+    return found
+
+
+def digest(item: Any, version: int) -> str:
+    """Return the sha256 (hex) of a group or dataset, as the table of checksums holds it.
+
+    Raises OSError or RuntimeError for damaged content and ValueError for an attribute of a type
+    that a session never holds.
+    """
+    total = hashlib.sha256()
+    if isinstance(item, h5py.Dataset):
+        for block in blocks(item):
+            total.update(np.ascontiguousarray(block).tobytes())
+    return finished(item, version, total)
+
+
+def finished(item: Any, version: int, content: Any = None) -> str:
+    """Return the sha256 (hex) of an object whose content is in the hash `content` already."""
+    total = hashlib.sha256() if content is None else content.copy()
+    if version >= ATTRIBUTES_SINCE:
+        for name in sorted(item.attrs):
+            total.update(_attribute(item, name))
+    return str(total.hexdigest())
+
+
+def supplement_digest(group: Any, version: int) -> str:
+    """Return the sha256 (hex) of everything in a supplement but its checksum."""
+    if version < ATTRIBUTES_SINCE and group.name == layout.DERIVED:
+        return _content_digest(group)
+    total = hashlib.sha256()
+    for name in sorted(name for name in group.attrs if name != SUPPLEMENT_SUM):
+        total.update(_attribute(group, name))
+    items: dict[str, Any] = {}
+    group.visititems(items.__setitem__)
+    for name in sorted(items):
+        total.update(f"{name} {digest(items[name], version)}\n".encode())
+    return total.hexdigest()
+
+
+def blocks(dataset: Any) -> Iterator[Array]:
+    """Yield a dataset's content in the order of its rows, a few megabytes at a time."""
+    if dataset.shape == ():
+        yield np.asarray(dataset[()], dtype=dataset.dtype)
+        return
+    row_bytes = dataset.dtype.itemsize * int(np.prod(dataset.shape[1:], dtype=np.int64))
+    step = max(1, _BLOCK_BYTES // max(row_bytes, 1))
+    for at in range(0, dataset.shape[0], step):
+        yield dataset[at : at + step]
+
+
+def _content_digest(group: Any) -> str:
+    """Return the checksum of derived measurements before version 3: of the datasets' content."""
+    total = hashlib.sha256()
+    for name in sorted(group):
+        total.update(f"{name} {digest(group[name], 2)}\n".encode())
+    return total.hexdigest()
+
+
+def _attribute(item: Any, name: str) -> bytes:
+    """Return name, type, shape and value of an attribute."""
+    stored = item.attrs.get_id(name)
+    if stored.dtype.hasobject or stored.shape is None:
+        raise ValueError(f"the attribute {name} of {item.name} has a type that no session holds")
+    value = np.zeros(stored.shape, dtype=stored.dtype)
+    stored.read(value)
+    return f"\n@{name} {stored.dtype.str} {stored.shape}\n".encode() + value.tobytes()
