@@ -50,20 +50,21 @@ def measure(
     *,
     workers: int = 1,
     extractor: str = BUILT_IN,
+    curves: bool = True,
 ) -> Measurements:
-    """Return the same without keeping it."""
+    """Return the same without keeping it; without `curves` the images are left alone."""
     if not any(run.started for run in session.runs):
         raise BadInputError(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
         )
     given = inputs_of(session)
     forces = {run.planned.index: measure_forces(run, given.calibration) for run in session.runs}
-    curves, notes = _curves(session, given, progress, workers, extractor)
+    seen, notes = _curves(session, given, progress, workers, extractor) if curves else ([], [])
     warnings = [*notes, *dead_weight_warnings(session, forces, given.calibration)]
-    warnings += [text for each in curves for text in each.warnings]
+    warnings += [text for each in seen for text in each.warnings]
     return Measurements(
         sheets=given.sheets,
-        conditions=conditions_of(session, forces, curves),
+        conditions=conditions_of(session, forces, seen),
         series=tuple(_series(session, given.calibration)),
         source=session.path.name,
         checksum=session.checksum,

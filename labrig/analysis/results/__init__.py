@@ -8,6 +8,7 @@ The steps of a fit cost more than reading does, so that they are separate:
 """
 
 from labrig.analysis.results.convergence import Convergence, converging
+from labrig.analysis.results.measured import reading_curve
 from labrig.analysis.results.result import result_of
 
-__all__ = ["Convergence", "converging", "result_of"]
+__all__ = ["Convergence", "converging", "reading_curve", "result_of"]

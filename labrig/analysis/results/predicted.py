@@ -11,11 +11,14 @@ from scipy.special import stdtrit
 
 from labrig.analysis.results.measured import in_mm, known, plain_curve, rounded
 from labrig.analysis.results.models import CandidateModel
-from model import Condition, Measurements, ModelError, SheetModel, predict, predict_free
+from model import Measurements, ModelError, SheetModel, predict, predict_free
 from model.measurements import FloatArray
+from model.mechanics.equilibrium import SolverStatus
+from model.sheet.solution import sampled_s, solved
 
 BEYOND_M = 1e-3  # lines go on beyond the outer positions
 STEP_M = 1e-3
+Place = tuple[float | None, float]  # position in m, None: free; voltage in V
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Predicted:
 
 @dataclass(frozen=True, kw_only=True)
 class _Answer:
-    """Force and shape of one condition; NaN and empty where there is no equilibrium."""
+    """Force and shape at one place; NaN and empty where there is no equilibrium."""
 
     force_N: float
     x_m: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -36,105 +39,122 @@ class _Answer:
     why: str = ""
 
 
+@dataclass(frozen=True)
+class _Band:
+    """Half widths of the central 90 %."""
+
+    force_N: float  # NaN: there is no force
+    along_normal_m: FloatArray | None
+
+
 def predicted_by(model: CandidateModel, measurements: Measurements) -> Predicted:
     """Return a model's force and shape of each condition that it knows, and its lines F(p)."""
     conditions: dict[int, dict[str, Any]] = {}
-    half90_N: dict[tuple[str, float], dict[float, float]] = {}
-    made: dict[tuple[str, float | None, float], dict[str, Any]] = {}
-    for i, condition in enumerate(measurements.conditions):
-        if not _knows(model.model, condition):
-            continue
-        key = (condition.configuration, condition.position_m, condition.voltage_V)
-        if key not in made:
-            made[key], half_N = _with_band(model, condition)
-            if condition.position_m is not None and np.isfinite(half_N):
-                half90_N.setdefault(key[::2], {})[condition.position_m] = half_N
-        conditions[i] = made[key]
     lines: dict[str, list[dict[str, Any]]] = {}
-    for (name, voltage_V), halves in half90_N.items():
-        lines.setdefault(name, []).append(_line(model, name, voltage_V, halves))
+    for name in model.model.sheets:
+        places = {
+            i: (c.position_m, c.voltage_V)
+            for i, c in enumerate(measurements.conditions)
+            if c.configuration == name and _knows(model.model, name, c.voltage_V)
+        }
+        distinct = list(dict.fromkeys(places.values()))
+        found = dict(zip(distinct, _with_bands(model, name, distinct), strict=True))
+        conditions |= {i: _plain(*found[place]) for i, place in places.items()}
+        lines[name] = _lines(model, name, {place: band for place, (_, band) in found.items()})
     return Predicted(conditions, lines)
 
 
-def _knows(model: SheetModel, condition: Condition) -> bool:
-    """Whether the model says anything of a condition."""
-    sheet = model.sheets.get(condition.configuration)
-    if sheet is None:
-        return False
-    volts = [0.0, *sheet.eibm]
-    return min(volts) <= condition.voltage_V <= max(volts)
+def _knows(model: SheetModel, name: str, voltage_V: float) -> bool:
+    """Whether the model says anything of a voltage."""
+    volts = [0.0, *model.sheets[name].eibm]
+    return min(volts) <= voltage_V <= max(volts)
 
 
-def _with_band(model: CandidateModel, condition: Condition) -> tuple[dict[str, Any], float]:
-    """Return the prediction of a condition as plain data, and the half width of its force's band."""
-    name = condition.configuration
-    best = _answer(model.model, condition)
-    others = [_answer(one, condition) for one in model.displaced[name]]
+def _with_bands(
+    model: CandidateModel, name: str, places: Sequence[Place]
+) -> list[tuple[_Answer, _Band]]:
+    best = _answers(model.model, name, places)
+    others = [_answers(one, name, places) for one in model.displaced[name]]
     reach = float(stdtrit(model.model.sheets[name].B.freedom, 0.95))
-    half_N = reach * _in_squares([one.force_N - best.force_N for one in others])
-    force_mN = known(1e3 * best.force_N)
-    plain = {
-        "force_mN": force_mN,
-        "force90_mN": None
-        if force_mN is None
-        else [force_mN - 1e3 * half_N, force_mN + 1e3 * half_N],
-        "curve": None,
-        "why": best.why,
-    }
-    if len(best.x_m):
-        beside = [_off(best, one) for one in others if len(one.x_m) == len(best.x_m)]
-        half_m = reach * np.sqrt(np.sum(np.square(beside), axis=0)) if beside else None
-        plain["curve"] = plain_curve(best.x_m, best.y_m, half_m)
-    return plain, half_N
+    beside = list(zip(*others, strict=True)) or [()] * len(best)
+    return [(one, _band(one, near, reach)) for one, near in zip(best, beside, strict=True)]
 
 
-def _answer(model: SheetModel, condition: Condition) -> _Answer:
-    name, voltage_V = condition.configuration, condition.voltage_V
-    try:
-        if condition.position_m is None:
-            _, x, y = predict_free(model, name, voltage_V)
-            return _Answer(force_N=np.nan, x_m=x, y_m=y)
-        found = predict(model, name, condition.position_m, voltage_V)
-    except ModelError as error:
-        return _Answer(force_N=np.nan, why=str(error))
-    return _Answer(force_N=found.F_N, x_m=found.x_m, y_m=found.y_m, why=found.why)
-
-
-def _in_squares(differences: Sequence[float]) -> float:
-    """Return the root of the summed squares of those that are known."""
-    values = np.array([one for one in differences if np.isfinite(one)])
-    return float(np.sqrt(np.sum(values**2)))
+def _band(best: _Answer, displaced: Sequence[_Answer], reach: float) -> _Band:
+    force = np.array([one.force_N - best.force_N for one in displaced])
+    force = force[np.isfinite(force)]
+    off = [_off(best, one) for one in displaced if len(one.x_m) == len(best.x_m) > 0]
+    return _Band(
+        reach * float(np.sqrt(np.sum(force**2))) if np.isfinite(best.force_N) else np.nan,
+        reach * np.sqrt(np.sum(np.square(off), axis=0)) if off else None,
+    )
 
 
 def _off(best: _Answer, other: _Answer) -> FloatArray:
     """Return by how much a shape lies beside another, along the normal, m."""
     tx, ty = np.gradient(best.x_m), np.gradient(best.y_m)
-    size = np.hypot(tx, ty)
-    return np.asarray(
-        (-ty * (other.x_m - best.x_m) + tx * (other.y_m - best.y_m)) / size, dtype=float
-    )
+    across = -ty * (other.x_m - best.x_m) + tx * (other.y_m - best.y_m)
+    return np.asarray(across / np.hypot(tx, ty), dtype=float)
+
+
+def _answers(model: SheetModel, name: str, places: Sequence[Place]) -> list[_Answer]:
+    """Return the readings of load cell and camera that a model predicts."""
+    if model.effects or not places:
+        return [_answer(model, name, *place) for place in places]
+    found = solved(model.setups(name, places))  # one batch: hundreds in the time of one `predict`
+    shapes = found.shapes(sampled_s(found.setups[0]))
+    return [
+        _Answer(force_N=float(found.force_N[i]), x_m=shapes.x_m[i], y_m=shapes.y_m[i])
+        if found.status[i] == SolverStatus.SOLVED
+        else _answer(model, name, *place)
+        for i, place in enumerate(places)
+    ]
+
+
+def _answer(model: SheetModel, name: str, position_m: float | None, voltage_V: float) -> _Answer:
+    try:
+        if position_m is None:
+            _, x, y = predict_free(model, name, voltage_V)
+            return _Answer(force_N=np.nan, x_m=x, y_m=y)
+        found = predict(model, name, position_m, voltage_V)
+    except ModelError as error:
+        return _Answer(force_N=np.nan, why=str(error))
+    return _Answer(force_N=found.F_N, x_m=found.x_m, y_m=found.y_m, why=found.why)
+
+
+def _plain(answer: _Answer, band: _Band) -> dict[str, Any]:
+    force_mN, half_mN = known(1e3 * answer.force_N), 1e3 * band.force_N
+    interval = None if force_mN is None else [force_mN - half_mN, force_mN + half_mN]
+    curve = plain_curve(answer.x_m, answer.y_m, band.along_normal_m) if len(answer.x_m) else None
+    return {"force_mN": force_mN, "force90_mN": interval, "curve": curve, "why": answer.why}
+
+
+def _lines(model: CandidateModel, name: str, bands: dict[Place, _Band]) -> list[dict[str, Any]]:
+    """Return F(p) of each voltage; the band is that of the positions measured, straight between."""
+    found = []
+    for voltage_V in sorted({volts for _, volts in bands}, reverse=True):
+        half_N = {
+            position_m: band.force_N
+            for (position_m, volts), band in bands.items()
+            if position_m is not None and volts == voltage_V and np.isfinite(band.force_N)
+        }
+        if half_N:
+            found.append(_line(model, name, voltage_V, half_N))
+    return found
 
 
 def _line(
-    model: CandidateModel, name: str, voltage_V: float, halves: dict[float, float]
+    model: CandidateModel, name: str, voltage_V: float, half_N: dict[float, float]
 ) -> dict[str, Any]:
-    """Return F(p) of a voltage; its band is that of the positions measured, straight between."""
-    places = np.array(sorted(halves))
-    low, high = places[0] - BEYOND_M, places[-1] + BEYOND_M
-    p = np.union1d(np.linspace(low, high, max(2, round((high - low) / STEP_M) + 1)), places)
-    force_N = np.array([_force_N(model.model, name, float(one), voltage_V) for one in p])
-    half_N = np.interp(p, places, [halves[one] for one in places.tolist()])
+    measured = np.array(sorted(half_N))
+    low, high = measured[0] - BEYOND_M, measured[-1] + BEYOND_M
+    p = np.union1d(np.linspace(low, high, round((high - low) / STEP_M) + 1), measured)
+    answers = _answers(model.model, name, [(float(one), voltage_V) for one in p])
+    band = np.interp(p, measured, [half_N[one] for one in measured.tolist()])
     return {
         "model": model.id,
         "voltage_V": voltage_V,
         "p_mm": [in_mm(float(one)) for one in p],
-        "F_mN": rounded(1e3 * force_N),
-        "half90_mN": rounded(1e3 * half_N),
+        "F_mN": rounded(1e3 * np.array([one.force_N for one in answers])),
+        "half90_mN": rounded(1e3 * band),
     }
-
-
-def _force_N(model: SheetModel, name: str, position_m: float, voltage_V: float) -> float:
-    try:
-        return predict(model, name, position_m, voltage_V).F_N
-    except ModelError:
-        return float("nan")
