@@ -13,6 +13,7 @@ from labrig.panel.core.control import utc_now
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.errors import MissingError
+from labrig.session import open_session
 
 router = APIRouter(prefix="/api/analysis")
 SUFFIX = ".h5"
@@ -23,6 +24,8 @@ WORDS = {
     "report": "report",
     "next": "proposal of the next measurement",
 }
+# A report draws itself; it may neither run scripts nor load anything.
+REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 MEDIA_TYPES = {".html": "text/html", ".json": "application/json", ".toml": "text/plain"}
 
 
@@ -71,8 +74,11 @@ def cancel(request: Request, body: CancelBody, panel: Here) -> Any:
 
 @router.get("/outputs")
 def outputs(panel: Here, session: Annotated[str, Query(max_length=400)]) -> Any:
-    """Return the files beside a session that an analysis has written."""
-    return {"outputs": outputs_of(existing(panel.settings.data, session, SUFFIX))}
+    """Return the files beside a session that an analysis has written, and whether it has been."""
+    path = existing(panel.settings.data, session, SUFFIX)
+    with open_session(path, live=True) as opened:
+        analysed = opened.has_measurements
+    return {"outputs": outputs_of(path), "analysed": analysed}
 
 
 @router.get("/output")
@@ -93,4 +99,5 @@ def output(
         media_type=MEDIA_TYPES[path.suffix],
         filename=path.name,
         content_disposition_type="attachment" if save else "inline",
+        headers={"Content-Security-Policy": REPORT_POLICY},
     )

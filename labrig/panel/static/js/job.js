@@ -34,6 +34,7 @@ export class Job {
       picture: null,
       preflight: null,
       weighing: null,
+      result: null, // of the positions so far: { session, configurations, convergence, ... }
       latest_s: null,
       now_run: null,
     });
@@ -175,6 +176,7 @@ const HANDLERS = {
   curve: (job, m) => (job.curve = m),
   preflight: (job, m) => (job.preflight = m),
   weighing: (job, m) => (job.weighing = m),
+  result: (job, m) => (job.result = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

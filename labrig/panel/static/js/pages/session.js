@@ -1,5 +1,6 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
+import { mountAnalysis } from "../analysis.js";
 import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
@@ -46,6 +47,7 @@ export function mount(place, app, asked) {
   const name = asked.get("name");
   const body = h("div", { class: "session-two" }, h("p", { class: "muted" }, "reading\u2026"));
   const fault = h("p", { class: "fault", role: "alert" });
+  const analysis = h("div", { class: "session-analysis" });
   const link = (words, href, more = {}) => h("a", { class: "button", href, ...more }, words);
   const file = (as) => `/api/library/export?${query({ name, as })}`;
   const resume = h("button", { type: "button", hidden: true, onclick: () => act() }, "Resume it");
@@ -74,20 +76,23 @@ export function mount(place, app, asked) {
       link("All sessions", "#/library"),
     ),
     fault,
+    analysis,
     body,
   );
-  get(`/api/library/session?${query({ name })}`).then(
-    (session) => {
-      resume.hidden =
-        app.status?.mode !== "rig" ||
-        session.runs == null ||
-        session.runs_complete >= session.runs ||
-        session.outcome === "running";
-      put(body, facts(session), log(session));
-    },
-    (error) => put(body, h("p", { class: "fault" }, error.message)),
-  );
-  return {};
+  const read = () =>
+    get(`/api/library/session?${query({ name })}`).then(
+      (session) => {
+        resume.hidden =
+          app.status?.mode !== "rig" ||
+          session.runs == null ||
+          session.runs_complete >= session.runs ||
+          session.outcome === "running";
+        put(body, facts(session), log(session));
+      },
+      (error) => put(body, h("p", { class: "fault" }, error.message)),
+    );
+  read();
+  return mountAnalysis(analysis, app, name, read);
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */
