@@ -14,6 +14,7 @@ import pytest
 
 from labrig.config.templates import template_text
 from tests.panel_browser import fake_panel
+from tests.panel_browser.every_page import fill
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "msedge")
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
@@ -85,6 +86,13 @@ def fake() -> Iterator[fake_panel.FakePanel]:
         panel.greeting = fake_panel.greeting()
         serve_files(panel)
         yield panel
+
+
+@pytest.fixture
+def full(fake: fake_panel.FakePanel) -> fake_panel.FakePanel:
+    """A panel that has something to show on every page."""
+    fill(fake)
+    return fake
 
 
 def serve_files(panel: fake_panel.FakePanel) -> None:

@@ -151,7 +151,7 @@ def _with_effects(fitted: Fit, model: SheetModel) -> CandidateModel:
     known = [name for name in model.sheets if name in fitted.model.sheets]
     return CandidateModel(
         id="effects",
-        name=" + ".join(effect.name for effect in model.effects) or "as diagnosed",
+        name="with the effects found",
         model=replace(model, sheets={name: model.sheets[name] for name in known}),
         displaced={
             name: [
@@ -161,7 +161,8 @@ def _with_effects(fitted: Fit, model: SheetModel) -> CandidateModel:
             for name in known
         },
         eibm={name: _means(model.sheets[name]) for name in known},
-        why="Its band leaves out how B and EIBM depend on the effects' parameters.",
+        why=f"Effects: {', '.join(effect.name for effect in model.effects)}. The band leaves out how B "
+        "and EIBM depend on the effects' parameters.",
     )
 
 

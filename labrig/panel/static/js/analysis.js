@@ -64,7 +64,7 @@ export function mountAnalysis(place, app, session, changed = () => {}) {
     place,
     h(
       "section",
-      { class: "card analysis", "aria-labelledby": title },
+      { class: "analysis", "aria-labelledby": title },
       h("h2", { id: title }, "Analysis"),
       h(
         "ul",

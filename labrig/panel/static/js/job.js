@@ -34,7 +34,7 @@ export class Job {
       picture: null,
       preflight: null,
       weighing: null,
-      result: null, // of the positions so far: { session, configurations, convergence, ... }
+      result: null, // of what was measured so far: { session, configurations, convergence, ... }
       latest_s: null,
       now_run: null,
     });

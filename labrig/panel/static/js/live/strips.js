@@ -1,9 +1,10 @@
 // Drive voltage, force and current over the run's time, with every sampling point marked.
 
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
-import { colourOf, h, setText } from "../dom.js";
+import { colourOf, h, newId, setText } from "../dom.js";
 import { number, plain, signed } from "../format.js";
 import { drawMark } from "./marks.js";
+import { KEYS, StripCursor } from "./strip_cursor.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
@@ -27,11 +28,16 @@ export class Strips {
   constructor(job) {
     this.job = job;
     this.points = 0; // moments that have reached the charts
+    this.view = { x: null, y: null };
+    this.keys = newId("strip-keys");
     this.lines = ROWS.map((row, index) => this.line(row, index));
+    this.cursor = new StripCursor(this);
     this.element = h(
       "div",
       { class: "strips card", role: "group", "aria-label": "strip charts" },
       this.lines.map((line) => line.element),
+      this.cursor.element,
+      h("p", { class: "visually-hidden", id: this.keys }, KEYS),
     );
     this.seen = new ResizeObserver(() => this.resize());
     this.seen.observe(this.element);
@@ -49,7 +55,14 @@ export class Strips {
 
   line(row, index) {
     const value = h("strong", { class: "numeral-value" }, "\u2013");
-    const plot = h("div", { class: "strip-plot" });
+    const plot = h("div", {
+      class: "strip-plot",
+      tabindex: 0,
+      role: "application",
+      "aria-roledescription": "chart",
+      "aria-label": `${row.name} in ${row.unit} over the time of the run in s`,
+      "aria-describedby": this.keys,
+    });
     const element = h(
       "div",
       { class: "strip", data: { row: row.key } },
@@ -70,7 +83,10 @@ export class Strips {
       const [width, height] = [line.place.clientWidth, line.place.clientHeight];
       if (width < 20 || height < 20) continue;
       if (line.plot) line.plot.setSize({ width, height });
-      else line.plot = this.chart(line, width, height);
+      else {
+        line.plot = this.chart(line, width, height);
+        this.cursor.follow(line);
+      }
     }
     this.show();
   }
@@ -134,6 +150,11 @@ export class Strips {
 
   /** What of the run's time is shown. */
   window() {
+    return this.view.x ?? this.usual();
+  }
+
+  /** The same without zoom. */
+  usual() {
     const { signals } = this.job;
     const duration = this.job.planned(signals.run ?? this.job.now_run)?.duration_s;
     const now = signals.newestTime() ?? 0;
@@ -190,6 +211,7 @@ export class Strips {
       ]);
     }
     this.points = signals.count;
+    this.cursor.show();
     // The first change shows at once, those after it together, the last one always.
     if (this.timer && signals.count) return;
     clearTimeout(this.timer);

@@ -1,13 +1,16 @@
 // Two sessions side by side: what they are, their mean forces, and both played together.
 
+import { shapeFor } from "../chart/draw.js";
 import { h, put, setText } from "../dom.js";
 import { number, plain, shapeOf, volts } from "../format.js";
 import { Picture } from "../live/picture.js";
 import { Strips } from "../live/strips.js";
 import { get, query } from "../net.js";
 import { Player, Transport } from "../player.js";
-import { plot } from "../plot.js";
+import { Chart } from "../plot.js";
 import { factsOf } from "./session.js";
+
+const COLOURS = { 1: "--plus", "-1": "--minus", 0: "--zero" };
 
 /** Compare the sessions `a` and `b` of the address. */
 export function mount(place, app, asked) {
@@ -15,6 +18,7 @@ export function mount(place, app, asked) {
   const tables = h("div", { class: "compare-tables" }, h("p", { class: "muted" }, "reading\u2026"));
   const players = [new Player(a), new Player(b)];
   const transport = new Transport(players);
+  const charts = [];
   const sides = players.map((player, index) => side(player, index ? "B" : "A"));
   place.append(
     h("h1", {}, "A ", link(a), " beside B ", link(b)),
@@ -27,14 +31,14 @@ export function mount(place, app, asked) {
     ),
   );
   get(`/api/library/compare?${query({ a, b })}`).then(
-    (found) => put(tables, facts(found), forces(found)),
+    (found) => put(tables, facts(found), forces(found, charts)),
     (error) => put(tables, h("p", { class: "fault" }, error.message)),
   );
   return {
     players,
     destroy() {
       transport.destroy();
-      for (const one of [...sides, ...players]) one.destroy();
+      for (const one of [...sides, ...players, ...charts]) one.destroy();
     },
   };
 }
@@ -93,8 +97,15 @@ function facts({ a, b }) {
   );
 }
 
-function forces({ rows }) {
+function forces({ rows }, charts) {
   const configurations = [...new Set(rows.map((row) => row.configuration))];
+  const drawn = configurations.map((name) =>
+    chart(
+      name,
+      rows.filter((row) => row.configuration === name),
+    ),
+  );
+  charts.push(...drawn.map((one) => one.chart));
   return h(
     "section",
     { class: "card" },
@@ -107,12 +118,7 @@ function forces({ rows }) {
     h(
       "div",
       { class: "plots" },
-      configurations.map((name) =>
-        chart(
-          name,
-          rows.filter((row) => row.configuration === name),
-        ),
-      ),
+      drawn.map((one) => one.element),
     ),
     h(
       "div",
@@ -124,31 +130,30 @@ function forces({ rows }) {
 
 function chart(name, rows) {
   const levels = [...new Set(rows.map((row) => row.voltage_V))].sort((x, y) => y - x);
+  const drawn = new Chart({
+    label: `mean forces of the ${name} sheet`,
+    x: { name: "position p", symbol: "p", unit: "mm", decimals: 2 },
+    y: { name: "force F", symbol: "F", unit: "mN", decimals: 3 },
+    zero: true,
+    leastX: 1,
+    leastY: 0.05,
+  });
   const series = levels.flatMap((level) =>
     ["a", "b"].map((which) => ({
       name: `${which.toUpperCase()}, ${volts(level)}`,
-      className: `sign-${Math.sign(level)} of-${which}`,
-      shape: level > 0 ? "up" : level < 0 ? "down" : "dot",
+      colour: COLOURS[Math.sign(level)],
+      shape: shapeFor(level),
+      hollow: which === "b",
+      dashed: which === "b",
       line: true,
+      width: 1.25,
       points: rows
         .filter((row) => row.voltage_V === level && row[which])
         .map((row) => [row.position_mm ?? 0, row[which].force_mN, row[which].scatter_mN]),
     })),
   );
-  return h(
-    "figure",
-    {},
-    h("figcaption", {}, name),
-    plot({
-      series,
-      x: "position, mm",
-      y: "force, mN",
-      zero: true,
-      width: 340,
-      height: 230,
-      label: `mean forces of the ${name} sheet`,
-    }),
-  );
+  drawn.show(series);
+  return { chart: drawn, element: h("figure", {}, h("figcaption", {}, name), drawn.element) };
 }
 
 function table(rows) {

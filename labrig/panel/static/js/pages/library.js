@@ -11,7 +11,10 @@ const COLUMNS = [
   {
     key: "name",
     name: "session",
-    show: (s) => h("a", { href: `#/session?name=${encodeURIComponent(s.name)}` }, s.name),
+    show: (s) => [
+      h("a", { href: `#/session?${query({ name: s.name })}` }, s.name),
+      !s.error && h("a", { class: "to-result", href: `#/result?${query({ session: s.name })}` }, "result"),
+    ],
   },
   { key: "sheet", name: "sheet", show: (s) => (s.sheet ?? []).join(", ") },
   { key: "outcome", name: "outcome", show: (s) => outcome(s) },

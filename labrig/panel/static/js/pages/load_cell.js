@@ -5,7 +5,7 @@ import { parseNumber } from "../form/limits.js";
 import { digits, number } from "../format.js";
 import { PromptBar } from "../live/prompt.js";
 import { post } from "../net.js";
-import { plot } from "../plot.js";
+import { Chart } from "../plot.js";
 import { steps } from "../steps.js";
 
 const GRAVITY = 9.80665; // mN of one gram
@@ -57,7 +57,16 @@ class LoadCell {
       role: "region",
       "aria-label": "weights so far",
     });
-    this.picture = h("div");
+    this.residuals = new Chart({
+      label: "residuals of the calibration line",
+      x: { name: "load", unit: "mN", decimals: 2 },
+      y: { name: "residual", unit: "mN", decimals: 3 },
+      zero: true,
+      leastX: 1,
+      leastY: 0.02,
+    });
+    this.keys = h("p", { class: "muted" });
+    this.picture = h("div", {}, this.residuals.element, this.keys);
     this.line = h("dl", { class: "facts facts-big" });
     this.prompt = new PromptBar(app.job, {
       answer: (prompt, done) => app.control.act(() => post("/api/answer", { prompt, done })),
@@ -106,6 +115,7 @@ class LoadCell {
       stop();
       app.control.watchers.delete(again);
       this.prompt.destroy();
+      this.residuals.destroy();
     };
     this.show();
   }
@@ -217,22 +227,11 @@ class LoadCell {
           .map((point) => [point.load_mN, point.off_mN]),
       },
     ];
-    put(
-      this.picture,
-      points.length
-        ? [
-            plot({
-              series,
-              x: "load, mN",
-              y: "residual, mN",
-              zero: true,
-              leastX: 1,
-              leastY: 0.02,
-              label: "residuals of the calibration line",
-            }),
-            h("p", { class: "muted" }, "\u25B2 while loading, \u25BC while unloading"),
-          ]
-        : h("p", { class: "muted" }, "after three weights"),
+    this.residuals.element.hidden = !points.length;
+    this.residuals.show(series);
+    setText(
+      this.keys,
+      points.length ? "\u25B2 while loading, \u25BC while unloading" : "after three weights",
     );
     const fit = weighing?.fit;
     put(

@@ -62,6 +62,7 @@ function runBar({ job, control }) {
   );
   const begin = h("a", { class: "button", href: "#/new" }, "New run");
   const replay = h("a", { class: "button" }, "Replay it");
+  const result = h("a", { class: "button" });
   const act = async (work) => {
     setText(fault, control.why());
     if (fault.textContent) return;
@@ -84,6 +85,7 @@ function runBar({ job, control }) {
     gentle,
     begin,
     replay,
+    result,
   );
   const notice = h("p", { class: "notice card", role: "status", hidden: true });
   const update = () => {
@@ -103,6 +105,10 @@ function runBar({ job, control }) {
     gentle.hidden = !(job.going && job.job.kind === "run");
     begin.hidden = job.going;
     replay.hidden = job.going || !session || !job.started;
+    result.hidden = !session || !job.started || job.job?.kind !== "run";
+    setText(result, job.going ? "The result so far" : "Show the result");
+    result.classList.toggle("main", !job.going);
+    if (session) result.setAttribute("href", `#/result?session=${encodeURIComponent(session)}`);
     if (session) replay.setAttribute("href", `#/replay?session=${encodeURIComponent(session)}`);
     if (document.activeElement !== model) chosenModel(model, job.model ?? "");
   };

@@ -47,7 +47,7 @@ export function mount(place, app, asked) {
   const name = asked.get("name");
   const body = h("div", { class: "session-two" }, h("p", { class: "muted" }, "reading\u2026"));
   const fault = h("p", { class: "fault", role: "alert" });
-  const analysis = h("div", { class: "session-analysis" });
+  const analysis = h("div", { class: "card session-analysis" });
   const link = (words, href, more = {}) => h("a", { class: "button", href, ...more }, words);
   const file = (as) => `/api/library/export?${query({ name, as })}`;
   const resume = h("button", { type: "button", hidden: true, onclick: () => act() }, "Resume it");
@@ -69,6 +69,7 @@ export function mount(place, app, asked) {
     h(
       "div",
       { class: "buttons session-do" },
+      link("Result", `#/result?${query({ session: name })}`, { class: "button main" }),
       link("Replay", `#/replay?${query({ session: name })}`),
       h("button", { type: "button", onclick: () => tables() }, "Export tables (CSV)"),
       link("Download the file", file("h5"), { download: "" }),

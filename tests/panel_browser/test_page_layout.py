@@ -1,0 +1,61 @@
+"""Nothing is cut, on a desk or on a phone."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.panel_browser.every_page import PAGES
+
+SIZES = {"desk": (1440, 900), "phone": (390, 844)}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_nothing_is_wider_than_what_it_stands_in(full, visit, name):
+    for where, (width, height) in SIZES.items():
+        page = visit(f"{full.url}#/{name}", width, height)
+        page.wait_for_selector(PAGES[name], state="attached")
+        page.wait_for_timeout(300)
+        assert page.evaluate(CUT) == [], where
+
+
+# What sticks out of the window, and boxes whose content is wider than they are.
+CUT = """() => {
+  const name = (it) =>
+    `${it.tagName.toLowerCase()}${it.id ? '#' + it.id : ''}.${[...it.classList].join('.')}: ` +
+    (it.innerText ?? '').trim().slice(0, 40);
+  const hidden = (it) => it.closest('.visually-hidden, .skip, [hidden], svg, option, .uplot');
+  const found = [];
+  for (const it of document.body.querySelectorAll('*')) {
+    if (hidden(it)) continue;
+    const box = it.getBoundingClientRect();
+    if (!box.width || !box.height) continue;
+    if (box.right > innerWidth + 1 || box.left < -1) found.push(`outside: ${name(it)}`);
+    if (getComputedStyle(it).display !== 'inline' && it.scrollWidth > it.clientWidth + 2
+        && !['INPUT', 'SELECT', 'TEXTAREA'].includes(it.tagName))
+      found.push(`cut: ${name(it)} (${it.scrollWidth} in ${it.clientWidth})`);
+  }
+  return found.slice(0, 12);
+}"""
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_labels_stand_above_their_fields_on_a_phone(full, visit, name):
+    page = visit(f"{full.url}#/{name}", *SIZES["phone"])
+    page.wait_for_selector(PAGES[name], state="attached")
+    assert page.evaluate(BESIDE) == []
+
+
+BESIDE = """() => {
+  const fields = document.querySelectorAll('main input, main select, main textarea');
+  const beside = (it) => {
+    if (['checkbox', 'radio', 'hidden', 'file'].includes(it.type) || !it.offsetParent) return false;
+    const label = it.labels?.[0];
+    if (!label || label.closest('.visually-hidden')) return false;
+    const words = document.createRange();
+    const text = [...label.childNodes].find((n) => n.textContent.trim() && !n.contains(it));
+    if (!text) return false;
+    words.selectNodeContents(text);
+    return words.getBoundingClientRect().bottom > it.getBoundingClientRect().top + 2;
+  };
+  return [...fields].filter(beside).map((it) => it.labels[0].innerText.slice(0, 40));
+}"""
