@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from model import Measurements
 
 TRIES = 10
-AGAIN_S = 0.3  # a run that has ended is in the file within a quarter of a second
+AGAIN_S = 0.5  # a run that has ended is measured when the file has settled
 
 
 class Sink(Protocol):

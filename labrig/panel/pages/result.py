@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query
@@ -9,12 +11,15 @@ from fastapi.responses import HTMLResponse, Response
 
 from labrig.analysis.results import reading_curve
 from labrig.panel.core.file_names import existing
+from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
 from labrig.panel.pages._result_cache import ResultCache, as_text
-from labrig.panel.pages._result_data import beside, measured_of, measured_result
+from labrig.panel.pages._result_data import beside, measured_of, measured_result, not_analysed
 from labrig.panel.pages._sessions import SUFFIX, Session
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
+from labrig.session import open_session
+from protocols.execution.events import Outcome
 
 router = APIRouter(prefix="/api/result")
 # The report is a file of its own: it may draw itself, and neither run scripts nor load anything.
@@ -26,12 +31,24 @@ def result(panel: Here, session: Session, measured: bool = False) -> Response:
     """Return a session's result; with `measured` at once, without models if they are not kept."""
     path = existing(panel.settings.data, session, SUFFIX)
     cache, data = panel.state(ResultCache), panel.settings.data
-    text = cache.kept(data, path)
+    text = _live(panel, path, session) or cache.kept(data, path)
     if text is None and measured:
         text = as_text(measured_result(path, session))
     if text is None:
         text = cache.computed(data, path, session)
     return Response(text, media_type="application/json")
+
+
+def _live(panel: Panel, path: Path, session: str) -> str | None:
+    """Return the live fit of a run that goes on, or has ended and is not analysed yet."""
+    live = panel.live_fit.result(session)
+    if live is None:
+        return None
+    with open_session(path, live=True) as opened:
+        if opened.has_measurements:
+            return None
+        missing = [] if opened.outcome is Outcome.RUNNING else [not_analysed(path)]
+    return json.dumps({**live, "missing": missing, "complete": True}, allow_nan=False)
 
 
 @router.get("/reading")

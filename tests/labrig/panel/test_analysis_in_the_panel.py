@@ -157,5 +157,6 @@ def test_the_fit_grows_with_each_position_of_a_run_and_ends_as_the_analysis_does
         measurements, session="live.h5", fitted=fit_what_can_be(measurements).fit,
         convergence=converging(measurements),
     )  # fmt: skip
+    whole = json.loads(json.dumps(whole))
     assert last["convergence"] == whole["convergence"]
     assert last["configurations"] == whole["configurations"]
