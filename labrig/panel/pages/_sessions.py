@@ -11,11 +11,13 @@ from labrig.library import CatalogueEntry, read_entry
 from labrig.panel.core.panel import Panel
 
 SUFFIX = ".h5"
+REFRESH_S = 1.0  # for files that have changed; the next request continues
 Session = Annotated[str, Query(max_length=400)]
 
 
 def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
-    """Return a session as the library knows it, with its fit; read now where it does not."""
+    """Return a session as the library knows it, with its newest fit; read now where it does not."""
+    panel.library.refresh(REFRESH_S)
     known = next((entry for entry in panel.library.entries() if entry.name == name), None)
     return known or read_entry(path, name)
 

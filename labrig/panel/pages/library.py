@@ -8,11 +8,10 @@ from fastapi import APIRouter, Query
 
 from labrig.library import select
 from labrig.panel.core.requests import Here
-from labrig.panel.pages._sessions import shown
+from labrig.panel.pages._sessions import REFRESH_S, shown
 from labrig.panel.pages.interface import PanelPage, own_script
 
 router = APIRouter(prefix="/api/library")
-_BUDGET_S = 1.0  # to read files that have changed; the page asks again while some are left
 Short = Annotated[str, Query(max_length=200)]
 
 
@@ -29,7 +28,7 @@ def listed(
 ) -> Any:
     """Return the sessions that fit."""
     library = panel.library
-    pending = library.refresh(_BUDGET_S)
+    pending = library.refresh(REFRESH_S)
     entries = library.entries()
     found = select(entries, sort=sort, down=down, text=text, outcome=outcome, sheet=sheet)
     return {
