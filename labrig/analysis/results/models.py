@@ -161,8 +161,8 @@ def _with_effects(fitted: Fit, model: SheetModel) -> CandidateModel:
             for name in known
         },
         eibm={name: _means(model.sheets[name]) for name in known},
-        why=f"Effects: {', '.join(effect.name for effect in model.effects)}. The band leaves out how B "
-        "and EIBM depend on the effects' parameters.",
+        why=f"Effects: {', '.join(effect.name for effect in model.effects)}. The band leaves out "
+        "how B and EIBM depend on the effects' parameters.",
     )
 
 

@@ -15,7 +15,17 @@ export function h(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   fill(element, attributes);
   element.append(...children.flat(Infinity).filter((child) => child != null && child !== false));
+  if (tag === "table") nameCells(element);
   return element;
+}
+
+/** Give each cell the name of its column: on a phone each row becomes a list of name and value. */
+function nameCells(table) {
+  const names = [...(table.tHead?.rows[0]?.cells ?? [])].map((one) =>
+    one.textContent.replace(/ [\u25B2\u25BC]$/, ""),
+  );
+  for (const row of table.tBodies[0]?.rows ?? [])
+    [...row.cells].forEach((cell, at) => names[at] && (cell.dataset.name = names[at]));
 }
 
 /** The same for SVG. */

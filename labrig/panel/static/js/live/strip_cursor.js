@@ -15,6 +15,7 @@ export class StripCursor {
     this.navigations = [];
     this.read = h("output", { class: "chart-read" }, HINT);
     this.zoom = zoomButtons(() => this.navigations[0]);
+    this.zoom.show(false);
     this.element = h("div", { class: "chart-foot" }, this.read, this.zoom.element);
   }
 
