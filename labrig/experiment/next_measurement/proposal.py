@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from labrig.errors import BadInputError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
-from model.discrepancy import next_measurement as find
 from model.measurements import Measurements
 
 Pair = tuple[str, str]
@@ -26,6 +25,8 @@ def proposal(
 
     Raises BadInputError where nobody names two effects, ModelError where nothing separates them.
     """
+    from model.discrepancy import next_measurement as find
+
     if between is not None:
         return find(measurements, between, options)
     if diagnosis is None:
