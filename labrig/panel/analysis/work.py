@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from model import ConfigurationFit, Measurements
 
 Progress = Callable[[float, str], None]
-Work = Callable[[AnalysisOrder, Progress], "Outcome"]
+Work = Callable[[AnalysisOrder, Progress], "Done"]
 ANALYZE_SHARE = 0.5  # of the progress of a job that may have to analyse first
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
+class Done:
     """How a job ended well."""
 
     message: str  # one sentence
@@ -31,17 +31,17 @@ class Outcome:
     notes: list[str] = field(default_factory=list)  # what else the user should know
 
 
-def analyze(order: AnalysisOrder, progress: Progress) -> Outcome:
+def analyze(order: AnalysisOrder, progress: Progress) -> Done:
     """Measure forces and curves; the session keeps them."""
     from labrig.analysis import analyze as analyze_session
 
     found = analyze_session(Path(order.session), progress, workers=order.workers)
     curves = sum(condition.curve is not None for condition in found.conditions)
     message = f"{len(found.conditions)} conditions were measured, {curves} of them with a curve."
-    return Outcome(message=message, notes=list(found.warnings))
+    return Done(message=message, notes=list(found.warnings))
 
 
-def fit(order: AnalysisOrder, progress: Progress) -> Outcome:
+def fit(order: AnalysisOrder, progress: Progress) -> Done:
     """Fit all configurations that allow it and write the model with constant EIBM."""
     from labrig.model_file import save_model
     from labrig.report.data.fitted import fit_what_can_be
@@ -57,10 +57,10 @@ def fit(order: AnalysisOrder, progress: Progress) -> Outcome:
     notes += [f"{name}: could not be fitted: {why}." for name, why in lacking.items()]
     save_model(fitted.fit.model, output_path(Path(order.session), "model"))
     found = [_parameters(one) for one in fitted.fit.configurations.values()]
-    return Outcome(message=f"{'; '.join(found)}.", files=("model",), notes=notes)
+    return Done(message=f"{'; '.join(found)}.", files=("model",), notes=notes)
 
 
-def diagnose(order: AnalysisOrder, progress: Progress) -> Outcome:
+def diagnose(order: AnalysisOrder, progress: Progress) -> Done:
     """Find what the model is missing; the session keeps the diagnosis."""
     from labrig.analysis.driven import require_driven
     from labrig.experiment.next_measurement.next_protocol import with_protocol
@@ -82,12 +82,12 @@ def diagnose(order: AnalysisOrder, progress: Progress) -> Outcome:
     save_model(found.model, output_path(session, "completed_model"))
     text = json.dumps(finite(found.to_json()), indent=2) + "\n"
     write_text(output_path(session, "diagnosis"), text)
-    return Outcome(
+    return Done(
         message=found.sentence, files=("completed_model", "diagnosis"), notes=[*notes, *found.notes]
     )
 
 
-def report(order: AnalysisOrder, progress: Progress) -> Outcome:
+def report(order: AnalysisOrder, progress: Progress) -> Done:
     """Write the report as one self-contained page."""
     from labrig.report.page.write import write_report
 
@@ -102,10 +102,10 @@ def report(order: AnalysisOrder, progress: Progress) -> Outcome:
         page = write_report(session, Path(folder), progress=rest, tell=notes.append)
         text = page.read_text(encoding="utf-8")
     write_text(output_path(session, "report"), text)
-    return Outcome(message="The report is written.", files=("report",), notes=notes)
+    return Done(message="The report is written.", files=("report",), notes=notes)
 
 
-def next_measurement(order: AnalysisOrder, progress: Progress) -> Outcome:
+def next_measurement(order: AnalysisOrder, progress: Progress) -> Done:
     """Find the measurement that separates two effects and write its protocol."""
     from labrig.experiment.next_measurement.next_protocol import protocol_text
     from labrig.experiment.next_measurement.proposal import pair_of, proposal
@@ -118,12 +118,12 @@ def next_measurement(order: AnalysisOrder, progress: Progress) -> Outcome:
     if order.between is None and diagnosis is None:
         raise BadInputError("this session has no diagnosis yet; diagnose it first.")
     if order.between is None and diagnosis is not None and pair_of(diagnosis) is None:
-        return Outcome(message=f"There are no two effects to tell apart: {diagnosis.sentence}")
+        return Done(message=f"There are no two effects to tell apart: {diagnosis.sentence}")
     rest(0.0, "comparing candidate measurements")
     found = proposal(measurements, diagnosis, order.between)
     text = protocol_text(found, measurements, session)
     write_text(output_path(session, "next"), text)
-    return Outcome(message=next_sentence(found), files=("next",), notes=notes)
+    return Done(message=next_sentence(found), files=("next",), notes=notes)
 
 
 WORK: dict[AnalysisKind, Work] = {
