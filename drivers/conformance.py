@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from drivers.interfaces import Clock, DeviceError
+from drivers.interfaces import Clock, DeviceError, DeviceIdentity, Identified
 
 T = TypeVar("T")
+IDENTITY_S = 1.0
 PROMPT_S = 0.3  # a call that must not wait may take so long: the computer is busy at times
 
 
@@ -59,6 +60,22 @@ class Checks:
         else:
             self.faults.append(f"{name} was not refused with {wanted.__name__}")
         self._in_time(name, began_s, within_s)
+
+    def identify(self, device: object) -> None:
+        """Require that what an open device reports of itself, if it does, is as it must be."""
+        if not isinstance(device, Identified):
+            return
+        found = self.call("identities", device.identities, IDENTITY_S)
+        if found is None:
+            return
+        for each in found:
+            if not self.require(
+                isinstance(each, DeviceIdentity), f"identities returned {each!r}, no DeviceIdentity"
+            ):
+                continue
+            texts = (each.name, each.maker, each.product, each.serial, each.driver)
+            good = all(isinstance(text, str) and text.isprintable() for text in texts)
+            self.require(good, f"an identity is not in lines of text: {texts}")
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""

@@ -379,7 +379,11 @@ class Prompt:
 
 
 class Operator(Protocol):
-    """The person at the rig, or what answers in their place."""
+    """The person at the rig, or what answers in their place.
+
+    What answers for a person who is not there has an attribute `is_present` that is False: the
+    session then records that nobody was asked.
+    """
 
     def ask(self, prompt: Prompt) -> bool:
         """Show the prompt and wait for the answer: True, it is done; False, stop the session."""

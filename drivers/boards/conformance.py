@@ -1,4 +1,4 @@
-"""Whether boards keep their contracts: outputs, inputs, interlocks, rescues, and the family."""
+"""Whether boards keep their contracts: connection, output, input, interlock, rescue, family."""
 
 from __future__ import annotations
 
@@ -11,11 +11,19 @@ from typing import Any
 import numpy as np
 
 from drivers.amplifier import BoardOutput, BoardWrite
-from drivers.boards.contract import CURRENT, DRIVE, FORCE, BoardFamily, OutputRescue
+from drivers.boards.contract import (
+    CURRENT,
+    DRIVE,
+    FORCE,
+    BoardConnection,
+    BoardFamily,
+    OutputRescue,
+)
 from drivers.conformance import Checks
 from drivers.interfaces import Clock, Interlock, LimitError, SignalInput
 from drivers.safe_shutdown import SafetyReport
 
+OPEN_S = 10.0
 DEVICE_S = 5.0  # a call may take so long; PROMPT_S where the working loop waits for it
 
 
@@ -36,6 +44,23 @@ def family_faults(family: BoardFamily, settings: Any, clock: Clock) -> list[str]
         rescue = family.rescue
         checks.call("rescue", lambda: rescue and rescue(place or {}, clock))
     checks.call("connect", lambda: family.connect(settings, clock, None))
+    return checks.faults
+
+
+def connection_faults(connection: BoardConnection, clock: Clock) -> list[str]:
+    """Return what a connection, not open yet, does against `BoardConnection` and `Identified`.
+
+    Its boards are there, as rig.toml names them.
+    """
+    checks = Checks(clock)
+    checks.call("open", connection.open, OPEN_S)
+    checks.call("a second open", connection.open, OPEN_S)
+    if not checks.faults:
+        for finding in checks.call("findings", connection.findings, DEVICE_S) or ():
+            checks.require(finding.ok, f"{finding.name}: {finding.found}")
+        checks.identify(connection)
+    checks.call("close", connection.close, DEVICE_S)
+    checks.call("a second close", connection.close, DEVICE_S)
     return checks.faults
 
 

@@ -41,7 +41,10 @@ class BoardFinding:
 
 @runtime_checkable
 class BoardConnection(Protocol):
-    """The boards of one rig. Everything raises DeviceError and nothing else."""
+    """The boards of one rig. Everything raises DeviceError and nothing else.
+
+    It reports what the boards are, and whether they are simulated, where it is `Identified`.
+    """
 
     def open(self) -> None:
         """Make sure that somebody answers; blocks for 10 s at most. May be called twice.

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError, GreyImage
+from drivers.cameras.sources import identity_of_source, is_file, is_url
+from drivers.interfaces import Clock, DeviceError, DeviceIdentity, DeviceNotFoundError, GreyImage
 
 OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_S = 2.0
@@ -25,7 +25,7 @@ class OpenedCapture:
     def __init__(self, capture: Any, source: int | str) -> None:
         self._capture = capture
         self._source = source
-        self._is_file = _is_file(source)
+        self._is_file = is_file(source)
         first = self._first_frame()
         self.shape: tuple[int, int] = (first.shape[0], first.shape[1])
         self.dtype: np.dtype[np.uint8] | np.dtype[np.uint16] = first.dtype
@@ -65,6 +65,13 @@ class OpenedCapture:
             clock.sleep_until(began_s + frame / rate_hz)
 
         return wait
+
+    def identity(self) -> DeviceIdentity:
+        """Return what is known of the camera: by the capture itself, else by the system."""
+        if hasattr(self._capture, "identity"):
+            found: DeviceIdentity = self._capture.identity()
+            return found
+        return identity_of_source(self._source, self._capture)
 
     def release(self) -> None:
         """Let go of the camera."""
@@ -138,7 +145,7 @@ def _video_capture(source: int | str) -> Any:
     import cv2
 
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    if _is_url(source):
+    if is_url(source):
         limits = [
             cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(OPEN_TIMEOUT_S * 1e3),
             cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(READ_TIMEOUT_S * 1e3),
@@ -147,25 +154,14 @@ def _video_capture(source: int | str) -> Any:
     return cv2.VideoCapture(source)
 
 
-def _is_url(source: int | str) -> bool:
-    return isinstance(source, str) and "://" in source
-
-
-def _is_file(source: int | str) -> bool:
-    try:
-        return isinstance(source, str) and stat.S_ISREG(os.stat(source).st_mode)
-    except (OSError, ValueError):  # a pipeline or a URL is no path
-        return False
-
-
 def _why_not(source: int | str) -> str:
-    if _is_url(source):
+    if is_url(source):
         return (
             f"nobody sends an image there (waited {OPEN_TIMEOUT_S:g} s at most); check the "
             "address, and that the camera's server runs"
         )
     if isinstance(source, int):
         return "there is no camera of this number, or another program uses it"
-    if _is_file(source):
+    if is_file(source):
         return "the file holds no video that can be read"
     return "no camera, file or pipeline of this name can be opened; correct it in rig.toml"

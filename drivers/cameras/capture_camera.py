@@ -18,6 +18,7 @@ from drivers.interfaces import (
     CameraCounts,
     Clock,
     DeviceError,
+    DeviceIdentity,
     DeviceTimeoutError,
     Frame,
     ThreadHandle,
@@ -65,6 +66,10 @@ class CaptureCamera:
         self._closing.clear()
         self._alive_s = self._clock.now()
         self._thread = self._clock.start_thread(lambda: self._grab_all(opened), "camera")
+
+    def identities(self) -> tuple[DeviceIdentity, ...]:
+        """See `Identified.identities`."""
+        return (self._taken().identity(),)
 
     @property
     def frame_shape(self) -> tuple[int, int]:

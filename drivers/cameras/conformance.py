@@ -21,6 +21,7 @@ def camera_faults(camera: Camera, clock: Clock, watch_s: float = 1.0) -> list[st
     checks.refuse("start before open", camera.start)
     checks.call("open", camera.open, OPEN_S)
     if not checks.faults:
+        checks.identify(camera)
         _watch(checks, camera, watch_s)
         _watch_again(checks, camera, watch_s)
     checks.call("close", camera.close, CLOSE_S)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from drivers.cameras.capture import FPS, HEIGHT, POS_MSEC, READ_TIMEOUT_S, WIDTH
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.contract import CameraKind, CameraSettings
-from drivers.interfaces import Camera, Clock, DeviceError, DeviceNotFoundError
+from drivers.interfaces import Camera, Clock, DeviceError, DeviceIdentity, DeviceNotFoundError
 
 _SUCCESS, _ON, _OFF = 0, 1, 0
 _ISO_SPEED_400, _ISO_SPEED_800 = 2, 3
@@ -36,6 +36,29 @@ class _CameraId(c.Structure):
 
 class _CameraList(c.Structure):
     _fields_ = (("num", c.c_uint32), ("ids", c.POINTER(_CameraId)))
+
+
+class _Camera(c.Structure):
+    """dc1394camera_t, as far as it is read."""
+
+    _fields_ = (
+        ("guid", c.c_uint64),
+        ("unit", c.c_int),
+        ("unit_spec_id", c.c_uint32),
+        ("unit_sw_version", c.c_uint32),
+        ("unit_sub_sw_version", c.c_uint32),
+        ("command_registers_base", c.c_uint32),
+        ("unit_directory", c.c_uint32),
+        ("unit_dependent_directory", c.c_uint32),
+        ("advanced_features_csr", c.c_uint64),
+        ("pio_control_csr", c.c_uint64),
+        ("sio_control_csr", c.c_uint64),
+        ("strobe_control_csr", c.c_uint64),
+        ("format7_csr", c.c_uint64 * 8),
+        ("iidc_version", c.c_int),
+        ("vendor", c.c_char_p),
+        ("model", c.c_char_p),
+    )
 
 
 class _VideoFrame(c.Structure):
@@ -127,6 +150,18 @@ class IidcCapture:
         del prop, value
         return False
 
+    def identity(self) -> DeviceIdentity:
+        """Return maker and model as the camera's own memory has them; its GUID is its serial."""
+        known = c.cast(self._camera, c.POINTER(_Camera)).contents
+        return DeviceIdentity(
+            name=_name(known.guid),
+            maker=_text(known.vendor),
+            product=_text(known.model),
+            serial=f"{known.guid:016x}",
+            driver="libdc1394",
+            is_simulated=False,
+        )
+
     def release(self) -> None:
         """Stop the camera and let go of it. May be called twice."""
         if self._camera is not None:
@@ -203,6 +238,12 @@ def iidc_guid(source: str) -> int | None:
             f"[camera] source = {source}: after iidc: belongs the camera's GUID, 16 hexadecimal "
             "digits"
         ) from None
+
+
+def _text(raw: bytes | None) -> str:
+    """Return a text from the camera's memory in printable characters."""
+    text = (raw or b"").decode("ascii", errors="replace").strip()
+    return text if text.isprintable() else repr(text)
 
 
 def _name(guid: int | None) -> str:

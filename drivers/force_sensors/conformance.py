@@ -21,6 +21,7 @@ def force_sensor_faults(sensor: ForceSensor, clock: Clock, *, noise_N: float = 1
     checks.refuse("read_force before open", sensor.read_force, within_s=READ_S)
     checks.call("open", sensor.open, OPEN_S)
     if not checks.faults:
+        checks.identify(sensor)
         _read(checks, sensor, noise_N)
     checks.call("close", sensor.close, READ_S)
     checks.call("a second close", sensor.close)

@@ -12,7 +12,14 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from drivers.force_sensors.contract import ForceSensorKind, Transport
-from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, ForceSensor, OverloadError
+from drivers.interfaces import (
+    Clock,
+    DeviceError,
+    DeviceIdentity,
+    DeviceTimeoutError,
+    ForceSensor,
+    OverloadError,
+)
 from drivers.serial_port import SerialLine
 
 GRAM_FORCE_N = 9.80665e-3
@@ -94,6 +101,10 @@ class Dpm3Meter:
     def untare(self) -> None:
         """Take the tare back."""
         self._send("CB")
+
+    def identities(self) -> tuple[DeviceIdentity, ...]:
+        """See `Identified.identities`; its protocol has no command for its serial number."""
+        return (DeviceIdentity(name=self._line.name, product="DPM-3"),)
 
     def close(self) -> None:
         """See `ForceSensor.close`."""

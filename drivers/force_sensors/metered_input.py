@@ -8,9 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drivers.identity import identities_of
 from drivers.interfaces import (
     Clock,
     DeviceError,
+    DeviceIdentity,
     DeviceTimeoutError,
     FloatArray,
     ForceSensor,
@@ -40,6 +42,7 @@ class MeteredInput:
     def __init__(self, board: SignalInput, sensor: ForceSensor, clock: Clock) -> None:
         self.board = board  # what makes safe reads the drive voltage from it: it needs no meter
         self._sensor = sensor
+        self.sensor_identities: tuple[DeviceIdentity, ...] = ()  # of the meter, once it is open
         self._clock = clock
         self._lock = threading.Lock()
         self._readings: deque[tuple[float, float]] = deque(maxlen=_READINGS)  # time, force
@@ -76,6 +79,7 @@ class MeteredInput:
         except BaseException:
             self.board.close()
             raise
+        self.sensor_identities = identities_of(self._sensor)  # before its thread has it
         self._closing.clear()
         self._fault = None
         self._good_s = self._clock.now()

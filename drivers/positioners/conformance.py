@@ -28,6 +28,7 @@ def positioner_faults(
     checks = Checks(clock)
     checks.call("open", positioner.open, OPEN_S)
     if not checks.faults:
+        checks.identify(positioner)
         for position_m in positions_m:
             _move(checks, positioner, position_m, tolerance_m)
         for refused_m in (math.nan, outside_m):

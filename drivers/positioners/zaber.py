@@ -16,6 +16,7 @@ from typing import Any
 from drivers.interfaces import (
     Clock,
     DeviceError,
+    DeviceIdentity,
     DeviceTimeoutError,
     LimitError,
     Operator,
@@ -142,6 +143,19 @@ class ZaberStage:
         """See `Positioner.position`."""
         return self._metres(self._get("pos"))
 
+    def identities(self) -> tuple[DeviceIdentity, ...]:
+        """See `Identified.identities`. A stage tells numbers; its maker lists what they name."""
+        device = self._told("device.id") or self._told("deviceid")
+        return (
+            DeviceIdentity(
+                name=self._line.name,
+                maker="Zaber",
+                product=f"device {device}" if device else "",
+                serial=self._told("system.serial"),
+                driver=f"firmware {self._told('version')}",
+            ),
+        )
+
     def close(self) -> None:
         """See `Positioner.close`; it stays where it is."""
         self._line.close()
@@ -211,6 +225,13 @@ class ZaberStage:
         with suppress(DeviceError):
             self._ask("stop")
 
+    def _told(self, setting: str) -> str:
+        """Return a setting of the device; empty where its firmware does not have it."""
+        try:
+            return self._ask(f"get {setting}", axis=0).data.split()[0][:_SHOWN]
+        except (DeviceError, IndexError):
+            return ""
+
     def _get(self, setting: str) -> int:
         data = self._ask(f"get {setting}").data
         try:
@@ -224,8 +245,8 @@ class ZaberStage:
             "at most 32 bits was expected"
         )
 
-    def _ask(self, command: str) -> _Reply:
-        self._line.write(f"/{self._device} 1 {command}".rstrip().encode("ascii") + b"\n")
+    def _ask(self, command: str, axis: int = 1) -> _Reply:
+        self._line.write(f"/{self._device} {axis} {command}".rstrip().encode("ascii") + b"\n")
         for _ in range(_MOST_UNASKED):
             line = self._line.read_line(b"\n").decode("ascii", errors="replace")
             if not line.endswith("\n"):

@@ -13,6 +13,7 @@ from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
+from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
@@ -60,7 +61,11 @@ def measure(
     given = inputs_of(session)
     forces = {run.planned.index: measure_forces(run, given.calibration) for run in session.runs}
     seen, notes = _curves(session, given, progress, workers, extractor) if curves else ([], [])
-    warnings = [*notes, *dead_weight_warnings(session, forces, given.calibration)]
+    warnings = [
+        *notes,
+        *wetting_warnings(session),
+        *dead_weight_warnings(session, forces, given.calibration),
+    ]
     warnings += [text for each in seen for text in each.warnings]
     return Measurements(
         sheets=given.sheets,

@@ -97,7 +97,7 @@ class Person(ClosedModel):
     orcid: Annotated[str, Field(max_length=60), AfterValidator(_orcid)] = ""
 
 
-class Sample(ClosedModel):
+class SampleConfig(ClosedModel):
     """The sheet that is measured."""
 
     identity: Annotated[Name, Field(description="what tells it from all others")]
@@ -119,7 +119,7 @@ class About(ClosedModel):
         AfterValidator(_licence),
     ] = ""
     people: list[Person] = Field([], max_length=50)
-    sample: Sample | None = None
+    sample: SampleConfig | None = None
 
     @property
     def operators(self) -> tuple[str, ...]:

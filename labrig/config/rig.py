@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -32,6 +33,9 @@ class AmplifierConfig(ClosedModel):
     """Between the board's output and the sheet."""
 
     gain: float = Field(10.0, ge=1.0, le=1000.0, description="sheet volts per board volt")
+    product: str = Field("", description="maker and model, for the record")
+    serial: str = Field("", description="serial number, for the record")
+    calibrated: dt.date | None = Field(None, description="when the gain was measured")
 
 
 class CurrentSense(ClosedModel):

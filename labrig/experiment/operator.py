@@ -38,9 +38,10 @@ class ConsoleOperator:
 
 
 class NoOperator:
-    """Answers 'done' to every prompt, and says so: the choice of `--yes`."""
+    """Takes every prompt as done, and says so: the choice of `--yes`. Nobody is asked."""
 
     waiting = False
+    is_present = False
 
     def __init__(self, show: Callable[[str], None]) -> None:
         self._show = show

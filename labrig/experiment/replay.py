@@ -89,10 +89,11 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
         signals=boards.signal_input(inputs),
         camera=camera,
         stage=_RecordedStage(),
-        operator=_Done(),
+        operator=_Done(session),
         calibration=plan.calibration,
         interlock=None,
         threaded=False,
+        replayed=session,
     )
     return rig, director
 
@@ -232,7 +233,10 @@ class _RecordedStage:
 
 
 class _Done:
-    """Whatever is asked was done when the session was recorded."""
+    """Whatever is asked was done when the session was recorded, or nobody was asked then either."""
+
+    def __init__(self, session: RecordedSession) -> None:
+        self.is_present = all(event.kind != "not asked" for event in session.events)
 
     def ask(self, prompt: Prompt) -> bool:  # noqa: ARG002
         """See `drivers.interfaces.Operator`."""

@@ -18,6 +18,7 @@ import numpy as np
 from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.config.about import FILE as ABOUT
+from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
@@ -114,16 +115,22 @@ class Resumption:
     def _shift_s(self, now_s: float) -> float:
         """From the session's clock to the present one: by the time of day, which both know.
 
-        A simulated session's clock has nothing to do with that: it ends now.
+        A virtual clock has nothing to do with that: such a session ends now.
         """
         events = self.session.events
         if not events:
             return now_s
-        if self.session.simulated or not self.session.started:
+        if _on_virtual_clock(self.session) or not self.session.started:
             return now_s - events[-1].time_s
         began = dt.datetime.fromisoformat(self.session.started)
         ago_s = (dt.datetime.now(dt.UTC) - began).total_seconds()
         return now_s - ago_s - events[0].time_s
+
+
+def _on_virtual_clock(session: RecordedSession) -> bool:
+    """Whether its boards were simulated in the process that recorded it."""
+    tables = session.resolved.get("rig", {}).values()
+    return any(isinstance(each, dict) and each.get("address") == SIMULATED for each in tables)
 
 
 def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:

@@ -12,11 +12,13 @@ from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import open_rig_checks
 from labrig.experiment.resume import Resumption
+from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
+from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event, Outcome, OutputState, RunStarted
@@ -151,7 +153,14 @@ def _require_ready(rig: Rig, plan: Plan) -> None:
 
 
 def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
-    camera = rig.camera
+    camera, replayed = rig.camera, rig.replayed
+    if replayed is None:
+        devices = recorded_devices(rig, plan)
+        simulated = rig.config.is_simulated or any_simulated(devices)
+        parts = parts_in_use(rig.config)
+    else:  # what was measured comes from the devices of that session
+        devices, simulated = replayed.devices, replayed.simulated
+        parts = {REPLAY_OF: replayed.identifier}
     return SessionWriter(
         path,
         schedule=plan.schedule,
@@ -162,8 +171,9 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
         frame_shape=None if camera is None else camera.frame_shape,
         frame_dtype="uint8" if camera is None else camera.dtype,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
-        simulated=rig.config.is_simulated,
-        parts=parts_in_use(rig.config),
+        simulated=simulated,
+        devices=devices,
+        parts=parts,
     )
 
 

@@ -15,7 +15,7 @@ from labrig.library.entry import CatalogueEntry, Fits, read_entry
 from labrig.library.fits import looks_like_model, read_fits
 from labrig.serialise import from_json, to_json
 
-VERSION = 1  # of what is kept
+VERSION = 2  # of what is kept
 KEPT = ".labrig/library.json"
 MOST_FILES = 100_000
 MOST_MODEL_BYTES = 1 << 20

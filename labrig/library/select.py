@@ -14,6 +14,9 @@ _PLAIN = (
     "started",
     "sheet",
     "protocol",
+    "title",
+    "project",
+    "sample",
     "outcome",
     "runs",
     "runs_complete",
@@ -38,7 +41,8 @@ def select(
 ) -> list[CatalogueEntry]:
     """Those that fit, sorted by a column; what a session does not have comes last either way.
 
-    `text` is looked for in name, protocol, sheet, reason and fault, without regard to capitals.
+    `text` is looked for in name, protocol, sheet, reason and fault, in what is stated of people and
+    sample, and in the notes, without regard to capitals.
     """
     if sort not in COLUMNS:
         raise BadInputError(f"{sort!r} is no column; there are {', '.join(COLUMNS)}.")
@@ -64,5 +68,5 @@ def _value_of(column: str) -> Callable[[CatalogueEntry], Any]:
 
 
 def _words(entry: CatalogueEntry) -> str:
-    parts = (entry.name, entry.protocol, *entry.sheet, entry.reason, entry.error or "")
+    parts = (entry.name, entry.protocol, *entry.sheet, entry.reason, entry.error or "", entry.words)
     return " ".join(parts).lower()

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import camera_faults as camera_faults
     from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
     from labrig.testing.conformance import command_faults as command_faults
+    from labrig.testing.conformance import connection_faults as connection_faults
     from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import effect_faults as effect_faults
@@ -47,6 +48,7 @@ _HOMES = {
         "camera_faults",
         "camera_kind_faults",
         "command_faults",
+        "connection_faults",
         "curve_faults",
         "effect_faults",
         "curve_extractor_faults",

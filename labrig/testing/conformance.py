@@ -7,6 +7,7 @@ answer (`camera_faults`, `signal_faults`, `curve_faults` ...) take an open devic
 from __future__ import annotations
 
 from drivers.boards.conformance import (
+    connection_faults,
     family_faults,
     interlock_faults,
     output_faults,
@@ -37,6 +38,7 @@ __all__ = [
     "camera_faults",
     "camera_kind_faults",
     "command_faults",
+    "connection_faults",
     "curve_extractor_faults",
     "curve_faults",
     "effect_faults",

@@ -70,6 +70,13 @@ class OperatorAnswered(Event):
     done: bool
 
 
+@dataclass(frozen=True)
+class OperatorNotAsked(Event):
+    """Something was to be done by hand, and nobody is there who was asked, or has answered."""
+
+    prompt: Prompt
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunStarted(Event):
     """Acquisition runs; `time_s` is the run's time 0, at which the first step is due."""
@@ -79,7 +86,7 @@ class RunStarted(Event):
     channels: tuple[str, ...]
     frame_shape: tuple[int, int] | None  # None: no camera
     stage_position_m: float | None  # as the stage reports it
-    since_wetting_s: float | None
+    since_wetting_s: float | None  # None: nobody said when
 
 
 @dataclass(frozen=True, kw_only=True)

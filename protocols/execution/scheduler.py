@@ -139,9 +139,10 @@ class Scheduler:
         self._make_safe = make_safe
         self._wall = wall
         self._emit_lock = threading.RLock()
-        self._operator = devices.operator
-        if not isinstance(devices.operator, RecordedOperator):
-            self._operator = RecordedOperator(devices.operator, clock, self._emit)
+        operator = devices.operator
+        if not isinstance(operator, RecordedOperator):
+            operator = RecordedOperator(operator, clock, self._emit)
+        self._operator: RecordedOperator = operator
         self._output = GuardedOutput(devices.output, clock, self._emit, on_energised)
         self._loop = Loop(
             devices=devices,
@@ -238,7 +239,7 @@ class Scheduler:
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
         if done and prompt.kind == "moisten":
-            self._wetted_s = self._clock.now()
+            self._wetted_s = self._clock.now() if self._operator.is_present else None
         return done
 
     def _reported_position(self, run: PlannedRun) -> float | None:

@@ -56,14 +56,19 @@ def truth(*names: str) -> SheetModel:
     return SheetModel(sheets=sheets)
 
 
-def measure(*names: str, curves: bool = True, seed: int = 1) -> Measurements:
+def measure(
+    *names: str,
+    curves: bool = True,
+    seed: int = 1,
+    positions_m: tuple[float, ...] = POSITIONS_M,
+) -> Measurements:
     """What a quiet rig would measure of them."""
     rng = np.random.default_rng(seed)
     model = truth(*names)
     conditions = tuple(
         _condition(model, name, position, volts, rng, curves)
         for name in model.sheets
-        for position in POSITIONS_M
+        for position in positions_m
         for volts in VOLTAGES
     )
     sheets = {name: one.sheet for name, one in model.sheets.items()}

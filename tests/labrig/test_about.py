@@ -175,3 +175,9 @@ def test_the_preflight_names_operator_and_sample(rig, capsys):
     (found,) = [check for check in checks if check["name"] == "operator and sample"]
     assert found["ok"]
     assert found["found"] == "operator Ada Example, sample S-17"
+
+
+def test_the_about_toml_of_the_docs_is_understood():
+    page = (Path(__file__).parents[2] / "docs" / "about.md").read_text(encoding="utf-8")
+    about = parse_about(page.split("```toml\n")[1].split("```")[0], "docs/about.md")
+    assert (about.licence, about.sample.identity) == ("CC-BY-4.0", "S-17")

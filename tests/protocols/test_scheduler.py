@@ -22,6 +22,7 @@ from protocols.execution.events import (
     FramesArrived,
     OperatorAnswered,
     OperatorAsked,
+    OperatorNotAsked,
     Outcome,
     OutputChanged,
     OutputState,
@@ -300,6 +301,20 @@ def test_a_manual_stages_questions_are_told_once_when_it_shares_the_operator(rig
     ]  # fmt: skip
     assert all(e.done for e in rig.of_kind(OperatorAnswered))
     assert rig.of_kind(RunStarted)[0].stage_position_m is None
+
+
+def test_where_nobody_was_asked_the_session_says_so_and_knows_no_time_since_wetting(rig):
+    rig.operator.is_present = False
+    ends_well(rig)
+    assert [e.prompt.kind for e in rig.of_kind(OperatorNotAsked)] == ["mount", "touch", "moisten"]
+    assert not rig.of_kind(OperatorAsked)
+    assert not rig.of_kind(OperatorAnswered)
+    assert [e.since_wetting_s for e in rig.of_kind(RunStarted)] == [None]
+
+
+def test_the_time_since_wetting_is_known_where_the_operator_has_answered(rig):
+    ends_well(rig)
+    assert rig.of_kind(RunStarted)[0].since_wetting_s >= 0.0
 
 
 def test_a_stage_that_stands_elsewhere_is_a_warning(rig):

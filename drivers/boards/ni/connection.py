@@ -6,14 +6,15 @@ Everything else asks an `NiConnection` for tasks and never sees an address.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from drivers.boards.ni.errors import DeviceReservedError, ni_errors
-from drivers.interfaces import DeviceError, DeviceNotFoundError
+from drivers.interfaces import DeviceError, DeviceIdentity, DeviceNotFoundError
 
+T = TypeVar("T")
 _HOST_PORT = re.compile(r"^(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):(\d{1,5})$")
 
 
@@ -82,6 +83,31 @@ class NiConnection:
         with self.errors("asking for the driver's version"):
             version = self._system().driver_version
             return f"{version.major_version}.{version.minor_version}"
+
+    def identity(self, name: str) -> DeviceIdentity:
+        """Return what the driver reports of a board. What it cannot tell of this one stays empty.
+
+        Raises DeviceError when nobody answers.
+        """
+        driver = f"NI-DAQmx {self.driver_version()}"
+        with self.errors("asking for a board's identity"):
+            device = self._system().devices[name]
+        return DeviceIdentity(
+            name=name,
+            maker="National Instruments",
+            product=str(self._told(lambda: device.product_type) or ""),
+            serial=_serial(self._told(lambda: device.serial_num)),
+            driver=driver,
+            is_simulated=self._told(lambda: bool(device.is_simulated)),
+        )
+
+    def _told(self, ask: Callable[[], T]) -> T | None:
+        """Return an attribute of a board; None where its type does not have it."""
+        try:
+            with self.errors("asking for a board's identity"):
+                return ask()
+        except DeviceError:
+            return None
 
     def devices(self) -> tuple[NiDevice, ...]:
         """Every board that the driver lists."""
@@ -173,6 +199,11 @@ def _check_address(address: str) -> None:
         raise DeviceNotFoundError(
             f'[ni] address = "{address}" is neither "local" nor "host:port" (port 1 to 65535)'
         )
+
+
+def _serial(number: int | None) -> str:
+    """Return a serial number as NI prints it on its boards: eight hexadecimal digits."""
+    return f"{number:08X}" if number else ""
 
 
 def _status(fault: Any) -> str:

@@ -19,7 +19,7 @@ from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.interlock import NiInterlock
 from drivers.boards.ni.rescue import NiRescue, OutputPlace
 from drivers.boards.ni.settings import NiSettings, check_line
-from drivers.interfaces import Clock, DeviceError
+from drivers.interfaces import Clock, DeviceError, DeviceIdentity
 
 
 class NiBoards:
@@ -39,6 +39,13 @@ class NiBoards:
         types = {device.name: device.product_type for device in self.connection.devices()}
         wired = (("drive board", self.settings.drive), ("input board", self.settings.force))
         return [_finding(name, channel, types) for name, channel in wired]
+
+    def identities(self) -> Sequence[DeviceIdentity]:
+        """See `Identified.identities`: of each board that is wired, in the order of the keys."""
+        wired = self.settings
+        channels = (wired.drive, wired.force, wired.current, wired.drive_readback)
+        names = dict.fromkeys(channel.split("/")[0] for channel in channels)
+        return [self.connection.identity(name) for name in names]
 
     def voltage_output(self, limit_V: float) -> NiVoltageOutput:
         """See `BoardConnection.voltage_output`."""

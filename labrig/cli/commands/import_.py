@@ -17,11 +17,15 @@ def import_tables(
     output: Annotated[Path, typer.Option("--output", "-o", help="the session file to make")],
     curves: Annotated[Path | None, typer.Option(help="curves.csv")] = None,
     signals: Annotated[Path | None, typer.Option(help="signals.csv")] = None,
+    about: Annotated[
+        Path | None, typer.Option(help="about.toml; by default the one beside forces.csv, if any")
+    ] = None,
 ) -> None:
     """Make a session of CSV tables, such as those of older measurements."""
     from labrig.session import import_session
 
-    for text in import_session(sheet, forces, output, curves=curves, signals=signals).warnings:
+    read = import_session(sheet, forces, output, curves=curves, signals=signals, about=about)
+    for text in read.warnings:
         warn(f"warning: {text}")
     say(f"wrote {output}")
 

@@ -21,7 +21,9 @@ def list_sessions(
         str, typer.Option(help="started, name, outcome, B_Nm2, EIBM_Nm, largest_force_mN, ...")
     ] = "started",
     up: Annotated[bool, typer.Option("--up", help="the smallest or oldest first")] = False,
-    text: Annotated[str, typer.Option(help="words in name, protocol, sheet or reason")] = "",
+    text: Annotated[
+        str, typer.Option(help="words in name, protocol, people, sample or notes")
+    ] = "",
     outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
     as_json: Json = False,
@@ -49,18 +51,19 @@ def list_sessions(
 
 
 _COLUMNS = (
-    "session", "begun", "sheet", "outcome", "runs", "readings", "largest mN", "scatter mN",
-    "B nN m2", "EIBM uN m",
+    "session", "begun", "sheet", "sample", "outcome", "runs", "readings", "largest mN",
+    "scatter mN", "B nN m2", "EIBM uN m",
 )  # fmt: skip
 
 
 def _row(entry: CatalogueEntry) -> list[str]:
     if entry.error:
-        return [entry.name, "-", "-", "cannot be read", *["-"] * (len(_COLUMNS) - 4)]
+        return [entry.name, "-", "-", "-", "cannot be read", *["-"] * (len(_COLUMNS) - 5)]
     return [
         entry.name,
         entry.started[:16].replace("T", " ") or "-",
         ", ".join(entry.sheet) or "-",
+        entry.sample or "-",
         entry.outcome,
         f"{entry.runs_complete} of {entry.runs}",
         str(entry.readings),

@@ -22,6 +22,7 @@ from drivers.load_cell import LoadCell, LoadCellCalibration
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
 from labrig.experiment.rig.channels import channels_of
+from labrig.session import RecordedSession
 from protocols.execution.devices import Devices
 
 __all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]
@@ -42,6 +43,7 @@ class Rig:
     calibration: LoadCellCalibration  # of the channel `force`: its unit may be the newton itself
     interlock: Interlock | None  # opened only while a run is watched over
     threaded: bool  # False on a virtual clock: whatever follows the run is called at once
+    replayed: RecordedSession | None = None  # the session that plays in the devices' place
 
     @property
     def read_back(self) -> SignalInput:

@@ -8,7 +8,7 @@ from contextlib import suppress
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from labrig.panel.access.bodies import MOST_BODY_BYTES, RequestBody
+from labrig.panel.access.bodies import RequestBody, body_limit
 from labrig.panel.access.credentials import cookie_of, same_token
 from labrig.panel.access.rate_limits import Buckets
 from labrig.panel.access.settings import PanelSettings, host_name
@@ -24,8 +24,8 @@ class _RefusedError(Exception):
 
 
 class _TooLargeError(_RefusedError):
-    def __init__(self) -> None:
-        super().__init__(413, f"more than {MOST_BODY_BYTES >> 10} kB are not accepted.")
+    def __init__(self, most_bytes: int) -> None:
+        super().__init__(413, f"more than {most_bytes >> 10} kB are not accepted.")
 
 
 class AccessControl:
@@ -44,7 +44,7 @@ class AccessControl:
         headers = {
             name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]
         }
-        body = RequestBody(receive)
+        body = RequestBody(receive, body_limit(scope.get("path", "")))
         try:
             self._check(scope, headers)
             if scope["type"] == "websocket":
@@ -61,8 +61,8 @@ class AccessControl:
         self, scope: Scope, headers: dict[str, str], body: RequestBody, send: Send
     ) -> None:
         stated = headers.get("content-length", "0")
-        if not stated.isdigit() or int(stated) > MOST_BODY_BYTES:
-            raise _TooLargeError
+        if not stated.isdigit() or int(stated) > body.most_bytes:
+            raise _TooLargeError(body.most_bytes)
         answered = False
         more = self._more_headers(headers)
 
@@ -78,7 +78,7 @@ class AccessControl:
         with suppress(ClientDisconnect):
             await self._app(scope, body.take, send_with)
         if body.too_large and not answered:
-            raise _TooLargeError
+            raise _TooLargeError(body.most_bytes)
 
     def _check(self, scope: Scope, headers: dict[str, str]) -> None:
         address = (scope.get("client") or ("unknown", 0))[0]

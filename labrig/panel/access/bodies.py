@@ -13,14 +13,22 @@ from contextlib import suppress
 from starlette.types import Message, Receive
 
 MOST_BODY_BYTES = 256 << 10
-MOST_DRAINED_BYTES = 4 * MOST_BODY_BYTES
+# Of a photograph; nobody comes as far as its path without the token.
+LARGER_BODIES_BYTES = {"/api/notes/photograph": 16 << 20}
+_DRAINED = 4  # times what is accepted
 DRAIN_S = 1.0  # with who was refused, and is still sending
+
+
+def body_limit(path: str) -> int:
+    """Return how many bytes the body of a request for this path may have."""
+    return LARGER_BODIES_BYTES.get(path, MOST_BODY_BYTES)
 
 
 class RequestBody:
     """What comes after the head of a request."""
 
-    def __init__(self, receive: Receive) -> None:
+    def __init__(self, receive: Receive, most_bytes: int = MOST_BODY_BYTES) -> None:
+        self.most_bytes = most_bytes
         self._receive = receive
         self._seen = 0
         self._ended = False
@@ -28,7 +36,7 @@ class RequestBody:
     @property
     def too_large(self) -> bool:
         """Whether more has come than is accepted, whatever its stated length."""
-        return self._seen > MOST_BODY_BYTES
+        return self._seen > self.most_bytes
 
     async def take(self) -> Message:
         """Return the next part (see ASGI); none of a body that is too large."""
@@ -39,7 +47,7 @@ class RequestBody:
         """Forget what is still coming. Call it when the answer is sent, but not yet closed."""
         with suppress(TimeoutError):
             async with asyncio.timeout(DRAIN_S):
-                while not self._ended and self._seen < MOST_DRAINED_BYTES:
+                while not self._ended and self._seen < _DRAINED * self.most_bytes:
                     await self._next()
 
     async def _next(self) -> Message:

@@ -15,8 +15,10 @@ from tomlkit.items import Item
 
 from labrig.config import (
     PROTOCOLS,
+    About,
     RigConfig,
     load_rig,
+    parse_about,
     parse_json,
     parse_load_cell,
     parse_protocol,
@@ -30,7 +32,7 @@ from labrig.vision import Optics
 from model import ModelError, SheetModel
 
 Values = dict[str, Any]
-KINDS = ("rig", "sheet", "protocol", "load_cell", "optics", "model", "world")
+KINDS = ("rig", "sheet", "protocol", "load_cell", "about", "optics", "model", "world")
 WRITABLE = ("sheet", "protocol")
 _MOST_FILES = 500
 
@@ -107,6 +109,8 @@ def kind_of(text: str, suffix: str) -> str:
         return "protocol"
     if "sensitivity_V_per_N" in values:
         return "load_cell"
+    if values and values.keys() <= About.model_fields.keys():
+        return "about"
     tables = [values, *(value for value in values.values() if isinstance(value, dict))]
     return "sheet" if any("free_length_mm" in table for table in tables) else "world"
 
@@ -150,6 +154,7 @@ def _faults(kind: str, text: str, values: Values, name: str) -> list[str]:
         "sheet": parse_sheet,
         "protocol": protocol,
         "load_cell": parse_load_cell,
+        "about": parse_about,
         "optics": Optics.from_json,
         "model": model,
     }

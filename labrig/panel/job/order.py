@@ -24,6 +24,7 @@ class Order:
     rig: str | None = None
     protocol: str | None = None
     sheet: str | None = None
+    about: str | None = None  # text, in place of the about.toml beside rig.toml
     session: str | None = None  # to be made
     resume: str | None = None  # to go on with
     clock: Literal["real", "virtual"] = "virtual"  # of a simulated rig

@@ -50,7 +50,8 @@ def run(host: Host) -> tuple[int, str]:
 @contextmanager
 def _planned(order: Order) -> Iterator[tuple[Plan, Resumption | None]]:
     if order.resume is None:
-        yield load_plan(*order.files()), None
+        plan = load_plan(*order.files())
+        yield plan if order.about is None else plan.with_about(order.about), None
         return
     with open_session(Path(order.resume)) as session:
         resumption = Resumption(session)

@@ -26,6 +26,7 @@ class MessageEncoder:
             ev.SessionStarted: self._started,
             ev.OperatorAsked: lambda event: self.asked(event.time_s, event.prompt)[1],
             ev.OperatorAnswered: lambda event: self.answered(event.time_s, event.done),
+            ev.OperatorNotAsked: self._not_asked,
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._voltage,
             ev.ReadingTaken: self._reading,
@@ -55,6 +56,15 @@ class MessageEncoder:
             "position_mm": _milli(prompt.position_m),
             "load_mN": _milli(prompt.load_N),
             "log": prompt.text,
+        }
+
+    def _not_asked(self, event: ev.OperatorNotAsked) -> Message:
+        return {
+            "type": "not_asked",
+            "time_s": self.since_begin(event.time_s),
+            "kind": event.prompt.kind,
+            "text": event.prompt.text,
+            "log": f"not asked: {event.prompt.text}",
         }
 
     def answered(self, time_s: float, done: bool) -> Message:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -40,22 +41,35 @@ def measured_result(path: Path, name: str) -> dict[str, Any]:
     return result_of(measurements, session=name, missing=list(_analysis(path, analysed)))
 
 
-def complete_result(path: Path, name: str) -> dict[str, Any]:
-    """Return the same with models, their bands, and how B and EIBM settled: takes seconds."""
+@lru_cache(maxsize=1)
+def fitted_result(
+    path: Path,
+    name: str,
+    state: str,  # noqa: ARG001 - a part of the key
+) -> tuple[Measurements, dict[str, Any]]:
+    """Return the same with models and their bands, which takes a second; and the measurements.
+
+    `state` is that of the files: the last result is kept for `complete_result`, which adds to it.
+    """
     measurements, analysed = measured_of(path)
     fitted = fit_what_can_be(measurements)
     diagnosis, faults = _diagnosis(path)
     missing = [*_analysis(path, analysed), *_unfitted(fitted), *_files(path, diagnosis)]
-    return result_of(
+    return measurements, result_of(
         measurements,
         session=name,
         fitted=fitted.fit,
         with_effects=None if diagnosis is None or not diagnosis.effects else diagnosis.model,
-        convergence=converging(measurements),
         diagnosis=None if diagnosis is None else _words(diagnosis),
         missing=missing,
         out_of_date=[*faults, *_out_of_date(path, measurements)],
     )
+
+
+def complete_result(path: Path, name: str, state: str) -> dict[str, Any]:
+    """Return all of it, with how B and EIBM settled: takes some more seconds."""
+    measurements, found = fitted_result(path, name, state)
+    return {**found, "convergence": converging(measurements)}
 
 
 def _analysis(path: Path, analysed: bool) -> Iterator[dict[str, Any]]:

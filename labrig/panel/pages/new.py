@@ -8,6 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from labrig.config import read_text
+from labrig.config.about import FILE as ABOUT
 from labrig.config.schema import schemas
 from labrig.errors import BadInputError, LabrigError
 from labrig.experiment.plan import load_plan, make_plan
@@ -25,7 +26,7 @@ _SUFFIXES = (".toml", ".json")
 class FileBody(RequestModel):
     """A file as text, or as the values of a form."""
 
-    kind: Literal["rig", "sheet", "protocol", "load_cell", "optics", "model", "world"]
+    kind: Literal["rig", "sheet", "protocol", "load_cell", "about", "optics", "model", "world"]
     text: str | None = Field(None, max_length=200_000)
     values: dict[str, Any] | None = None
 
@@ -95,6 +96,25 @@ def write(request: Request, name: str, body: FileBody, panel: Here) -> Any:
     return {"name": name, **found.as_dict()}
 
 
+@router.get("/about")
+def about(panel: Here) -> Any:
+    """Return what the about.toml beside rig.toml states."""
+    return _about_file(panel).as_dict()
+
+
+def _about_file(panel: Panel) -> files.ConfigFile:
+    path = panel.rig.parent / ABOUT
+    return files.from_text("about", read_text(path) if path.exists() else "", ABOUT)
+
+
+def _about_text(panel: Panel, values: dict[str, Any]) -> str:
+    """Return about.toml with other values. Raises BadInputError for a fault in them."""
+    found = files.from_values("about", values, ABOUT, _about_file(panel).text)
+    if found.errors:
+        raise BadInputError(" ".join(found.errors))
+    return found.text
+
+
 @router.post("/plan")
 def plan(body: PlanBody, panel: Here) -> Any:
     """Return what would be done."""
@@ -127,6 +147,7 @@ class RunBody(RequestModel):
     sheet: Name = "sheet.toml"
     session: Name | None = None
     clock: Literal["real", "virtual"] = "virtual"
+    about: dict[str, Any] | None = None  # in place of about.toml, for this session alone
     resume: Name | None = None
 
 
@@ -154,6 +175,8 @@ def run(request: Request, body: RunBody, panel: Here) -> Any:
             "protocol": str(existing(folder, body.protocol, ".toml")),
             "sheet": str(existing(folder, body.sheet, ".toml")),
         }
+        if body.about is not None:
+            files["about"] = _about_text(panel, body.about)
     session = inside(data, name, ".h5")
     if session.exists():
         raise BadInputError(f"{name} exists already; choose another name.")

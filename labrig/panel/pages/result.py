@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse, Response
@@ -21,20 +21,23 @@ from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import open_session
 from protocols.execution.events import Outcome
 
+Stage = Literal["measured", "fitted", "settled"]
 router = APIRouter(prefix="/api/result")
 # The report is a file of its own: it may draw itself, and neither run scripts nor load anything.
 _REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 @router.get("")
-def result(panel: Here, session: Session, measured: bool = False) -> Response:
-    """Return a session's result; with `measured` at once, without models if they are not kept."""
+def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
+    """Return a session's result; up to a stage that takes less time, where it is not kept whole."""
     path = existing(panel.settings.data, session, SUFFIX)
     cache, data = panel.state(ResultCache), panel.settings.data
     text = _live(panel, path, session) or cache.kept(data, path)
-    if text is None and measured:
+    if text is None and upto == "measured":
         text = as_text(measured_result(path, session))
-    if text is None:
+    elif text is None and upto == "fitted":
+        text = cache.fitted(path, session)
+    elif text is None:
         text = cache.computed(data, path, session)
     return Response(text, media_type="application/json")
 

@@ -16,6 +16,7 @@ from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here
 from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
+from labrig.report.tables.about import about_tables
 from labrig.report.tables.overview import overview
 from labrig.session import export_session, open_session
 
@@ -29,13 +30,20 @@ def one(panel: Here, name: Session) -> Any:
     path = existing(panel.settings.data, name, SUFFIX)
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
-        found = overview(session)
+        found, stated = overview(session), session.about
         log = [
             {"time_s": e.time_s, "kind": e.kind, "run": e.run if e.run >= 0 else None,
              "text": " ".join(part for part in (e.subject, e.text) if part)}
             for e in session.events[-_MOST_LOG:]
         ]  # fmt: skip
-    return {**shown(entry), "runs_table": list(found.runs), "log": log}
+    about = [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in about_tables(stated)]
+    return {
+        **shown(entry),
+        "runs_table": list(found.runs),
+        "devices": list(found.devices),
+        "log": log,
+        "about": about,
+    }
 
 
 @router.get("/export")

@@ -66,6 +66,9 @@ _LINES: dict[str, Way] = {
     "answered": lambda _, line, prompt: ev.OperatorAnswered(
         line.time_s, prompt, line.text == "done"
     ),
+    "not asked": lambda _, line, __: ev.OperatorNotAsked(
+        line.time_s, Prompt(kind=line.subject, text=line.text)
+    ),
     "action": lambda _, line, __: ev.ActionTaken(line.time_s, "", line.text),
     "warned": lambda _, line, __: ev.Warned(line.time_s, line.text),
     "output": _output,

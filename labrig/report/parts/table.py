@@ -17,6 +17,7 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
     note: str = field(default="")
     quoted: frozenset[int] = frozenset()  # columns that are the paper's, not this session's
+    text: bool = False  # cells are sentences rather than numbers: aligned left, and wrapped
 
 
 def number(value: float | None, digits: int = 3) -> str:

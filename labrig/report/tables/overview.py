@@ -9,10 +9,11 @@ import numpy as np
 
 from labrig.report.parts.table import Table, fixed
 from labrig.report.tables.channels import ChannelSummary, channel_table, channels_as_table
+from labrig.report.tables.devices import device_row, devices_as_table
 from labrig.session import RecordedSession, RunRecord
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Overview:
     """Read from a session once; prints as tables or as JSON."""
 
@@ -20,6 +21,7 @@ class Overview:
     runs: tuple[dict[str, Any], ...]
     log: tuple[tuple[str, ...], ...]
     channels: tuple[ChannelSummary, ...] = ()
+    devices: tuple[dict[str, Any], ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds."""
@@ -27,6 +29,7 @@ class Overview:
             "session": dict(self.facts),
             "runs": list(self.runs),
             "channels": [asdict(channel) for channel in self.channels],
+            "devices": list(self.devices),
         }
 
     def tables(self, *, log: bool = False) -> list[Table]:
@@ -37,6 +40,8 @@ class Overview:
         ]
         if self.channels:
             found.append(channels_as_table(self.channels))
+        if self.devices:
+            found.append(devices_as_table(self.devices))
         if log:
             found.append(
                 Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
@@ -72,7 +77,8 @@ def overview(session: RecordedSession) -> Overview:
         ("output", session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
-        ("boards", "simulated" if session.simulated else "real"),
+        ("boards", session.boards),
+        *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
         ("runs complete", f"{done} of {len(runs)}"),
         ("readings", str(sum(run["readings"] for run in runs))),
@@ -88,7 +94,8 @@ def overview(session: RecordedSession) -> Overview:
         )
         for event in session.events
     )
-    return Overview(facts, runs, log, channels)
+    devices = tuple(device_row(device) for device in session.devices)
+    return Overview(facts=facts, runs=runs, log=log, channels=channels, devices=devices)
 
 
 def _run(run: RunRecord) -> dict[str, Any]:

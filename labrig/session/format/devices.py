@@ -7,7 +7,12 @@ from dataclasses import dataclass
 
 from drivers.interfaces import DeviceIdentity
 
-BOARDS = "boards"
+BOARDS, CAMERA, STAGE = "boards", "camera", "stage"  # parts
+FORCE_SENSOR, LOAD_CELL, AMPLIFIER = "force_sensor", "load_cell", "amplifier"
+# Among the versions of a session that was recorded from another one: the other's identifier.
+REPLAY_OF = "replay of"
+NOT_KNOWN = "not known"
+_STATES = {True: "simulated", False: "real", None: NOT_KNOWN}
 _UNKNOWN = DeviceIdentity()
 
 
@@ -24,7 +29,7 @@ class CalibrationRecord:
 class RecordedDevice:
     """A device of the rig."""
 
-    part: str  # boards, camera, stage, force_sensor, amplifier, load_cell
+    part: str
     kind: str = ""  # as in rig.toml, such as ni
     identity: DeviceIdentity = _UNKNOWN
     calibration: CalibrationRecord | None = None
@@ -33,3 +38,17 @@ class RecordedDevice:
 def any_simulated(devices: Iterable[RecordedDevice]) -> bool:
     """Whether a device reported that it is simulated."""
     return any(device.identity.is_simulated for device in devices)
+
+
+def boards_in_words(devices: Iterable[RecordedDevice], *, simulated: bool) -> str:
+    """Return whether the boards of a session were simulated: each by name where they differ.
+
+    `simulated`: what the file has in `setup/simulated`, which says "yes" or nothing.
+    """
+    boards = [device.identity for device in devices if device.part == BOARDS]
+    known = {board.is_simulated for board in boards}
+    if known <= {None}:
+        return "simulated" if simulated else NOT_KNOWN
+    if len(known) == 1:
+        return _STATES[known.pop()]
+    return ", ".join(f"{board.name} {_STATES[board.is_simulated]}" for board in boards)

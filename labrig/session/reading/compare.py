@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from labrig.session.format.checksums import ATTRIBUTES_SINCE, blocks, covered, finished, version_of
-from labrig.session.format.layout import DERIVED
+from labrig.session.format.layout import DERIVED, SETUP
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.session import VOLATILE, VOLATILE_UNDER
 from labrig.session.reading.values import damage_told, dataset_names
 
 # Where the derived measurements were taken from: differs with the file's name.
 _VOLATILE = VOLATILE | {f"{DERIVED}/source"}
+_DEVICES = {f"{SETUP}/devices"}
 
 
 def compare_sessions(a: Path, b: Path) -> list[str]:
@@ -24,6 +25,8 @@ def compare_sessions(a: Path, b: Path) -> list[str]:
     """
     with open_file(Path(a)) as first, open_file(Path(b)) as second:
         names_a, names_b = _names(first, Path(a)), _names(second, Path(b))
+        if version_of(first) != version_of(second):  # only one of them has the devices
+            names_a, names_b = names_a - _DEVICES, names_b - _DEVICES
         found = [f"{name} is only in {a}." for name in sorted(names_a - names_b)]
         found += [f"{name} is only in {b}." for name in sorted(names_b - names_a)]
         for name in sorted(names_a & names_b):

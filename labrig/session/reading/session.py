@@ -13,6 +13,7 @@ from typing import Any, Self
 from labrig.config.about import About, recorded_about
 from labrig.errors import BadInputError
 from labrig.session.format import layout
+from labrig.session.format.devices import REPLAY_OF, boards_in_words
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
@@ -66,6 +67,18 @@ class RecordedSession:
         self.runs: tuple[RunRecord, ...] = tuple(
             RunRecord(file, path, run, self._setup) for run in self.schedule.runs
         )
+
+    @property
+    def boards(self) -> str:
+        """Whether its boards were simulated, in words; "none" of a session without runs."""
+        if not self.runs:
+            return "none"
+        return boards_in_words(self.devices, simulated=self.simulated)
+
+    @property
+    def replay_of(self) -> str:
+        """Identifier of the session that was played in the rig's place; empty of an original."""
+        return self.versions.get(REPLAY_OF, "")
 
     @property
     def outcome(self) -> Outcome:

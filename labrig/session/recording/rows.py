@@ -63,6 +63,7 @@ class Translator:
             ev.Resumed: self._resumed,
             ev.OperatorAsked: self._asked,
             ev.OperatorAnswered: self._answered,
+            ev.OperatorNotAsked: self._not_asked,
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._write,
             ev.SignalsArrived: self._signals,
@@ -131,6 +132,9 @@ class Translator:
     def _answered(self, event: ev.OperatorAnswered) -> list[EventRows]:
         said = "done" if event.done else "stop"
         return self._log(event, "answered", said, subject=event.prompt.kind)
+
+    def _not_asked(self, event: ev.OperatorNotAsked) -> list[EventRows]:
+        return self._log(event, "not asked", event.prompt.text, subject=event.prompt.kind)
 
     def _action_taken(self, event: ev.ActionTaken) -> list[EventRows]:
         return self._log(event, "action", f"{event.who} {event.what}")

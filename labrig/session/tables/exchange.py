@@ -10,11 +10,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from labrig.config import parse_sheet, read_text
+from labrig.config import parse_about, parse_sheet, read_text
+from labrig.config.about import FILE as ABOUT
 from labrig.errors import BadInputError
 from labrig.session.derived.store import load_measurements, write_derived
 from labrig.session.format import layout
 from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
+from labrig.session.notes.export import check_free, write_about_and_notes
+from labrig.session.reading.session import open_session
 from labrig.session.recording.create import fill_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.recorder import Recorder
@@ -35,14 +38,17 @@ def import_session(
     *,
     curves: Path | None = None,
     signals: Path | None = None,
+    about: Path | None = None,
 ) -> Measurements:
     """Make a session of CSV files: measurements without anything raw.
+
+    `about` is by default the about.toml in the folder of forces.csv, where there is one.
 
     Raises BadInputError for a fault in a file (naming it, the line and the column) and when the
     output exists.
     """
     output = Path(output)
-    text = read_text(sheet)
+    text, stated = read_text(sheet), _about_text(about, Path(forces))
     tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
     read = read_tables(parse_sheet(text, str(sheet)), Path(forces), curves, signals)
     sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
@@ -53,7 +59,7 @@ def import_session(
         raise BadInputError(f"{output.parent}: there is no such folder.")
     with written_beside(output) as beside:
         names = [path.name for path in tables.values() if path is not None]
-        beside.write_bytes(_session(_setup(text, sums), names, measurements))
+        beside.write_bytes(_session(_setup(text, stated, sums), names, measurements))
     return measurements
 
 
@@ -70,17 +76,31 @@ def _session(setup: SessionSetup, names: list[str], measurements: Measurements) 
 
 
 def export_session(path: Path, folder: Path) -> list[Path]:
-    """Write the measurements of a session as CSV files; their paths.
+    """Write the measurements of a session as CSV files, about.toml and the notes; their paths.
 
     Raises BadInputError when the session was not analysed yet or a file is there already.
     """
-    return write_tables(load_measurements(Path(path)), Path(folder))
+    measurements = load_measurements(Path(path))
+    with open_session(path) as session:
+        check_free(session, Path(folder))
+        tables = write_tables(measurements, Path(folder))
+        return [*tables, *write_about_and_notes(session, Path(folder))]
 
 
-def _setup(sheet_text: str, sums: dict[str, str]) -> SessionSetup:
+def _about_text(about: Path | None, forces: Path) -> str:
+    beside = forces.parent / ABOUT
+    path = beside if about is None and beside.exists() else about
+    if path is None:
+        return ""
+    text = read_text(path)
+    parse_about(text, str(path))
+    return text
+
+
+def _setup(sheet_text: str, about_text: str, sums: dict[str, str]) -> SessionSetup:
     return SessionSetup(
         schedule=Schedule(IMPORTED, (), IMPORTED_FRAME_RATE_HZ),
-        texts={"sheet.toml": sheet_text},
+        texts={"sheet.toml": sheet_text} | ({ABOUT: about_text} if about_text else {}),
         resolved={"imported_sha256": sums},
         signals=(),
         rate_hz=0.0,

@@ -18,6 +18,18 @@ def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
     yield from _moduli(base)
     yield from _out_of_reach(base)
     yield from _of_no_run(measurements)
+    yield from _wetting(measurements)
+
+
+def _wetting(measurements: Measurements) -> Iterator[str]:
+    """Where times were recorded, but not when the sheet was moistened."""
+    kept = [r for c in measurements.conditions for r in c.readings if r.kind == "kept" and r.valid]
+    timed = [r for r in kept if r.session_s is not None]
+    if any(r.wetted_s is None for r in timed):
+        yield (
+            "it is not known when the sheet was moistened: what dries or drifts since the last"
+            " wetting counts from the beginning of each run"
+        )
 
 
 def _moduli(base: MixedModelFit) -> Iterator[str]:

@@ -95,7 +95,7 @@ def test_a_protocol_is_written_from_a_form_and_only_when_it_is_right(page, rig_f
 
 def test_schemas_and_plan_are_there_for_the_form(server):
     schemas = server.ask("GET", "/api/schemas")[1]
-    assert set(schemas) == {"rig", "sheet", "protocol", "load_cell"}
+    assert set(schemas) == {"rig", "sheet", "protocol", "load_cell", "about"}
     status, plan = server.ask("POST", "/api/plan", {"protocol": "short.toml"})
     assert status == 200
     run = plan["runs"][0]

@@ -42,8 +42,8 @@ def conditions(result):
     return [one for part in result["configurations"] for one in part["conditions"]]
 
 
-def test_what_was_measured_comes_at_once_and_the_models_with_the_second_answer(server, folder):
-    first = get(server, "?session=a.h5&measured=1")
+def test_what_was_measured_comes_first_then_the_models_then_how_b_and_eibm_settled(server, folder):
+    first = get(server, "?session=a.h5&upto=measured")
     assert (first["complete"], first["models"]) == (False, [])
     assert len(conditions(first)) == len(load_measurements(folder / "a.h5").conditions)
     whole = get(server, "?session=a.h5")
@@ -53,7 +53,7 @@ def test_what_was_measured_comes_at_once_and_the_models_with_the_second_answer(s
     assert [one["curve"] for one in conditions(whole)] == [
         one["curve"] for one in conditions(first)
     ]
-    assert get(server, "?session=a.h5&measured=1") == whole  # now it is kept
+    assert get(server, "?session=a.h5&upto=measured") == whole  # now it is kept
 
 
 def test_a_result_is_kept_until_one_of_its_files_changes(server, folder):
@@ -63,9 +63,9 @@ def test_a_result_is_kept_until_one_of_its_files_changes(server, folder):
     kept.write_text(f"{state}\n{text.replace('constant EIBM', 'kept')}")
     other = Server(None, "--data", str(folder))
     try:
-        assert get(other, "?session=a.h5&measured=1")["models"][0]["name"] == "kept"
+        assert get(other, "?session=a.h5&upto=measured")["models"][0]["name"] == "kept"
         os.utime(folder / "a.h5")
-        assert get(other, "?session=a.h5&measured=1")["models"] == []
+        assert get(other, "?session=a.h5&upto=measured")["models"] == []
         assert get(other, "?session=a.h5") == whole
     finally:
         other.end()
@@ -81,7 +81,7 @@ def test_a_model_file_of_other_data_is_out_of_date(server, folder):
 
 
 def test_a_session_that_is_not_analysed_shows_its_forces_and_what_to_press(server):
-    found = get(server, "?session=bare.h5&measured=1")
+    found = get(server, "?session=bare.h5&upto=measured")
     assert found["missing"][0]["kind"] == "analyze"
     assert all(one["force"] and one["curve"] is None for one in conditions(found))
 

@@ -54,3 +54,16 @@ def test_curves_in_metres_are_refused():
 
     with pytest.raises(ModelError, match=r"long, .* is 0.05 mm long, the sheet 50 mm; check that"):
         prepare(replace(m, conditions=tuple(in_metres(c) for c in m.conditions)), Options())
+
+
+def test_a_time_since_wetting_that_is_not_known_is_named():
+    m = session()
+
+    def dry(condition):
+        unknown = tuple(replace(r, wetted_s=None) for r in condition.readings)
+        return replace(condition, readings=unknown)
+
+    unknown = replace(m, conditions=tuple(map(dry, m.conditions)))
+    (said,) = remarks(unknown, base_fit())
+    assert said.startswith("it is not known when the sheet was moistened")
+    assert list(remarks(m, base_fit())) == []

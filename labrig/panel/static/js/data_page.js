@@ -19,7 +19,8 @@ export function mount(place, app, asked, { name, title }) {
   return {};
 }
 
-function table({ title = "", columns = [], rows = [] }) {
+/** A card with one table; names of columns and a title are optional. */
+export function table({ title = "", columns = [], rows = [] }) {
   const head = columns.map((one) => h("th", { scope: "col" }, String(one)));
   const cell = (value) =>
     h("td", { class: typeof value === "number" ? "num" : "" }, String(value ?? "\u2013"));
@@ -30,7 +31,7 @@ function table({ title = "", columns = [], rows = [] }) {
     h(
       "table",
       {},
-      h("thead", {}, h("tr", {}, head)),
+      columns.some(Boolean) && h("thead", {}, h("tr", {}, head)),
       h(
         "tbody",
         {},

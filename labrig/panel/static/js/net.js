@@ -15,11 +15,12 @@ export function setClient(name) {
   client = name;
 }
 
-/** GET, POST, PUT or DELETE; the parsed answer. Raises Refused. */
+/** GET, POST, PUT or DELETE; the parsed answer. A file is sent as it is. Raises Refused. */
 export async function call(method, path, body) {
   const headers = {};
   if (client) headers["X-Labrig-Client"] = client;
-  if (body !== undefined) headers["Content-Type"] = "application/json";
+  const isFile = body instanceof Blob;
+  if (body !== undefined) headers["Content-Type"] = isFile ? body.type : "application/json";
   let answer;
   try {
     answer = await fetch(path, {
@@ -27,7 +28,7 @@ export async function call(method, path, body) {
       headers,
       credentials: "same-origin",
       cache: "no-store",
-      body: body === undefined ? undefined : JSON.stringify(body),
+      body: body === undefined || isFile ? body : JSON.stringify(body),
     });
   } catch {
     throw new Refused("The panel's server does not answer.", 0);

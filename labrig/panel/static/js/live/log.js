@@ -8,6 +8,7 @@ const NAMES = {
   warning: "WARNING",
   output: "OUTPUT",
   prompt: "ASKED",
+  not_asked: "NOT ASKED",
   marked: "MARKED",
   ended: "ENDED",
   action: "DONE BY",

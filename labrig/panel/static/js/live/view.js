@@ -8,9 +8,9 @@ import { Readings } from "./readings.js";
 import { Strips } from "./strips.js";
 import { Timeline } from "./timeline.js";
 
-/** `acts`: { answer, mark, may }; null where nothing can be done (a replay). */
+/** `acts`: { answer, mark, may }; null where nothing can be done (a replay). `beside`: elements. */
 export class LiveView {
-  constructor(job, acts = null) {
+  constructor(job, acts = null, beside = []) {
     this.job = job;
     this.picture = new Picture(job);
     this.strips = new Strips(job);
@@ -25,7 +25,7 @@ export class LiveView {
       "div",
       { class: "live" },
       elements(main),
-      h("div", { class: "live-side" }, elements(side)),
+      h("div", { class: "live-side" }, elements(side), beside),
     );
     this.stop = job.watch((dirty) => this.update(dirty));
     this.update(new Set(["story", "picture"]));

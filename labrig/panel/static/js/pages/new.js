@@ -1,6 +1,7 @@
 // A new run: the protocol and the sheet as forms, the schedule they make, preflight, start.
 
 import { h, newId, put, setText } from "../dom.js";
+import { AboutForm } from "../form/about.js";
 import { FileForm } from "../form/file.js";
 import { about, number, plain } from "../format.js";
 import { Job } from "../job.js";
@@ -24,6 +25,7 @@ class NewRun {
     this.preflight = new Preflight(app.job, true);
     this.fault = h("p", { class: "fault", role: "alert" });
     this.files = h("div", { class: "new-files" });
+    this.about = new AboutForm();
     this.facts = h("dl", { class: "facts" });
     this.session = h("input", {
       id: newId("session"),
@@ -67,6 +69,7 @@ class NewRun {
           { class: "new-do" },
           h("section", { class: "card" }, h("h2", {}, "What it will be"), this.facts, this.fault),
           this.timeline.element,
+          this.about.element,
           h(
             "section",
             { class: "card new-start" },
@@ -114,6 +117,7 @@ class NewRun {
       changed: () => this.changed(),
     });
     put(this.files, this.protocol.element, this.sheet.element);
+    await this.about.begin();
     await this.sheet.offer(files);
     await this.protocol.offer(files);
   }
@@ -191,6 +195,7 @@ class NewRun {
 
   async run() {
     const body = { ...(await this.saved()), session: this.session.value.trim() };
+    if (this.about.values) body.about = this.about.values;
     if (this.app.status?.simulated) body.clock = this.clock.value;
     await post("/api/run", body);
     location.hash = "#/run";

@@ -7,6 +7,12 @@ import { ForceChart, Settling, SheetChart } from "../result/charts.js";
 import { Choice } from "../result/choice.js";
 import { parameters, standing, verdict } from "../result/findings.js";
 
+const STAGES = [
+  ["measured", "fitting\u2026"],
+  ["fitted", "fitting position by position\u2026"],
+  ["settled", ""],
+];
+
 /** Show the session named in the address; without one, that of the run. */
 export function mount(place, app, asked) {
   const page = new ResultPage(app, asked.get("session") ?? app.job.plan?.session ?? "");
@@ -75,11 +81,10 @@ class ResultPage {
     this.show();
   }
 
-  /** First what was measured, at once; then the whole, which may take seconds. */
+  /** First what was measured, at once; then the models; then how B and EIBM settled. */
   async load() {
     const mine = (this.latest = {});
     const is = () => mine === this.latest && !this.gone;
-    const ask = (more) => get(`/api/result?${query({ session: this.session, ...more })}`);
     if (this.live) {
       setText(this.said, "The result grows with each position that is measured.");
       if (this.app.job.result?.session === this.session) this.grow(this.app.job.result);
@@ -87,13 +92,13 @@ class ResultPage {
     }
     setText(this.said, "reading\u2026");
     try {
-      const first = await ask({ measured: 1 });
-      if (!is()) return;
-      this.set(first);
-      if (first.complete) return;
-      setText(this.said, "fitting\u2026");
-      const whole = await ask();
-      if (is()) this.set(whole);
+      for (const [upto, then] of STAGES) {
+        const found = await get(`/api/result?${query({ session: this.session, upto })}`);
+        if (!is()) return;
+        this.set(found);
+        if (found.complete) return;
+        setText(this.said, then);
+      }
     } catch (error) {
       if (is()) setText(this.said, error.message);
     }

@@ -3,15 +3,18 @@
 import { h, setText } from "../dom.js";
 import { LiveView } from "../live/view.js";
 import { get, post } from "../net.js";
+import { Notes } from "../notes.js";
 
 /** Show the present job. */
 export function mount(place, app) {
   const { job, control } = app;
-  const view = new LiveView(job, {
+  const notes = new Notes(app);
+  const acts = {
     answer: (prompt, done) => control.act(() => post("/api/answer", { prompt, done })),
     mark: (run, reading, why) => control.act(() => post("/api/mark", { run, reading, why })),
     may: () => control.why(),
-  });
+  };
+  const view = new LiveView(job, acts, [notes.element]);
   const bar = runBar(app);
   place.append(h("h1", { class: "visually-hidden" }, "Run"), bar.element, bar.notice, view.element);
   const again = () => view.update(new Set(["prompt"]));
@@ -23,6 +26,7 @@ export function mount(place, app) {
     destroy() {
       stop();
       control.watchers.delete(again);
+      notes.destroy();
       view.destroy();
     },
   };

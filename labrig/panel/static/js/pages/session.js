@@ -1,9 +1,11 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
 import { mountAnalysis } from "../analysis.js";
+import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, when } from "../format.js";
 import { get, post, query, Refused } from "../net.js";
+import { Notes } from "../notes.js";
 import { outcome } from "./library.js";
 
 /** Rows of name and value that describe a session; used for comparing, too. */
@@ -14,7 +16,7 @@ export function factsOf(session) {
     ["output at the end", (session.output ?? "\u2013").toUpperCase()],
     ["sheet", (session.sheet ?? []).join(", ")],
     ["protocol", session.protocol ?? "\u2013"],
-    ["rig", session.simulated ? "simulated" : "real"],
+    ["boards", session.boards ?? "\u2013"],
     ["runs", `${session.runs_complete ?? "\u2013"} of ${session.runs ?? "\u2013"} complete`],
     ["readings", `${session.readings ?? "\u2013"}, ${session.invalid ?? 0} invalid`],
     ["length", clock(session.duration_s)],
@@ -80,6 +82,7 @@ export function mount(place, app, asked) {
     analysis,
     body,
   );
+  const notes = new Notes(app, name);
   const read = () =>
     get(`/api/library/session?${query({ name })}`).then(
       (session) => {
@@ -88,12 +91,18 @@ export function mount(place, app, asked) {
           session.runs == null ||
           session.runs_complete >= session.runs ||
           session.outcome === "running";
-        put(body, facts(session), log(session));
+        put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
       },
       (error) => put(body, h("p", { class: "fault" }, error.message)),
     );
   read();
-  return mountAnalysis(analysis, app, name, read);
+  const analysed = mountAnalysis(analysis, app, name, read);
+  return {
+    destroy() {
+      analysed.destroy();
+      notes.destroy?.();
+    },
+  };
 }
 
 /** Save what an address gives; raises Refused with the server's sentence where it gives nothing. */

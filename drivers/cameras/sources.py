@@ -1,0 +1,70 @@
+"""What kind of thing a [camera] source of OpenCV is, and what is known of the camera there."""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from drivers.interfaces import DeviceIdentity
+
+_VIDEO_DEVICE = re.compile(r"/dev/video(\d+)")
+_V4L = Path("/sys/class/video4linux")
+
+
+def is_url(source: int | str) -> bool:
+    """Whether a source is the address of a stream."""
+    return isinstance(source, str) and "://" in source
+
+
+def is_file(source: int | str) -> bool:
+    """Whether a source is a recording."""
+    try:
+        return isinstance(source, str) and stat.S_ISREG(os.stat(source).st_mode)
+    except (OSError, ValueError):  # a pipeline or a URL is no path
+        return False
+
+
+def identity_of_source(source: int | str, capture: Any, v4l: Path = _V4L) -> DeviceIdentity:
+    """Return what is known of the camera behind a capture of OpenCV.
+
+    OpenCV itself knows its backend only; on Linux the kernel knows model and serial of a camera
+    with a number.
+    """
+    product, serial = _by_kernel(source, v4l)
+    name = without_password(str(source))
+    return DeviceIdentity(name=name, product=product, serial=serial, driver=_driver(capture))
+
+
+def without_password(source: str) -> str:
+    """Return a source as it may be recorded: an address without its user and password."""
+    return re.sub(r"://[^/@]*@", "://", source)
+
+
+def _driver(capture: Any) -> str:
+    """Return OpenCV's version and backend; empty for a capture of another make."""
+    try:
+        import cv2
+
+        return f"OpenCV {cv2.__version__} {capture.getBackendName()}"
+    except (AttributeError, ImportError, cv2.error):
+        return ""
+
+
+def _by_kernel(source: int | str, v4l: Path) -> tuple[str, str]:
+    """Return model and serial of a video device, where this system is a Linux that knows it."""
+    match = _VIDEO_DEVICE.fullmatch(os.path.realpath(source)) if isinstance(source, str) else None
+    number = source if isinstance(source, int) else int(match.group(1)) if match else None
+    if number is None:
+        return "", ""
+    device = v4l / f"video{number}"
+    return _line(device / "name"), _line(device / "device" / ".." / "serial")
+
+
+def _line(path: Path) -> str:
+    with suppress(OSError, UnicodeDecodeError, ValueError):
+        return path.read_text(encoding="utf-8").strip()
+    return ""

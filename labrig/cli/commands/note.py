@@ -1,0 +1,59 @@
+"""A note or a photograph for a session."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+from labrig.errors import BadInputError
+
+
+def note(
+    session: Annotated[Path, typer.Argument(help="a session, also a running one")],
+    text: Annotated[str, typer.Argument(help="what is to be noted")] = "",
+    photograph: Annotated[
+        Path | None, typer.Option("--photograph", help="a JPEG or PNG; the text is its caption")
+    ] = None,
+    who: Annotated[
+        str, typer.Option("--who", help="by default the operator that the session states")
+    ] = "",
+) -> None:
+    """Add a note or a photograph to a session, during the run or after it.
+
+    Nothing of the recording is changed and no note is ever removed. During a run it is kept beside
+    the file until that is closed, or recovered.
+    """
+    from labrig.session import Note, add_note
+    from labrig.session.notes.photograph import photograph_note, read_photograph_file
+
+    if not text.strip() and photograph is None:
+        raise BadInputError("labrig note needs a text, or --photograph with a file.")
+    who = who or _operators(session)
+    if photograph is None:
+        made = Note(who=who, text=text)
+    else:
+        content = read_photograph_file(photograph)
+        made = photograph_note(content, who=who, text=text, file_name=str(photograph))
+    if add_note(session, made):
+        say(f"added to {session}")
+    else:
+        say(f"kept beside {session}; it is added when the session is closed or recovered")
+
+
+def _operators(session: Path) -> str:
+    """Return those whom the session states; one that was cut short opens only when recovered."""
+    from labrig.session import open_session
+    from labrig.session.notes.note import NAME_CHARACTERS_MAX
+
+    try:
+        with open_session(session, live=True) as opened:
+            return ", ".join(opened.about.operators)[:NAME_CHARACTERS_MAX]
+    except BadInputError:
+        return ""
+
+
+COMMAND = Command("note", note, order=75)
