@@ -16,8 +16,7 @@ Session = Annotated[str, Query(max_length=400)]
 
 
 def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
-    """Return a session as the library knows it, with its newest fit; read now where it does not."""
-    panel.library.refresh(REFRESH_S)
+    """Return a session as the library knows it, with its fit; read now where it does not."""
     known = next((entry for entry in panel.library.entries() if entry.name == name), None)
     return known or read_entry(path, name)
 

@@ -14,7 +14,7 @@ from starlette.background import BackgroundTask
 from labrig.errors import BadInputError
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here
-from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
+from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
 from labrig.report.tables.overview import overview
@@ -28,6 +28,7 @@ _MOST_LOG = 5000
 def one(panel: Here, name: Session) -> Any:
     """One session, its runs and its log."""
     path = existing(panel.settings.data, name, SUFFIX)
+    pending = panel.library.refresh(REFRESH_S)  # a fit may have been written since
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
         found, stated = overview(session), session.about
@@ -43,6 +44,7 @@ def one(panel: Here, name: Session) -> Any:
         "devices": list(found.devices),
         "log": log,
         "about": about,
+        "pending": pending,
     }
 
 

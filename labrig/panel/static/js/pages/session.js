@@ -8,6 +8,8 @@ import { get, post, query, Refused } from "../net.js";
 import { Notes } from "../notes.js";
 import { outcome } from "./library.js";
 
+const AGAIN_MS = 500; // while the library has files to read, the fit may be one of them
+
 /** Rows of name and value that describe a session; used for comparing, too. */
 export function factsOf(session) {
   const facts = [
@@ -83,6 +85,7 @@ export function mount(place, app, asked) {
     body,
   );
   const notes = new Notes(app, name);
+  let again = null;
   const read = () =>
     get(`/api/library/session?${query({ name })}`).then(
       (session) => {
@@ -92,6 +95,7 @@ export function mount(place, app, asked) {
           session.runs_complete >= session.runs ||
           session.outcome === "running";
         put(body, facts(session), log(session), (session.about ?? []).map(table), notes.element);
+        if (session.pending) again = setTimeout(read, AGAIN_MS);
       },
       (error) => put(body, h("p", { class: "fault" }, error.message)),
     );
@@ -99,6 +103,7 @@ export function mount(place, app, asked) {
   const analysed = mountAnalysis(analysis, app, name, read);
   return {
     destroy() {
+      clearTimeout(again);
       analysed.destroy();
       notes.destroy?.();
     },
