@@ -72,7 +72,7 @@ def measure(
         conditions=conditions_of(session, forces, seen),
         series=tuple(_series(session, given.calibration)),
         source=session.path.name,
-        checksum=session.checksum,
+        checksum=session.data_checksum,
         warnings=tuple(warnings),
     )
 

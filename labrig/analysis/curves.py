@@ -72,7 +72,7 @@ def measure_curves(
     for done, curves in enumerate(_results(session, jobs, workers), start=1):
         found.append(curves)
         if progress is not None:
-            run = session.runs[curves.run].planned
+            run = session.run(curves.run).planned
             progress(done / len(jobs), f"{run.configuration}, {place_of(run.position_m)}")
     return found
 
@@ -145,7 +145,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
     from labrig.vision import compare_with_frames, contact_from_image
 
-    run = session.runs[job.run]
+    run = session.run(job.run)
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
     warnings: list[str] = []
     mean = contact = None

@@ -40,12 +40,13 @@ def keep(session: Path, found: Diagnosis) -> None:
     try:
         keep_diagnosis(session, found)
     except LabrigError as error:
-        warn(f"not kept in the session: {error}")
+        warn(f"the diagnosis is not stored in the session: {error}")
 
 
 def print_diagnosis(found: Diagnosis) -> None:
-    """Print the whole diagnosis, in the order in which it was made."""
+    """Print the whole diagnosis in the order in which it was made."""
     from labrig.report.diagnosis import tables as made
+    from labrig.report.diagnosis.parameters import choice_table, parameter_table
 
     say(made.gap_sentence(found))
     print_noted_table(made.where_table(found))
@@ -57,7 +58,8 @@ def print_diagnosis(found: Diagnosis) -> None:
     for text in made.verdict_sentences(found):
         say(text)
     say()
-    print_noted_table(made.parameter_table(found))
+    print_noted_table(parameter_table(found))
+    print_noted_table(choice_table(found))
     print_noted_table(made.improvement_table(found))
     scatter = made.scatter_sentence(found)
     for text in [scatter] * bool(scatter) + made.further_sentences(found):

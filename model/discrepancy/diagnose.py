@@ -56,7 +56,7 @@ def diagnose(
         pool = [*candidates(outcome.base, effects), *unknowns(outcome.base)]
         gains = null_gains(outcome.base, pool, options.calibrate, options.seed, progress)
         limit = threshold(gains)
-        limit_from = f"{options.calibrate} simulated sessions with nothing missing"
+        limit_from = f"{options.calibrate} simulated sessions of the base model"
         outcome = search(
             ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
         )

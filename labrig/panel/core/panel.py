@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 import threading
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from fastapi import Request
 
@@ -26,6 +26,14 @@ from labrig.panel.live.frame_pipeline import FramePipeline
 
 State = TypeVar("State")
 VERSION = 1  # of what page and server say to each other
+
+
+@runtime_checkable
+class Closing(Protocol):
+    """What a page keeps and wants to be told of when the panel ends."""
+
+    def close(self) -> None:
+        """Let go; may be called while requests are under way, and must not block."""
 
 
 class Panel:
@@ -55,13 +63,16 @@ class Panel:
         """Let go of everything but the job."""
         self.analysis_jobs.close()
         self.live_fit.close()
+        for state in list(self._states.values()):
+            if isinstance(state, Closing):
+                state.close()
         self.jobs.close()
         self.frame_pipeline.close()
 
     def state(self, kind: type[State]) -> State:
         """Return this panel's object of a class, made when a page first asks; any thread may ask.
 
-        For what a page must keep between requests.
+        For what a page must keep between requests; one with `close()` is closed with the panel.
         """
         with self._lock:
             if kind not in self._states:

@@ -44,7 +44,7 @@ def run(host: Host) -> tuple[int, str]:
         host.publish(setup_message(plan.optics, plan.sheets))
         host.publish(message_of_plan(plan, clock, order.session_name, done))
         result = _Run(host, rig_plan).execute(Path(order.session), resumption)
-    return int(result.code), f"{result.outcome.value}: {result.status.text}"
+    return int(result.code), f"{result.text}."
 
 
 @contextmanager

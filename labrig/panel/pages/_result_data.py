@@ -93,7 +93,7 @@ def _files(path: Path, diagnosis: Diagnosis | None) -> Iterator[dict[str, Any]]:
     if not model.is_file():
         yield {"kind": "fit", "text": f"There is no {model.name} yet. Fit writes it."}
     if diagnosis is None:
-        text = "What the model is missing was not asked yet. Diagnose says it."
+        text = "There is no diagnosis yet. Diagnose makes it."
         yield {"kind": "diagnose", "text": text}
     if not report.is_file():
         yield {"kind": "report", "text": f"There is no {report.name} yet. Report writes it."}

@@ -24,5 +24,5 @@ def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
 def shown(entry: CatalogueEntry) -> dict[str, Any]:
     """Return what pages see of a session."""
     plain = entry.as_dict()
-    del plain["checksum"]
+    del plain["checksum"], plain["earlier_checksums"]
     return plain

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,11 +15,12 @@ from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
-from labrig.panel.pages._result_cache import ResultCache, as_text
+from labrig.panel.pages._result_cache import ResultCache, as_text, state_of
 from labrig.panel.pages._result_data import beside, measured_of, measured_result, not_analysed
 from labrig.panel.pages._sessions import SUFFIX, Session
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import open_session
+from model import Measurements
 from protocols.execution.events import Outcome
 
 Stage = Literal["measured", "fitted", "settled"]
@@ -63,8 +65,13 @@ def reading(
 ) -> Any:
     """Return the curve of one reading's image, null where it has none."""
     path = existing(panel.settings.data, session, SUFFIX)
-    measurements, _ = measured_of(path)
-    return {"curve": reading_curve(measurements, condition, index)}
+    return {"curve": reading_curve(_measurements(path, state_of(path)), condition, index)}
+
+
+@lru_cache(maxsize=1)
+def _measurements(path: Path, state: str) -> Measurements:  # noqa: ARG001 - a part of the key
+    """Return the measurements of the session whose readings are leafed through."""
+    return measured_of(path)[0]
 
 
 @router.get("/report")

@@ -179,3 +179,5 @@ app.socket = new Socket(known, {
   binary: (...frame) => app.job.applyBinary(...frame),
   alive,
 });
+app.job.clock = app.socket.clock;
+app.job.onSeen = (picture) => app.socket.seen(picture);
