@@ -1,194 +1,123 @@
-"""The panel: pictures a second, from the camera to the screen, and what pages cost the run.
+"""The panel: images and trace updates a second on the screen, their latency, and their cost.
 
 A run on the simulated boards' own sockets, in real time; pages in headless browsers, which draw
-without a graphics card, and clients that only receive. What a page itself costs is the browser's.
+without a graphics card on the same cores. Beside each page's figures stand those of a bare page, in
+the same run and as many of them: it decodes and draws the images at the same size, acknowledges
+them, and does nothing else. Clients that only receive show what the server itself can.
 """
 
 from __future__ import annotations
 
-import os
-import shutil
 import statistics
 import tempfile
-import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from benchmarks.report import Report, Table, busy
-from tests.labrig.panel.page import Page
-from tests.panel_browser.rig_world import ENERGISED, RigWorld, enter, rig_world, start
+from benchmarks._panel_pages import Seen, bare_pages, browsers, full_pages, receivers, running
+from benchmarks.report import Report, Table, busy, load
+from tests.panel_browser.rig_world import rig_world
 
 MEASURED_S = 8.0
 CLIENTS = (1, 5)
-_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# Pictures are stamped when they are on the canvas and the browser is about to show it.
-_LISTEN = """() => {
-  const started = Date.parse(labrig.job.started.wall) / 1000;
-  window.shown = [];
-  labrig.page.view.picture.onshown = (picture) => requestAnimationFrame(() => {
-    const now = (performance.timeOrigin + performance.now()) / 1000;
-    window.shown.push(now - started - picture.time_s);
-  });
-}"""
+AIM = {"images": 25.0, "updates": 30.0, "images_of_5": 20.0, "latency_s": 0.150}
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What the clients of one measurement saw, and what the processes used."""
+class Row:
+    """What the clients of one measurement saw, and the load of the machine meanwhile."""
 
     what: str
-    clients: int
-    rates_hz: list[float]
-    latencies_s: list[float]
-    points_hz: list[float]
-    cpu: dict[str, float]  # of one core
+    seen: Seen
+    load: float
+    share: float | None = None  # of the images that as many bare pages drew
 
-    def row(self) -> tuple[str, ...]:
+    def cells(self) -> tuple[str, ...]:
         """For the table."""
-        late = self.latencies_s
+        seen, late = self.seen, self.seen.latencies_s
         return (
             self.what,
-            str(self.clients),
-            f"{min(self.rates_hz):.1f}",
-            f"{min(self.points_hz):.0f}",
+            str(seen.clients),
+            f"{min(seen.images_hz):.1f}",
+            "" if self.share is None else f"{100 * self.share:.0f} %",
+            f"{min(seen.updates_hz):.1f}" if seen.updates_hz else "",
             f"{1e3 * statistics.median(late):.0f} ms" if late else "",
             f"{1e3 * statistics.quantiles(late, n=20)[-1]:.0f} ms" if len(late) > 1 else "",
-            *(f"{100 * self.cpu.get(name, 0):.0f} %" for name in ("server", "curves", "run")),
+            *(f"{100 * seen.cpu.get(name, 0):.0f} %" for name in ("server", "curves", "run")),
+            f"{self.load:.1f}",
         )
 
 
 def measure() -> Report:
     """Run it."""
     note = busy()
-    seen = [_measured(what, count) for what in (_receivers, _browsers) for count in CLIENTS]
+    rows = [row for count in CLIENTS for row in _measured(count)]
     columns = (
-        "who looks", "how many", "pictures/s", "moments/s", "to the screen, median", "95 %",
-        "server", "curves", "run",
+        "who looks", "how many", "images/s", "of bare pages", "trace updates/s",
+        "exposure to screen, median", "95 %", "server", "curves", "run", "load",
     )  # fmt: skip
-    table = Table(
-        "25 pictures/s made, three traces of 100 moments/s", columns, tuple(s.row() for s in seen)
-    )
-    figures = {f"{s.what}_{s.clients}": {
-        "pictures_hz": s.rates_hz, "latency_median_s": statistics.median(s.latencies_s or [0]),
-        "cpu": s.cpu,
-    } for s in seen}  # fmt: skip
+    made = "25 images/s made, three traces of 1000 samples/s"
+    table = Table(made, columns, tuple(row.cells() for row in rows))
+    figures = {f"{row.what}_{row.seen.clients}".replace(" ", "_"): _figures(row) for row in rows}
     return Report(
         (table,),
-        figures,
+        {**figures, "aim": AIM},
         (
-            "pictures/s and moments/s: of the client that got fewest",
-            "server, curves, run: share of one core; curves: what finds the sheet in the pictures",
-            "to the screen: from the picture's time stamp until it is drawn; of receivers nothing",
+            "images/s, trace updates/s: of the client that got fewest; an update is of all traces",
+            "of bare pages: images/s as a share of those of as many pages that only draw images",
+            "server, curves, run: share of one core; curves: what finds the sheet in the images",
+            "exposure to screen: from the frame's time stamp to the next frame of the browser",
+            "load: mean number of processes that wanted a core in the last minute, ours included",
             note,
         ),
     )
 
 
-def _measured(what: Any, clients: int) -> Seen:
-    with tempfile.TemporaryDirectory() as folder, rig_world(Path(folder) / "rig") as world:
-        return what(world, clients)  # type: ignore[no-any-return]
+def _figures(row: Row) -> dict[str, object]:
+    late = row.seen.latencies_s
+    return {
+        "images_hz": row.seen.images_hz,
+        "share_of_bare": row.share,
+        "updates_hz": row.seen.updates_hz,
+        "latency_median_s": statistics.median(late) if late else None,
+        "oldest_s": max(late, default=None),
+        "cpu": row.seen.cpu,
+        "load": row.load,
+    }
 
 
-def _receivers(world: RigWorld, clients: int) -> Seen:
-    """Clients that take everything and draw nothing."""
-    pages = [Page(world.server) for _ in range(clients)]
-    pages[0].take_control()
-    body = {"protocol": "long.toml", "sheet": "sheet.toml", "session": "b.h5", "clock": "real"}
-    pages[0].do("/api/run", **body)
-    while not any(m.get("state") == "energised" for m in pages[0].of("output")):
-        for prompt in pages[0].of("prompt"):
-            if all(m["prompt"] != prompt["prompt"] for m in pages[0].of("answered")):
-                pages[0].ask("POST", "/api/answer", {"prompt": prompt["prompt"], "done": True})
-        _wait(0.1)
-    had = [(len(page.pictures), _moments(page)) for page in pages]
-    with _cpu() as used:
-        began_s = time.perf_counter()
-        _wait(MEASURED_S)
-        took_s = time.perf_counter() - began_s
-    rates = [(len(p.pictures) - n) / took_s for p, (n, _) in zip(pages, had, strict=True)]
-    points = [(_moments(p) - n) / took_s for p, (_, n) in zip(pages, had, strict=True)]
-    pages[0].do("/api/stop")
-    for page in pages:
-        page.close()
-    return Seen("receiver", clients, rates, [], points, used)
+def _measured(count: int) -> list[Row]:
+    """Receivers, bare pages and full pages in turn, all of them in one run."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        rig_world(Path(folder) / "rig") as world,
+        running(world),
+        browsers() as visit,
+    ):
+        received = Row("receiver", receivers(world, count, MEASURED_S), _load())
+        bare = [bare_pages(world, visit, count, MEASURED_S)]
+        full = full_pages(world, visit, count, MEASURED_S)
+        full_load = _load()
+        bare.append(bare_pages(world, visit, count, MEASURED_S))
+    drawn = [min(seen.images_hz) for seen in bare]
+    share = min(full.images_hz) / statistics.mean(drawn)
+    return [
+        received,
+        Row("bare page", _joined(bare), _load()),
+        Row("page", full, full_load, share),
+    ]
 
 
-def _moments(page: Page) -> int:
-    return sum(header["count"] for header, _ in page.strips)
+def _joined(before_and_after: list[Seen]) -> Seen:
+    """The mean of the two measurements, so that a change of the load hits both alike."""
+    first, last = before_and_after
+    return Seen(
+        clients=first.clients,
+        images_hz=[statistics.mean([min(first.images_hz), min(last.images_hz)])],
+        updates_hz=[],
+        latencies_s=first.latencies_s + last.latencies_s,
+        cpu={name: 0.5 * (first.cpu.get(name, 0) + last.cpu.get(name, 0)) for name in first.cpu},
+    )
 
 
-def _browsers(world: RigWorld, clients: int) -> Seen:
-    """Real pages, each in a window of its own."""
-    from playwright.sync_api import sync_playwright
-
-    path = next(filter(None, map(shutil.which, _BROWSERS)), None)
-    if path is None:
-        raise SystemExit("benchmarks.panel needs Chromium.")
-    with ExitStack() as stack:
-        play = stack.enter_context(sync_playwright())
-        browser = play.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        stack.callback(browser.close)
-
-        def visit(url: str, **more: Any) -> Any:
-            page = browser.new_context(viewport={"width": 1440, "height": 900}, **more).new_page()
-            page.set_default_timeout(120_000)
-            page.goto(url)
-            return page
-
-        pages = [enter(visit, world) for _ in range(clients)]
-        start(pages[0], world, "long.toml", "b.h5")
-        while not pages[0].evaluate(ENERGISED):
-            pages[0].evaluate("document.querySelector('.prompt:not([hidden]) .go')?.click()")
-            pages[0].wait_for_timeout(100)
-        for page in pages:
-            page.evaluate(_LISTEN)
-        had = [page.evaluate("[performance.now(), labrig.job.signals.count]") for page in pages]
-        with _cpu() as used:
-            pages[0].wait_for_timeout(1e3 * MEASURED_S)
-        rates, points, late = [], [], []
-        for page, (then_ms, count) in zip(pages, had, strict=True):
-            now_ms, shown, more = page.evaluate(
-                "[performance.now(), shown, labrig.job.signals.count]"
-            )
-            took_s = (now_ms - then_ms) / 1e3
-            rates.append(len(shown) / took_s)
-            points.append((more - count) / took_s)
-            late += shown
-        pages[0].keyboard.press("Escape")
-        pages[0].wait_for_function("labrig.job.ended !== null")
-    return Seen("browser", clients, rates, late, points, used)
-
-
-@contextmanager
-def _cpu() -> Iterator[dict[str, float]]:
-    """Share of a core that the panel's processes use inside the block (Linux)."""
-    found: dict[str, float] = {}
-    kinds = {"curve_process": "curves", "labrig.panel.job": "run", "labrig panel": "server"}
-    before, began_s = _ticks(kinds), time.perf_counter()
-    yield found
-    took_s = time.perf_counter() - began_s
-    for pid, (kind, ticks) in _ticks(kinds).items():
-        if pid in before:
-            spent_s = (ticks - before[pid][1]) / os.sysconf("SC_CLK_TCK")
-            found[kind] = found.get(kind, 0.0) + spent_s / took_s
-
-
-def _ticks(kinds: dict[str, str]) -> dict[int, tuple[str, int]]:
-    found = {}
-    for folder in Path("/proc").glob("[0-9]*"):
-        try:
-            command = (folder / "cmdline").read_text().replace("\0", " ")
-            fields = (folder / "stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        kind = next((name for part, name in kinds.items() if part in command), None)
-        if kind and "python" in command:
-            found[int(folder.name)] = (kind, int(fields[11]) + int(fields[12]))
-    return found
-
-
-def _wait(duration_s: float) -> None:
-    time.sleep(duration_s)  # noqa: TID251 - other processes are being watched
+def _load() -> float:
+    return load() or 0.0

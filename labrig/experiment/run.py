@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivers.interfaces import DeviceError
-from drivers.safe_shutdown import SafetyReport, make_safe
+from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan
@@ -48,6 +48,14 @@ class Result:
         if self.outcome is Outcome.ABORTED:
             return ExitCode.STOPPED
         return ExitCode.FAILED if self.status.energised_once else ExitCode.NOT_READY
+
+    @property
+    def text(self) -> str:
+        """How it ended, and what is known of the output now: it says what `code` says."""
+        text = f"{self.outcome.value}: {self.status.text.rstrip('.')}"
+        if self.status.output is OutputState.SAFE:
+            return f"{text}; the output is at 0 V, read back"
+        return text if NOT_SAFE in text else f"{text}; {NOT_SAFE}: switch the amplifier off by hand"
 
 
 def run_session(
@@ -91,11 +99,12 @@ def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
     with safe_shutdown(rig) as shutdown:
         try:
             yield shutdown
-        except Exception as error:
+        except BaseException as error:
             found = shutdown.report or shutdown.make_safe()
             if found.is_safe:
                 raise
-            raise OutputUnknownError(f"{found.text}; what ended the run: {error}") from error
+            ended = str(error) or type(error).__name__
+            raise OutputUnknownError(f"{found.text}; what ended the run: {ended}") from error
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -73,13 +73,13 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.operator import RecordedOperator
+from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.run_loop import Loop, RunLoop, Stopped
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
-from protocols.planning.limits import SafetyLimits, check_schedule
+from protocols.planning.limits import SafetyLimits, check_schedule, limit_faults
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule
 
@@ -167,6 +167,8 @@ class Scheduler:
         self._wetted_s: float | None = None
         self._started: set[int] = set()
         self._acquired: set[tuple[int, int]] = set()
+        self._lost = LostReadings()
+        self._mounted: list[PlannedRun] = []  # done since the sheet was mounted
 
     @property
     def status(self) -> Status:
@@ -209,15 +211,35 @@ class Scheduler:
         self._devices.rows()
         self._output.write(0.0)
         self._output.report("the session begins at 0 V")
-        runs = [run for run in schedule.runs if run.index not in done]
-        for number, run in enumerate(runs):
-            if number:
-                self._pause_if_asked(runs[number - 1], run)
-            self._enter(RunState.PREPARING, run.index)
-            stage_position_m = self._prepare(run)
-            RunLoop(
-                self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s
-            ).execute()
+        before: PlannedRun | None = None
+        for run in schedule.runs:
+            if run.index in done:
+                continue
+            if before is not None:
+                self._pause_if_asked(before, run)
+            if dismounts(preparation(self._situation, run)[0]):
+                self._offer_repeats(schedule)
+            self._execute(run, schedule)
+            self._mounted.append(run)
+            before = run
+        self._offer_repeats(schedule)
+
+    def _execute(self, run: PlannedRun, schedule: Schedule) -> None:
+        self._enter(RunState.PREPARING, run.index)
+        stage_position_m = self._prepare(run)
+        RunLoop(self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s).execute()
+
+    def _offer_repeats(self, schedule: Schedule) -> None:
+        """Ask whether runs with lost readings are to be measured again, the sheet as it is."""
+        mounted, self._mounted = self._mounted, []
+        for prompt, repeat in offers(schedule, mounted, self._lost):
+            if any(limit_faults(repeat, self._limits)):  # its approach may be beyond the stage
+                continue
+            self._enter(RunState.PREPARING)
+            go_on = self._ask(prompt)
+            self._obey_stop()
+            if not go_on:
+                self._execute(repeat, schedule)
 
     def _pause_if_asked(self, before: PlannedRun, after: PlannedRun) -> None:
         """Keep 0 V, read back, while a pause is wanted. Time passes on a virtual clock, too."""
@@ -303,6 +325,7 @@ class Scheduler:
                 self._started.add(event.run.index)
             elif isinstance(event, ReadingTaken):
                 self._acquired.add((event.run, event.planned.index))
+                self._lost.note(event)
             try:
                 self._subscribers(event)
             except SubscriberError:

@@ -10,6 +10,7 @@ import contextlib
 import socket
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, Self
 
@@ -37,6 +38,8 @@ class FakePanel:
         self.asked: list[tuple[str, str, Any]] = []
         self.answers: dict[tuple[str, str], Any] = {}
         self.greeting: list[dict[str, Any] | bytes] = []  # after hello
+        self.seen: list[int] = []  # images that a page has acknowledged
+        self.ahead_s = 0.0  # of the server's clock before the page's
         self.hangs = False
         self.sockets: set[WebSocket] = set()
         self._greeted = threading.Event()  # a page has come, and was told all there was
@@ -116,8 +119,11 @@ class FakePanel:
         try:
             while True:
                 asked = await one.receive_json()
-                if asked.get("do") == "ping" and not self.hangs:
-                    await one.send_json({"type": "pong"})
+                if asked.get("do") == "seen":
+                    self.seen.append(asked["image"])
+                elif asked.get("do") == "ping" and not self.hangs:
+                    now = {"at": asked["at"], "wall_s": time.time() + self.ahead_s}
+                    await one.send_json({"type": "pong", **now})
         except WebSocketDisconnect:
             pass
         finally:
@@ -166,16 +172,19 @@ async def _send(one: WebSocket, message: dict[str, Any] | bytes) -> None:
         await one.send_json(message)
 
 
-def picture_frame(number: int, volts: float, time_s: float = 0.0) -> bytes:
+def picture_frame(
+    number: int, volts: float, time_s: float = 0.0, exposed_s: float | None = None
+) -> bytes:
     """As a binary frame."""
-    header = {"type": "picture", "frame": number, "time_s": time_s, "run": 4}
-    size = {"width": 640, "height": 480, "mime": "image/jpeg"}
-    return made_up.binary({**header, **size}, made_up.picture(volts, number))
+    header = {"type": "picture", "frame": number, "image": number, "time_s": time_s, "run": 4}
+    more = {"exposed_s": exposed_s, "width": 640, "height": 480, "mime": "image/jpeg"}
+    return made_up.binary({**header, **more}, made_up.picture(volts, number))
 
 
 def curve(number: int, volts: float) -> dict[str, Any]:
     """Of a picture, and a model that is somewhat off."""
     model = {"points_px": made_up.curve_px(volts * 0.85), "voltage_V": volts, "force_mN": 1.0}
+    model |= {"distance_mm": 0.3123, "force_error_mN": -0.1449}
     return {
         "type": "curve", "frame": number, "run": 4, "ok": True, "why": "",
         "points_px": made_up.curve_px(volts), "covered": 1.0, "tip_mm": [40, 10],

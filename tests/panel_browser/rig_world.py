@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.config.templates import write_templates
-from tests.labrig.panel.page import TOO_BUSY, TRIES, Server, panel
+from tests.labrig.panel.page import TOO_BUSY, TRIES, Page, Server, panel
 
 PROTOCOL = """
 moisten = {moisten}
@@ -92,6 +92,26 @@ def start(page: Any, world: RigWorld, protocol: str, session: str) -> None:
         page.wait_for_function(begun, arg=job, timeout=60_000)
         if TOO_BUSY not in (page.evaluate("labrig.job.job.text") or ""):
             return
+
+
+def energised_page(world: RigWorld, session: str) -> Page:
+    """A page without a browser that has started a run, in the middle of its pulses."""
+    page = Page(world.server)
+    page.take_control(force=True)
+    body = {"protocol": "long.toml", "sheet": "sheet.toml", "session": session, "clock": "real"}
+    job = page.do("/api/run", **body)
+    page.until(lambda m: m["type"] == "job" and m["id"] == job["id"])  # its story has come
+    end_s = time.monotonic() + 90
+    while not any(m["state"] == "energised" for m in page.of("output")):
+        assert time.monotonic() < end_s, "it was not energised"
+        ends = [m["text"] for m in page.of("job") if m["id"] == job["id"] and m["state"] == "ended"]
+        assert not ends, ends
+        for prompt in page.of("prompt"):
+            if all(m["prompt"] != prompt["prompt"] for m in page.of("answered")):
+                page.ask("POST", "/api/answer", {"prompt": prompt["prompt"], "done": True})
+        time.sleep(0.1)  # noqa: TID251 - another process is being watched
+    time.sleep(0.7)  # noqa: TID251 - well inside the train: energised without a pause
+    return page
 
 
 def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from urllib.parse import parse_qs
 
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from labrig.panel.access.bodies import RequestBody, body_limit
-from labrig.panel.access.credentials import cookie_of, same_token
-from labrig.panel.access.rate_limits import Buckets
+from labrig.panel.access.credentials import bearer_of, cookie_of, same_token
+from labrig.panel.access.rate_limits import Bucket, Buckets
 from labrig.panel.access.settings import PanelSettings, host_name
 
+STOP_PATH = "/api/stop"  # no press of who has the token is one too many
 _PUBLIC = ("/static/", "/favicon.ico")
-_TOO_OFTEN = (60.0, 300.0)  # requests of one address: in a second, and at once
+_IDENTIFIED = (120.0, 600.0)  # requests of who has the token: in a second, at once
 
 
 class _RefusedError(Exception):
@@ -28,13 +30,22 @@ class _TooLargeError(_RefusedError):
         super().__init__(413, f"more than {most_bytes >> 10} kB are not accepted.")
 
 
-class AccessControl:
-    """ASGI middleware: host, origin, token, size and rate."""
+class _TooOftenError(_RefusedError):
+    def __init__(self) -> None:
+        super().__init__(429, "that is too often; wait a second.")
 
-    def __init__(self, app: ASGIApp, settings: PanelSettings) -> None:
+
+class AccessControl:
+    """ASGI middleware: host, origin, token, size and rate.
+
+    `unidentified`: the budgets of addresses without the token, which connections know, too.
+    """
+
+    def __init__(self, app: ASGIApp, settings: PanelSettings, unidentified: Buckets) -> None:
         self._app = app
         self._settings = settings
-        self._buckets = Buckets(*_TOO_OFTEN)
+        self._identified = Bucket(*_IDENTIFIED)
+        self._unidentified = unidentified
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """See ASGI."""
@@ -81,24 +92,37 @@ class AccessControl:
             raise _TooLargeError(body.most_bytes)
 
     def _check(self, scope: Scope, headers: dict[str, str]) -> None:
+        """Refuse who may not come in. Each refusal counts for its address alone."""
+        try:
+            identified = self._is_identified(scope, headers)
+        except _RefusedError:
+            self._count_unidentified(scope)
+            raise
+        if not identified:
+            self._count_unidentified(scope)
+        elif scope["path"] != STOP_PATH and not self._identified.take():
+            raise _TooOftenError
+
+    def _count_unidentified(self, scope: Scope) -> None:
         address = (scope.get("client") or ("unknown", 0))[0]
-        if not self._buckets.take(address):
-            raise _RefusedError(429, "that is too often; wait a second.")
+        if not self._unidentified.take(address):
+            raise _TooOftenError
+
+    def _is_identified(self, scope: Scope, headers: dict[str, str]) -> bool:
+        """Whether the token is there. Raises _RefusedError where it is needed, or wrongly used."""
         host = headers.get("host", "").lower()
         names = self._settings.names
         if names is not None and host not in names:
             raise _RefusedError(403, f"this panel is not called {host!r}.")
-        bearer = headers.get("authorization", "").removeprefix("Bearer ")
-        with_bearer = same_token(bearer, self._settings.token)
+        with_bearer = same_token(bearer_of(headers), self._settings.token)
         self._check_origin(scope, headers, host, with_bearer)
-        if scope["path"] == "/" or scope["path"].startswith(_PUBLIC):
-            return
-        if not with_bearer and not same_token(
-            cookie_of(headers.get("cookie", "")), self._settings.token
-        ):
-            raise _RefusedError(
-                401, "the token is missing or wrong; use the address labrig printed."
-            )
+        if with_bearer or same_token(cookie_of(headers.get("cookie", "")), self._settings.token):
+            return True
+        if scope["path"] == "/":
+            return same_token(_token_of_address(scope), self._settings.token)
+        if scope["path"].startswith(_PUBLIC):
+            return False
+        raise _RefusedError(401, "the token is missing or wrong; use the address labrig printed.")
 
     def _check_origin(
         self, scope: Scope, headers: dict[str, str], host: str, with_bearer: bool
@@ -128,6 +152,12 @@ class AccessControl:
             (b"referrer-policy", b"same-origin"),
             (b"cache-control", b"no-store"),
         ]
+
+
+def _token_of_address(scope: Scope) -> str:
+    """Return the token of the printed address."""
+    query: bytes = scope.get("query_string", b"")
+    return parse_qs(query.decode("latin-1")).get("token", [""])[0]
 
 
 async def _refuse(body: RequestBody, send: Send, refused: _RefusedError) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+from collections.abc import Mapping
 from http.cookies import CookieError, SimpleCookie
 
 from labrig.panel.access.settings import COOKIE
@@ -20,3 +21,15 @@ def cookie_of(header: str) -> str:
     except CookieError:
         return ""
     return "" if found is None else found.value
+
+
+def bearer_of(headers: Mapping[str, str]) -> str:
+    """Return the token of an `Authorization` header; names of headers are in lower case."""
+    return headers.get("authorization", "").removeprefix("Bearer ")
+
+
+def has_token(headers: Mapping[str, str], token: str) -> bool:
+    """Whether a request shows the token, by header or by cookie."""
+    return same_token(bearer_of(headers), token) or same_token(
+        cookie_of(headers.get("cookie", "")), token
+    )

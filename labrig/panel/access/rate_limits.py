@@ -6,6 +6,7 @@ import time
 from collections import OrderedDict
 
 _MOST_ASKERS = 1000
+UNIDENTIFIED = (20.0, 120.0)  # requests of one address without the token: in a second, at once
 
 
 class Bucket:
@@ -17,12 +18,17 @@ class Bucket:
         self._left = burst
         self._then_s = time.monotonic()
 
-    def take(self) -> bool:
-        """Whether one more is allowed now."""
+    @property
+    def spent(self) -> bool:
+        """Whether one more is refused now."""
         now_s = time.monotonic()
         self._left = min(self._burst, self._left + (now_s - self._then_s) * self._per_s)
         self._then_s = now_s
-        if self._left < 1.0:
+        return self._left < 1.0
+
+    def take(self) -> bool:
+        """Whether one more is allowed now."""
+        if self.spent:
             return False
         self._left -= 1.0
         return True
@@ -43,3 +49,8 @@ class Buckets:
         if len(self._buckets) > _MOST_ASKERS:
             self._buckets.popitem(last=False)
         return bucket.take()
+
+    def spent(self, asker: str) -> bool:
+        """Whether one more is refused for this asker now."""
+        bucket = self._buckets.get(asker)
+        return bucket is not None and bucket.spent

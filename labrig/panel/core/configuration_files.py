@@ -124,7 +124,9 @@ def kind_of(text: str, suffix: str) -> str:
         return "protocol"
     if "sensitivity_V_per_N" in values:
         return "load_cell"
-    if values and values.keys() <= About.model_fields.keys():
+    if values.keys() & {"people", "project", "licence"} or (
+        values and values.keys() <= About.model_fields.keys()
+    ):
         return "about"
     tables = [values, *(value for value in values.values() if isinstance(value, dict))]
     return "sheet" if any("free_length_mm" in table for table in tables) else "world"

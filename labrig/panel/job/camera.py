@@ -5,16 +5,14 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
-from drivers.interfaces import Camera, Clock, DeviceError
+from drivers.interfaces import Clock, DeviceError, RealClock
 from labrig.errors import BadInputError, ExitCode, NotReadyError
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig.wiring import wire
 from labrig.panel.job.host import Host
-from labrig.panel.live.frames import raw_picture
-
-EVERY_S = 0.1
-_FRAMES = 1.5  # a window of so many frame periods holds at least one frame
+from labrig.panel.job.preview import Preview
+from labrig.panel.live.frames import exposure_time, raw_picture
 
 
 def show(host: Host) -> tuple[int, str]:
@@ -34,22 +32,22 @@ def show(host: Host) -> tuple[int, str]:
         raise NotReadyError(str(fault)) from fault
     try:
         rig.camera.start()
-        _show_all(host, rig.camera, rig.clock, _FRAMES / plan.schedule.frame_rate_hz, ended)
+        preview = Preview(rig.camera, rig.clock, plan.schedule.frame_rate_hz)
+        _show_all(host, preview, rig.clock, ended)
     finally:
         rig.camera.close()
     return ExitCode.DONE, "the camera was closed"
 
 
-def _show_all(
-    host: Host, camera: Camera, clock: Clock, window_s: float, ended: threading.Event
-) -> None:
-    begun_s = clock.now()
+def _show_all(host: Host, camera: Preview, clock: Clock, ended: threading.Event) -> None:
+    begun_s, every_s = clock.now(), camera.every_s
     while not ended.is_set():
-        now_s = clock.now()
-        camera.want(now_s, now_s + window_s)
-        clock.sleep_until(now_s + EVERY_S)
-        ended.wait(EVERY_S)  # a virtual clock does not wait, an operator does
-        frames = camera.frames()
-        if frames:
-            frame = frames[-1]
-            host.stream.publish_picture(raw_picture(frame, frame.time_s - begun_s, None, None))
+        clock.sleep_until(clock.now() + every_s)
+        if not isinstance(clock, RealClock):
+            ended.wait(every_s)  # a virtual clock does not wait, an operator does
+        camera.frames()
+        frame = camera.newest()
+        if frame is not None:
+            exposed_s = exposure_time(clock, frame.time_s)
+            picture = raw_picture(frame, frame.time_s - begun_s, None, None, exposed_s=exposed_s)
+            host.stream.publish_picture(picture)

@@ -10,11 +10,11 @@ from drivers.interfaces import Frame
 from labrig.experiment.rig.rig import Rig
 from labrig.panel.job.preview import Preview
 from labrig.panel.live.event_stream import EventStream
-from labrig.panel.live.frames import raw_picture
+from labrig.panel.live.frames import exposure_time, raw_picture
 from labrig.panel.live.messages import MessageEncoder
 from labrig.panel.live.strip_chart import Envelope
 from protocols.execution import events as ev
-from protocols.execution.channels import CURRENT, DRIVE, FORCE
+from protocols.execution.channels import CURRENT, DRIVE, FORCE, FORCE_N
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import RunState
 
@@ -34,6 +34,7 @@ class Follower:
         self._run: ev.RunStarted | None = None
         self._envelope: Envelope | None = None
         self._sheet_V = 0.0
+        self._forces_mN: dict[float, float] = {}  # by voltage: of the last good reading of the run
         self.scheduler: Scheduler | None = None
         self.on_begin: Callable[[], None] = lambda: None  # called once, after SessionStarted
         self.going = False  # between the session's first event and its last
@@ -65,8 +66,11 @@ class Follower:
     def _note(self, event: ev.Event) -> None:
         if isinstance(event, ev.RunStarted):
             self._run, self._envelope = event, Envelope(event.run.index)
+            self._forces_mN = {}
         elif isinstance(event, ev.VoltageSet):
             self._sheet_V = event.write.sheet_V
+        elif isinstance(event, ev.ReadingTaken) and event.valid:
+            self._forces_mN[event.planned.voltage_V] = 1e3 * event.values[FORCE_N]
 
     def publish_state(self) -> None:
         """Publish the scheduler's state when it has changed; its last comes after all events."""
@@ -99,4 +103,14 @@ class Follower:
     def _picture(self, frame: Frame, voltage_V: float) -> None:
         run = None if self._run is None else self._run.run
         time_s = self._encoder.since_begin(frame.time_s)
-        self._stream.publish_picture(raw_picture(frame, time_s, run, voltage_V))
+        exposed_s = None if self._rig is None else exposure_time(self._rig.clock, frame.time_s)
+        self._stream.publish_picture(
+            raw_picture(
+                frame,
+                time_s,
+                run,
+                voltage_V,
+                exposed_s=exposed_s,
+                force_mN=self._forces_mN.get(voltage_V),
+            )
+        )

@@ -109,6 +109,8 @@ class EventStreamPublisher:
                 while (mail := self._box.take()) is not None:
                     for packed in self._packed(mail):
                         send_it(packed)
+                if (picture := self._box.take_picture()) is not None and self._only is None:
+                    send_it(pack(*picture))
                 if closed:
                     return
                 self._news.wait()
@@ -129,8 +131,6 @@ class EventStreamPublisher:
             found += [pack(message) for message in mail.newest]
             if mail.strip is not None:
                 found.append(mail.strip.packed())
-            if mail.picture is not None:
-                found.append(pack(*mail.picture))
         return found
 
     def _wanted(self, messages: list[Message]) -> list[Message]:

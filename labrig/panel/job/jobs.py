@@ -44,7 +44,9 @@ class Jobs:
         self._connection: JobConnection | None = None
         self._address: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._guarded: str | None = None  # the job whose guard report was read last
+        # The guard's report that was published last, and its job: a guard that could not read 0 V
+        # back keeps trying, and reports again when it has.
+        self._guarded: tuple[str, GuardReport] | None = None
         self._starting = False
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -194,12 +196,10 @@ class Jobs:
         address = self._address
         if address is None or address.session is None or address.state == ENDED:
             return
-        if self._guarded == address.id:
-            return
         report = read_guard_report(self._data / address.session)
-        if report is None:
+        if report is None or self._guarded == (address.id, report):
             return
-        self._guarded = address.id
+        self._guarded = (address.id, report)
         if address.state == LOST:
             self._address = address.ended(None, _lost_text(report), LOST)
             self._stream.publish(self._address.message())

@@ -53,7 +53,7 @@ def run(host: Host) -> tuple[int, str]:
             host.on_exit = hooks.close
             result = _Run(host, rig_plan, hooks).execute(Path(order.session), resumption)
             hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
-    return int(result.code), f"{result.outcome.value}: {result.status.text}"
+    return int(result.code), f"{result.text}."
 
 
 def _hooks_config(order: Order, plan: Plan) -> HooksConfig | None:

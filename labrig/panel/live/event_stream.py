@@ -31,7 +31,6 @@ class Mail:
     messages: list[Message] = field(default_factory=list)
     strip: StripChart | None = None
     newest: list[Message] = field(default_factory=list)  # of each kind only the last one
-    picture: Picture | None = None
 
 
 class Mailbox:
@@ -92,17 +91,24 @@ class Mailbox:
         self._wake()
 
     def take(self) -> Mail | None:
-        """All that waits; None when nothing does."""
+        """All that waits but the image; None when nothing does."""
         with self._lock:
             found = Mail(
                 story=self._story,
                 messages=self._messages,
                 strip=self._strips.pop(0) if self._strips else None,
                 newest=list(self._newest.values()),
-                picture=self._picture,
             )
-            self._story, self._messages, self._picture, self._newest = None, [], None, {}
+            self._story, self._messages, self._newest = None, [], {}
         return None if found == Mail() else found
+
+    def take_picture(self) -> Picture | None:
+        """Return the newest image if it has not been taken yet; never before its story."""
+        with self._lock:
+            if self._story is not None:
+                return None
+            picture, self._picture = self._picture, None
+            return picture
 
 
 class EventStream:
@@ -114,6 +120,7 @@ class EventStream:
         self._strips: list[StripChart] = []
         self._newest: dict[str, Message] = {}
         self._picture: Picture | None = None
+        self._pictures = 0  # so far
         self._boxes: list[Mailbox] = []
 
     def join(self, box: Mailbox) -> None:
@@ -154,9 +161,10 @@ class EventStream:
                 box.put_strip(strip)
 
     def publish_picture(self, picture: Picture) -> None:
-        """Publish an image in the place of the last one."""
+        """Publish an image in the place of the last one. Its header gets a number, `image`."""
         with self._lock:
-            self._picture = picture
+            self._pictures += 1
+            self._picture = picture = ({**picture[0], "image": self._pictures}, picture[1])
             for box in self._boxes:
                 box.put_picture(picture)
 

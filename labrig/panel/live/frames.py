@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from drivers.interfaces import Frame, GreyImage
+from drivers.interfaces import Clock, Frame, GreyImage, RealClock
 from labrig.errors import LabrigError
 from labrig.panel.live.event_stream import Message, Picture
 from protocols.planning.schedule import PlannedRun
@@ -15,16 +16,31 @@ from protocols.planning.schedule import PlannedRun
 JPEG_QUALITY = 85
 
 
+def exposure_time(clock: Clock, time_s: float) -> float | None:
+    """Return the time of day (s since 1970) of a clock time; None on a virtual clock."""
+    return time.time() - (clock.now() - time_s) if isinstance(clock, RealClock) else None
+
+
 def raw_picture(
-    frame: Frame, time_s: float | None, run: PlannedRun | None, voltage_V: float | None
+    frame: Frame,
+    time_s: float | None,
+    run: PlannedRun | None,
+    voltage_V: float | None,
+    *,
+    exposed_s: float | None = None,
+    force_mN: float | None = None,
 ) -> Picture:
-    """Return a frame as acquired, with the conditions from which a model predicts the shape."""
+    """Return a frame as acquired, with the conditions from which a model predicts the shape.
+
+    `exposed_s`: see `exposure_time`; `force_mN`: of the last reading under the same conditions.
+    """
     rows, columns = frame.image.shape
     position_m = None if run is None else run.position_m
     header: Message = {
         "type": "picture",
         "frame": frame.number,
         "time_s": time_s,
+        "exposed_s": exposed_s,
         "run": None if run is None else run.index,
         "width": columns,
         "height": rows,
@@ -32,6 +48,7 @@ def raw_picture(
         "configuration": None if run is None else run.configuration,
         "position_mm": None if position_m is None else 1e3 * position_m,
         "voltage_V": voltage_V,
+        "force_mN": force_mN,
     }
     return header, np.ascontiguousarray(frame.image).tobytes()
 
@@ -53,7 +70,7 @@ def shown(image: GreyImage) -> npt.NDArray[np.uint8]:
 
 def jpeg_picture(header: Message, image: GreyImage) -> Picture:
     """Return what pages are sent."""
-    kept = ("type", "frame", "time_s", "run", "width", "height")
+    kept = ("type", "frame", "time_s", "exposed_s", "run", "width", "height")
     return {**{key: header[key] for key in kept}, "mime": "image/jpeg"}, jpeg(image)
 
 

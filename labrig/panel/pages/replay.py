@@ -64,7 +64,7 @@ async def _play(socket: WebSocket, panel: Panel, name: str) -> None:
     try:
         await post.send({**hello, "version": status["version"], "mode": "replay", "stop_url": None})
         await post.send(player.first())
-        await together(post.deliver(), receive_messages(socket, on_message))
+        await together(post.deliver(), receive_messages(socket, post, on_message))
     finally:
         post.close()
         await asyncio.to_thread(player.close)

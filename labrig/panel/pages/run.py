@@ -46,7 +46,7 @@ def answer(request: Request, body: AnswerBody, panel: Here) -> Any:
     """Answer what the run asks."""
     who = panel.acting(request)
     panel.jobs.ask({"do": "answer", "prompt": body.prompt, "done": body.done, "who": who})
-    panel.actions.add(who, f"answered {'done' if body.done else 'stop'}")
+    panel.actions.add(who, f"answered {'yes' if body.done else 'no'}")
     return {"ok": True}
 
 

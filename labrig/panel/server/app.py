@@ -15,18 +15,23 @@ from starlette.exceptions import HTTPException
 from labrig.errors import LabrigError
 from labrig.panel.access.access_control import AccessControl
 from labrig.panel.access.credentials import same_token
+from labrig.panel.access.rate_limits import Buckets
 from labrig.panel.access.settings import COOKIE, PanelSettings
 from labrig.panel.core.panel import Panel
 from labrig.panel.errors import status_of
 from labrig.panel.pages.interface import STATIC
+from labrig.panel.server import analysis
 from labrig.panel.server.live_socket import serve_live
 from labrig.panel.server.operation import router
 from labrig.panel.server.page_routes import add_page_routes
 from model import ModelError
 
 
-def create_app(panel: Panel) -> FastAPI:
-    """Return the server's application. Access control sees each request before anything else."""
+def create_app(panel: Panel, unidentified: Buckets) -> FastAPI:
+    """Return the server's application. Access control sees each request before anything else.
+
+    `unidentified`: how often an address may ask without the token.
+    """
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -37,10 +42,11 @@ def create_app(panel: Panel) -> FastAPI:
         title="labrig", docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan
     )
     app.include_router(router)
+    app.include_router(analysis.router)
     add_page_routes(app)
     _entrance(app, panel.settings)
     _answers_in_sentences(app)
-    app.add_middleware(AccessControl, settings=panel.settings)
+    app.add_middleware(AccessControl, settings=panel.settings, unidentified=unidentified)
     return app
 
 

@@ -26,7 +26,7 @@ async def serve_live(socket: WebSocket, panel: Panel) -> None:
     post = Post(socket, panel.stream, client)
     try:
         await post.send(hello)
-        await together(post.deliver(), receive_messages(socket, _no_more))
+        await together(post.deliver(), receive_messages(socket, post, _no_more))
     finally:
         post.close()
         control.leave(client)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from typing import Annotated, Any, Literal
 
+from anyio import CapacityLimiter, to_thread
 from fastapi import APIRouter, Depends, Request
 from pydantic import Field
 
@@ -16,6 +18,7 @@ from labrig.panel.live.event_stream import Message
 from labrig.panel.pages.interface import listing
 
 router = APIRouter(prefix="/api")
+_MOST_PRESSES = 16  # of STOP, at a time
 
 
 class ControlBody(RequestModel):
@@ -56,8 +59,13 @@ async def stop_body(request: Request) -> StopBody:
 
 
 @router.post("/stop")
-def stop(request: Request, body: Annotated[StopBody, Depends(stop_body)], panel: Here) -> Any:
+async def stop(request: Request, body: Annotated[StopBody, Depends(stop_body)], panel: Here) -> Any:
     """Stop the job by the second path, straight to it. No control is needed."""
+    # In threads of its own: those of the other requests may all be busy.
+    return await to_thread.run_sync(_press, request, body, panel, limiter=_presses())
+
+
+def _press(request: Request, body: StopBody, panel: Panel) -> Message:
     client = request.headers.get("x-labrig-client", "")
     who = panel.control.who(client, address_of(request))
     job = panel.jobs.address
@@ -66,6 +74,11 @@ def stop(request: Request, body: Annotated[StopBody, Depends(stop_body)], panel:
     panel.jobs.ask({"do": "stop", "who": who, "why": body.why})
     panel.actions.add(who, f"pressed STOP{': ' + body.why if body.why else ''}")
     return {"sent": True, "told": "the run was asked to stop"}
+
+
+@cache
+def _presses() -> CapacityLimiter:
+    return CapacityLimiter(_MOST_PRESSES)
 
 
 @router.post("/control")

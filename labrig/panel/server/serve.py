@@ -11,11 +11,13 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
+from labrig.panel.access.open_connections import LISTEN_BACKLOG, raise_descriptor_limit
+from labrig.panel.access.rate_limits import UNIDENTIFIED, Buckets
 from labrig.panel.access.settings import ANYWHERE, LOOPBACK, PanelSettings
 from labrig.panel.core.sockets import MOST_MESSAGE_BYTES
 from labrig.panel.processes import detached, module_environment
 
-_MOST_CONNECTIONS = 200
+_MOST_CONNECTIONS = 1000  # those that have shown the token included
 _GOODBYE_S = 2
 
 
@@ -25,19 +27,23 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
 
     from labrig.panel.core.panel import Panel
     from labrig.panel.server.app import create_app
-    from labrig.panel.server.connection import PageConnection
+    from labrig.panel.server.connection import PageConnection, PanelServer, request_connections
 
+    raise_descriptor_limit()
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])
         # Before anything else is started: it finds the faults of files.
         with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
             panel.settings = replace(settings, stop_port=stop_port)
+            unidentified = Buckets(*UNIDENTIFIED)
             config = uvicorn.Config(
-                create_app(panel),
+                create_app(panel, unidentified),
                 log_level="warning",
                 access_log=False,
                 server_header=False,
+                http=request_connections(settings.token, unidentified),
                 ws=PageConnection,
+                backlog=LISTEN_BACKLOG,
                 ws_max_size=2 * MOST_MESSAGE_BYTES,
                 limit_concurrency=_MOST_CONNECTIONS,
                 timeout_graceful_shutdown=_GOODBYE_S,
@@ -46,14 +52,15 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
             )
             on_ready(panel.settings)
             with suppress(KeyboardInterrupt):  # uvicorn hands it on when all is closed
-                uvicorn.Server(config).run(sockets=[listening])
+                PanelServer(config).run(sockets=[listening])
 
 
 @contextmanager
 def _bound(settings: PanelSettings) -> Iterator[socket.socket]:
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
     try:
-        listening = socket.create_server((settings.host, settings.port), family=family)
+        address = (settings.host, settings.port)
+        listening = socket.create_server(address, family=family, backlog=LISTEN_BACKLOG)
     except OSError as error:
         raise BadInputError(
             f"the panel cannot listen on {settings.host}:{settings.port} ({error.strerror}); "

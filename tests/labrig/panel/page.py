@@ -169,7 +169,8 @@ class Page:
         if isinstance(packed, bytes):
             header, payload = unpack(packed)
             if header["type"] == "picture":
-                self.pictures.append({**header, "bytes": bytes(payload)})
+                self.pictures.append({**header, "bytes": bytes(payload), "came_s": time.time()})
+                self.say(do="seen", image=header["image"])
             else:
                 self.strips.append((header, bytes(payload)))
             return

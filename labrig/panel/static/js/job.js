@@ -1,17 +1,19 @@
 // What is known of a job: the story's messages applied one after the other, and nothing else.
 //
-// Whoever shows something calls `watch`; watchers are called once for all that came since the last
-// time, with the set of message types, at most once per picture of the screen.
+// Whoever shows an image tells `seen` when it is drawn. Whoever shows something calls `watch`; watchers are called once for all that came since the last
+// time, with the set of message types, at most once per tick.
 
 import { statistics } from "./format.js";
+import { nextFrame } from "./frames.js";
 import { Signals } from "./signals.js";
-
-const HIDDEN_MS = 300; // a hidden tab gets no animation frames, but its title must stay true
 
 /** State of a job; `alive` says whether it is heard of now. */
 export class Job {
   constructor() {
     this.watchers = new Set();
+    this.onPicture = new Set(); // called with each image at once, not with the next frame
+    this.onSeen = () => {}; // tells the server that an image is drawn: only then the next one comes
+    this.clock = null; // the server's, where the job is on a socket
     this.dirty = new Set();
     this.counts = { pictures: 0, signals: 0, messages: 0 };
     this.alive = null;
@@ -23,6 +25,7 @@ export class Job {
 
   /** Forget everything of the job, as a story demands. */
   forget() {
+    if (this.picture) this.seen(this.picture);
     Object.assign(this, {
       job: null,
       plan: null,
@@ -37,8 +40,7 @@ export class Job {
       picture: null,
       preflight: null,
       weighing: null,
-      result: null, // of what was measured so far
-      analysis: null, // the job of analysis that was heard of last
+      result: null, // of what was measured so far: { session, configurations, convergence, ... }
       latest_s: null,
       now_run: null,
     });
@@ -71,12 +73,27 @@ export class Job {
       this.counts.pictures += 1;
       this.picture = { ...header, bytes: new Uint8Array(buffer, start), came: performance.now() };
       this.setLatest(header.time_s);
+      for (const show of this.onPicture) show(this.picture);
     } else if (header.type === "signals") {
       this.counts.signals += header.count;
       if (header.fresh || header.run !== this.signals.run) this.signals = new Signals(header.run);
       this.signals.append(header.rows, header.count, buffer, start);
     }
     this.touch(header.type);
+  }
+
+  /** An image is drawn, or nobody will draw it any more. */
+  seen(picture) {
+    if (picture.seen) return;
+    picture.seen = true;
+    this.onSeen(picture);
+  }
+
+  /** How old an image is in s; null where its exposure has no time of day (a replay). */
+  ageOf(picture) {
+    const now_s = this.clock?.now_s();
+    if (picture.exposed_s == null || now_s == null) return null;
+    return Math.max(0, now_s - picture.exposed_s);
   }
 
   setAlive(alive) {
@@ -105,7 +122,24 @@ export class Job {
 
   /** The plan's entry of a run. */
   planned(index) {
-    return this.plan?.runs.find((run) => run.run === index) ?? null;
+    const all = [...(this.plan?.runs ?? []), ...(this.plan?.repeats ?? [])];
+    return all.find((run) => run.run === index) ?? null;
+  }
+
+  /** All planned runs, and those that were measured again so far. */
+  begun() {
+    const again = (this.plan?.repeats ?? []).filter((run) => this.runs.has(run.run));
+    return [...(this.plan?.runs ?? []), ...again];
+  }
+
+  /** Readings of a run that do not count, and how many should: { lost: [reading], of }. */
+  losses(index) {
+    const planned = this.planned(index);
+    const run = this.runs.get(index);
+    if (!planned || !run) return { lost: [], of: 0 };
+    const counts = (kind) => kind !== "discarded";
+    const lost = [...run.readings.values()].filter((one) => !one.valid && counts(one.kind));
+    return { lost, of: planned.readings.filter(([, , , kind]) => counts(kind)).length };
   }
 
   /** Readings of a run that count, by voltage: [{ voltage, mean, scatter, count, values }]. */
@@ -126,20 +160,28 @@ export class Job {
     return this.job != null && (this.job.state === "starting" || this.job.state === "going");
   }
 
+  /** Whether the session is over, as far as anybody can know: then nothing of it is 'now'. */
+  get over() {
+    return this.ended != null || this.job?.state === "ended" || this.job?.state === "lost";
+  }
+
+  /** Whether signals are being acquired; else the newest that came are the last reading. */
+  get acquiring() {
+    const record = this.runs.get(this.signals.run ?? this.now_run);
+    return this.alive !== false && !this.over && Boolean(record?.started) && !record.stopped;
+  }
+
   touch(type) {
     this.dirty.add(type);
-    if (this.due) return;
-    this.due = true;
-    const once = () => {
-      if (!this.due) return;
-      this.due = false;
-      const dirty = this.dirty;
-      this.dirty = new Set();
-      for (const update of this.watchers) update(dirty);
-    };
-    requestAnimationFrame(once);
-    setTimeout(once, HIDDEN_MS);
+    nextFrame(this.flush, true); // the title of a hidden page must stay true
   }
+
+  /** Call the watchers. */
+  flush = () => {
+    const dirty = this.dirty;
+    this.dirty = new Set();
+    for (const update of this.watchers) update(dirty);
+  };
 }
 
 const HANDLERS = {
@@ -184,7 +226,6 @@ const HANDLERS = {
   queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
   result: (job, m) => (job.result = m),
-  analysis: (job, m) => (job.analysis = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

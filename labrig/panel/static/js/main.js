@@ -1,5 +1,6 @@
 // The page's beginning: the bar, the socket, and whichever page the address asks for.
 
+import { AnalysisJobs } from "./analysis.js";
 import { Control, controlView } from "./control.js";
 import { h, put, setText, svg } from "./dom.js";
 import { Job } from "./job.js";
@@ -10,7 +11,13 @@ import { outputOf, goingOf, SHAPES } from "./words.js";
 const CLIENT = "labrig-client";
 const at = (id) => document.getElementById(id);
 
-const app = { job: new Job(), control: new Control(), status: null, fault: netFault };
+const app = {
+  job: new Job(),
+  control: new Control(),
+  analyses: new AnalysisJobs(),
+  status: null,
+  fault: netFault,
+};
 window.labrig = app; // for whoever measures the page
 
 function netFault(text) {
@@ -54,6 +61,7 @@ function firstPage({ first, pages, session }) {
 function receive(message) {
   if (message.type === "hello") welcome(message);
   else if (message.type === "control") app.control.set(message);
+  else if (message.type === "analysis") app.analyses.set(message.jobs);
   else app.job.apply(message);
 }
 
@@ -185,3 +193,5 @@ app.socket = new Socket(known, {
   alive,
   failed: askWhyNot,
 });
+app.job.clock = app.socket.clock;
+app.job.onSeen = (picture) => app.socket.seen(picture);

@@ -1,5 +1,7 @@
 // A WebSocket that comes back, tells messages from pictures and signals, and notices silence.
 
+import { ServerClock } from "./server_clock.js";
+
 const PING_MS = 1000;
 const SILENT_MS = 3500; // nothing, not even a pong: whatever the page shows may be old
 const AGAIN_MS = [200, 500, 1000, 2000];
@@ -21,6 +23,7 @@ export class Socket {
     this.on = on;
     this.tries = 0;
     this.alive = null;
+    this.clock = new ServerClock();
     this.heard = performance.now();
     this.timer = setInterval(() => this.watch(), PING_MS);
     this.open();
@@ -32,7 +35,10 @@ export class Socket {
     const socket = new WebSocket(`${scheme}//${location.host}${path}`);
     this.socket = socket;
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => (this.heard = performance.now());
+    socket.onopen = () => {
+      this.heard = performance.now();
+      this.ping();
+    };
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = () => {
       if (this.socket !== socket || this.closed) return;
@@ -50,15 +56,25 @@ export class Socket {
     this.tell(true);
     if (typeof data === "string") {
       const message = JSON.parse(data);
-      if (message.type !== "pong") this.on.message(message);
+      if (message.type === "pong") this.clock.heard(message);
+      else this.on.message(message);
     } else {
       const { header, start } = unpack(data);
       this.on.binary(header, data, start);
     }
   }
 
+  ping() {
+    this.send({ do: "ping", at: this.clock.stamp() });
+  }
+
+  /** An image is drawn: the next one may come. */
+  seen(picture) {
+    this.send({ do: "seen", image: picture.image });
+  }
+
   watch() {
-    this.send({ do: "ping" });
+    this.ping();
     if (performance.now() - this.heard < SILENT_MS) return;
     this.tell(false);
     // A socket that is open but silent is given up: the next one is told the whole story.

@@ -75,7 +75,8 @@ export function goingOf(job) {
 export function runName(job) {
   const run = job.planned(job.now_run);
   if (!run) return "";
-  return `${run.run + 1} of ${job.plan.runs.length} \u00B7 ${placeOf(run)}`;
+  const which = run.repeats == null ? `${run.run + 1}` : `${run.repeats + 1} again,`;
+  return `${which} of ${job.plan.runs.length} \u00B7 ${placeOf(run)}`;
 }
 
 const PURPOSES = { no_touch_zero: "zero", free_shape: "free shape", dead_weight: "dead weight" };
@@ -85,7 +86,8 @@ export function placeOf(run) {
   const where = run.position_mm == null ? "free" : `${run.position_mm} mm`.replace("-", "\u2212");
   const again = run.mounting ? `, set anew ${run.mounting}` : "";
   const purpose = PURPOSES[run.purpose] ? `, ${PURPOSES[run.purpose]}` : "";
-  return `${run.configuration}, ${where}${again}${purpose}`;
+  const repeat = run.repeats == null ? "" : `, run ${run.repeats + 1} again`;
+  return `${run.configuration}, ${where}${again}${purpose}${repeat}`;
 }
 
 /** Session time for the log's left column. */

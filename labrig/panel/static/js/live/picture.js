@@ -1,23 +1,29 @@
-// The newest picture on a canvas, the extracted neutral curve and the model's over it.
+// The newest image on a canvas, the extracted neutral curve and the model's over it.
 
 import { h, setText } from "../dom.js";
+import { forgetFrame, nextFrame } from "../frames.js";
+import { ImageRate } from "./image_rate.js";
+import { drawCurve, drawPrediction, drawScaleBar } from "./overlay.js";
+import { errorText } from "./prediction_error.js";
 
-const MEASURED = "#ffd400"; // on grey pictures both are bright, with a dark rim: the theme is no matter
-const MODEL = "#7fe0ff";
-const OLD_FRAMES = 25; // a curve further behind its picture than this is not drawn any more
+const OLD_FRAMES = 25; // a curve further behind its image than this is not drawn any more
+const SAID_MS = 250; // numbers that change faster cannot be read
 
-/** Draws a job's pictures. `extra(context, toScreen)` may draw more over them. */
+/** Draws a job's images. `extra(context, toScreen)` may draw more over them. */
 export class Picture {
   constructor(job, extra = null) {
     this.job = job;
     this.extra = extra;
-    this.shown = 0; // pictures that have reached the screen
+    this.shown = 0; // images that have reached the screen
+    this.rate = new ImageRate();
     this.canvas = h("canvas", {
       class: "picture-canvas",
       role: "img",
-      "aria-label": "live picture of the sheet",
+      "aria-label": "live image of the sheet",
     });
+    this.age = h("span", { class: "picture-age" });
     this.caption = h("span", { class: "picture-said" });
+    this.error = h("span", { class: "picture-error" });
     this.element = h(
       "figure",
       { class: "picture card" },
@@ -27,31 +33,41 @@ export class Picture {
         {},
         h("span", { class: "key key-measured" }, "neutral curve, measured"),
         h("span", { class: "key key-model" }, "model\u2019s prediction"),
-        this.caption,
+        this.error,
+        h("span", { class: "picture-state" }, this.caption, this.age),
       ),
     );
     this.context = this.canvas.getContext("2d", { alpha: false });
-    this.seen = new ResizeObserver(() => this.draw());
+    this.seen = new ResizeObserver(() => this.resize());
     this.seen.observe(this.canvas);
+    this.came = (picture) => this.decode(picture);
+    job.onPicture.add(this.came);
+    this.timer = setInterval(() => this.showAge(), SAID_MS);
   }
 
   destroy() {
     this.seen.disconnect();
+    this.job.onPicture.delete(this.came);
+    clearInterval(this.timer);
+    forgetFrame(this.show);
   }
 
   update(dirty) {
-    if (dirty.has("story") && !this.job.picture) this.clear();
-    if (dirty.has("picture") && this.job.picture) this.decode(this.job.picture);
-    else if (dirty.has("curve") || dirty.has("plan") || dirty.has("story")) this.draw();
+    if (dirty.has("story")) {
+      this.rate.forget();
+      if (!this.job.picture) this.clear();
+      else if (this.job.picture !== this.header) this.decode(this.job.picture);
+    }
+    if (dirty.has("curve") || dirty.has("plan") || dirty.has("story")) this.drawSoon();
   }
 
   clear() {
     this.bitmap?.close();
-    this.bitmap = null;
-    this.draw();
+    this.bitmap = this.header = null;
+    this.drawSoon();
   }
 
-  /** Decode the newest; what comes meanwhile waits in one place. */
+  /** Decode an image; what comes meanwhile waits in one place. */
   async decode(picture) {
     if (this.decoding) {
       this.waiting = picture;
@@ -63,11 +79,10 @@ export class Picture {
       this.bitmap?.close();
       this.bitmap = bitmap;
       this.header = picture;
-      this.draw();
-      this.shown += 1;
-      this.onshown?.(picture);
+      this.drawSoon();
     } catch {
-      setText(this.caption, `picture ${picture.frame} cannot be read`);
+      setText(this.caption, `image ${picture.frame} cannot be read`);
+      this.job.seen(picture);
     }
     this.decoding = false;
     const next = this.waiting;
@@ -75,30 +90,58 @@ export class Picture {
     if (next) this.decode(next);
   }
 
+  /** With the next tick; a hidden page has none, and so gets no further image. */
+  drawSoon() {
+    nextFrame(this.show);
+  }
+
+  /** Draw; acknowledge an image that has not been drawn before. */
+  show = () => {
+    this.draw();
+    if (!this.header || this.header === this.drawn) return;
+    this.drawn = this.header;
+    this.shown += 1;
+    this.rate.add(performance.now());
+    this.onshown?.(this.header);
+    this.job.seen(this.header);
+  };
+
+  /** Keep the size of the canvas: to ask for it at each image costs a layout of the page. */
+  resize() {
+    this.width = this.canvas.clientWidth;
+    this.drawSoon();
+  }
+
   /** Size the canvas to its place, and draw all. */
   draw() {
     const { canvas, context, bitmap } = this;
     const size = bitmap ?? this.job.plan?.picture ?? { width: 640, height: 480 };
     const ratio = window.devicePixelRatio || 1;
-    canvas.style.aspectRatio = `${size.width} / ${size.height}`;
-    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const shape = `${size.width} / ${size.height}`;
+    if (this.shape !== shape) canvas.style.aspectRatio = this.shape = shape;
+    const width = Math.max(1, Math.round((this.width ?? canvas.clientWidth) * ratio));
     const height = Math.max(1, Math.round((width * size.height) / size.width));
     if (canvas.width !== width || canvas.height !== height)
       [canvas.width, canvas.height] = [width, height];
     context.setTransform(1, 0, 0, 1, 0, 0);
     if (!bitmap) {
-      context.fillStyle = "#20252b";
-      context.fillRect(0, 0, width, height);
-      context.fillStyle = "#c8d0d8";
-      context.font = `${18 * ratio}px sans-serif`;
-      context.textAlign = "center";
-      context.fillText("no picture", width / 2, height / 2);
+      this.drawNothing(ratio);
       return;
     }
     context.drawImage(bitmap, 0, 0, width, height);
     this.scale = width / bitmap.width;
     this.drawCurves(ratio);
     this.extra?.(context, (px) => this.toScreen(px), ratio);
+  }
+
+  drawNothing(ratio) {
+    const { context, canvas } = this;
+    context.fillStyle = "#20252b";
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    context.fillStyle = "#c8d0d8";
+    context.font = `${18 * ratio}px sans-serif`;
+    context.textAlign = "center";
+    context.fillText("no image", canvas.width / 2, canvas.height / 2);
   }
 
   /** Pixel centres are whole numbers, canvas edges are: half a pixel between the two. */
@@ -116,61 +159,38 @@ export class Picture {
   }
 
   drawCurves(ratio) {
-    const { job } = this;
-    this.drawScale(ratio);
-    const curve = job.curve;
-    const behind = curve && this.header ? this.header.frame - curve.frame : null;
-    if (!curve || behind > OLD_FRAMES || behind < -OLD_FRAMES) {
+    const { job, context, canvas } = this;
+    const setting = job.plan?.picture;
+    if (setting?.px_per_mm) drawScaleBar(context, canvas, 10 * setting.px_per_mm * this.scale, ratio);
+    const curve = this.curve();
+    if (!curve) {
+      setText(this.error, "");
       setText(this.caption, this.header ? `frame ${this.header.frame}` : "");
       return;
     }
-    const width = 2.5 * ratio;
+    const toScreen = (points) => points.map((point) => this.toScreen(point));
+    if (curve.points_px?.length) drawCurve(context, toScreen(curve.points_px), canvas.width, ratio);
     if (curve.model?.points_px?.length)
-      this.line(curve.model.points_px, MODEL, width, [9 * ratio, 7 * ratio]);
-    if (curve.points_px?.length) this.line(curve.points_px, MEASURED, width, []);
+      drawPrediction(context, toScreen(curve.model.points_px), canvas.width, ratio);
+    const behind = this.header.frame - curve.frame;
     const late = behind > 0 ? `, its curve ${behind} frames behind` : "";
     const why = curve.ok ? "" : ` \u2014 no curve: ${curve.why}`;
     setText(this.caption, `frame ${this.header.frame}${late}${why}`);
+    setText(this.error, errorText(curve.model));
   }
 
-  line(points, colour, width, dash) {
-    const { context } = this;
-    context.lineJoin = context.lineCap = "round";
-    context.beginPath();
-    for (const point of points) context.lineTo(...this.toScreen(point));
-    for (const [stroke, extra] of [
-      ["rgba(0,0,0,0.75)", 2 * (window.devicePixelRatio || 1)],
-      [colour, 0],
-    ]) {
-      context.setLineDash(dash);
-      context.strokeStyle = stroke;
-      context.lineWidth = width + extra;
-      context.stroke();
-    }
-    context.setLineDash([]);
+  /** The newest curve, unless it belongs to quite another image. */
+  curve() {
+    const { curve } = this.job;
+    const behind = curve && this.header ? this.header.frame - curve.frame : null;
+    return behind === null || Math.abs(behind) > OLD_FRAMES ? null : curve;
   }
 
-  /** A bar of 10 mm, and a cross at the clamp. */
-  drawScale(ratio) {
-    const setting = this.job.plan?.picture;
-    if (!setting?.px_per_mm) return;
-    const { context, canvas } = this;
-    const long = 10 * setting.px_per_mm * this.scale;
-    const [x, y] = [canvas.width - long - 14 * ratio, canvas.height - 16 * ratio];
-    context.font = `600 ${13 * ratio}px sans-serif`;
-    context.textAlign = "center";
-    for (const [colour, width] of [
-      ["rgba(0,0,0,0.8)", 5],
-      ["#ffffff", 2.5],
-    ]) {
-      context.strokeStyle = context.fillStyle = colour;
-      context.lineWidth = width * ratio;
-      context.beginPath();
-      context.moveTo(x, y);
-      context.lineTo(x + long, y);
-      context.stroke();
-      if (width === 5) context.strokeText("10 mm", x + long / 2, y - 8 * ratio);
-      else context.fillText("10 mm", x + long / 2, y - 8 * ratio);
-    }
+  /** How old the image is, and at what rate images come. */
+  showAge() {
+    if (!this.header) return setText(this.age, "");
+    const { text, stale } = this.rate.said(performance.now(), this.job.ageOf(this.header));
+    setText(this.age, text);
+    this.age.dataset.stale = stale;
   }
 }

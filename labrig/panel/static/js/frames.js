@@ -1,0 +1,68 @@
+// One rhythm for all that is drawn: a frame of the browser costs as much for one change as for many.
+
+const TICK_MS = 33; // 30 times a second: two frames of a usual screen
+const SLACK_MS = 8; // a screen's frames do not come when we would like them
+const HIDDEN_MS = 300; // a hidden page gets no frames
+
+let waiting = new Set();
+let later = null; // while works run: what they ask for that has run in this tick already
+let done = null;
+const evenHidden = new WeakSet();
+let last = -Infinity;
+let asked = false;
+let fallback = null;
+
+/**
+ * Run `work` with the next tick, together with all others, once. Asked for within a tick it runs in
+ * that one. A hidden page has no ticks; there `whenHidden` works run by a timer.
+ */
+export function nextFrame(work, whenHidden = false) {
+  if (whenHidden) evenHidden.add(work);
+  if (done?.has(work)) later.add(work);
+  else waiting.add(work);
+  if (!done) ask();
+}
+
+/** Do not run it. */
+export function forgetFrame(work) {
+  waiting.delete(work);
+  later?.delete(work);
+}
+
+function ask() {
+  if (asked) return;
+  asked = true;
+  const wait = last + TICK_MS - SLACK_MS - performance.now();
+  if (wait > 0) setTimeout(() => requestAnimationFrame(tick), wait);
+  else requestAnimationFrame(tick);
+  fallback = setTimeout(tickHidden, HIDDEN_MS);
+}
+
+function tick() {
+  clearTimeout(fallback);
+  asked = false;
+  last = performance.now();
+  run(() => true);
+}
+
+function tickHidden() {
+  run((work) => evenHidden.has(work));
+  if (asked) fallback = setTimeout(tickHidden, HIDDEN_MS);
+}
+
+function run(wanted) {
+  [done, later] = [new Set(), new Set()];
+  for (const work of waiting) {
+    if (!wanted(work)) continue;
+    waiting.delete(work);
+    done.add(work);
+    try {
+      work();
+    } catch (error) {
+      reportError(error); // the others are drawn all the same
+    }
+  }
+  waiting = new Set([...waiting, ...later]);
+  done = later = null;
+  if (waiting.size) ask();
+}
