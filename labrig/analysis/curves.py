@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -87,9 +87,10 @@ def curve_jobs(
     optics: Optics,
     sheets: Mapping[str, SheetGeometry],
     extractor: str = BUILT_IN,
+    runs: Sequence[RunRecord] | None = None,
 ) -> Iterator[CurveJob]:
-    """Return one job for each run and voltage with frames, in the order of the runs."""
-    for run in session.runs:
+    """Return one job for each run (by default all) and voltage with frames, in their order."""
+    for run in session.runs if runs is None else runs:
         if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
             continue
         sheet = sheets[run.planned.configuration]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import print_table, progress, say, warn
-from labrig.errors import BadInputError, LabrigError
+from labrig.errors import LabrigError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
@@ -16,13 +16,10 @@ if TYPE_CHECKING:
 
 def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis:
     """Diagnose with a progress bar."""
+    from labrig.analysis.driven import require_driven
     from model.discrepancy import diagnose
 
-    if not any(c.voltage_V for c in measurements.conditions):
-        raise BadInputError(
-            "nothing was measured under voltage, so the EIBM is not known; measure at 0 V and at"
-            " one voltage at least."
-        )
+    require_driven(measurements)
     with progress("diagnose") as advance:
         return diagnose(measurements, options, lambda text, share: advance(share, text))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,8 @@ import typer
 from labrig.cli.screen import Advance, progress, say, warn
 from labrig.config import read_text
 from labrig.config.about import FILE as ABOUT
+from labrig.errors import ExitCode
+from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -101,12 +104,29 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
+        _hooks(plan, output) as hooks,
         _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)
-        rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub, resumption=resumption)
+        show.step("starting the simulated rig" if plan.rig.is_simulated else "loading drivers")
+        asked = operator if yes else NotifyingOperator(operator, hooks)
+        rig = wire(plan, asked, hub.emit)
+        result = run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
+        hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
+        return result
+
+
+@contextmanager
+def _hooks(plan: Plan, output: Path) -> Iterator[Hooks]:
+    """Yield the rig's hooks; what is still told when the session is over is waited for."""
+    hooks: Hooks | None = None
+    try:
+        with hooks_of(plan.rig.hooks, output.name, warn) as hooks:
+            yield hooks
+    finally:
+        if hooks is not None:
+            hooks.close()
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:
@@ -177,6 +197,13 @@ class RunDisplay:
         self._run_s = 0.0
         self._invalid: list[str] = []  # why, of this run's readings
         self._lost: list[str] = []  # of every run so far, a phrase each
+
+    def step(self, text: str) -> None:
+        """Show what is done next before the session begins."""
+        if sys.stderr.isatty():
+            self._advance(0.0, text)
+        else:
+            warn(f"session: {text}")
 
     def __call__(self, event: Event) -> None:
         """See `protocols.execution.event_bus`: called for each event."""

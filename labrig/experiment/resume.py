@@ -31,7 +31,8 @@ _BLOCK = 10_000  # samples in one event
 def resumed_plan(session: RecordedSession) -> Plan:
     """Return what was to be done, from the configuration that the session holds.
 
-    A world that its rig.toml names is looked for beside the session.
+    A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
+    that comes from elsewhere must not run commands here.
     """
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
@@ -40,7 +41,7 @@ def resumed_plan(session: RecordedSession) -> Plan:
         world = session.path.parent / rig.simulated.world
         simulated = rig.simulated.model_copy(update={"world": world})
         rig = rig.model_copy(update={"simulated": simulated})
-    return make_plan(rig, session.texts)
+    return make_plan(rig.model_copy(update={"hooks": None}), session.texts)
 
 
 def output_beside(session: Path) -> Path:

@@ -11,6 +11,7 @@ from labrig.library import CatalogueEntry, read_entry
 from labrig.panel.core.panel import Panel
 
 SUFFIX = ".h5"
+REFRESH_S = 1.0  # for files that have changed; the next request continues
 Session = Annotated[str, Query(max_length=400)]
 
 

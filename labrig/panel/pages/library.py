@@ -10,12 +10,11 @@ from labrig.library import CatalogueEntry, select
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
-from labrig.panel.pages._sessions import SUFFIX, shown
+from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, shown
 from labrig.panel.pages.interface import PanelPage, own_script
 from labrig.session import is_left_by_a_crash, recover
 
 router = APIRouter(prefix="/api/library")
-_BUDGET_S = 1.0  # to read files that have changed; the page asks again while some are left
 Short = Annotated[str, Query(max_length=200)]
 
 
@@ -32,7 +31,7 @@ def listed(
 ) -> Any:
     """Return the sessions that fit."""
     library = panel.library
-    pending = library.refresh(_BUDGET_S)
+    pending = library.refresh(REFRESH_S)
     entries = library.entries()
     found = select(entries, sort=sort, down=down, text=text, outcome=outcome, sheet=sheet)
     return {

@@ -29,6 +29,12 @@ class MarkBody(RequestModel):
     why: str = Field(min_length=1, max_length=200)
 
 
+class PauseBody(RequestModel):
+    """A pause after this position, or its end."""
+
+    on: bool
+
+
 class ModelBody(RequestModel):
     """Whose predicted curve is drawn."""
 
@@ -61,6 +67,15 @@ def stop_after_pulse(request: Request, panel: Here) -> Any:
     who = panel.acting(request)
     panel.jobs.ask({"do": "stop_after_pulse", "who": who})
     panel.actions.add(who, "asked for a stop after the pulse")
+    return {"ok": True}
+
+
+@router.post("/pause")
+def pause(request: Request, body: PauseBody, panel: Here) -> Any:
+    """Pause after this position, at 0 V, or continue."""
+    who = panel.acting(request)
+    panel.jobs.ask({"do": "pause", "on": body.on, "who": who})
+    panel.actions.add(who, "asked for a pause" if body.on else "ended the pause")
     return {"ok": True}
 
 

@@ -15,7 +15,7 @@ from starlette.background import BackgroundTask
 from labrig.errors import BadInputError
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here, Name, RequestModel
-from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
+from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
 from labrig.report.tables.devices import devices_as_table
@@ -26,13 +26,13 @@ from labrig.session.marks.mark import named
 
 router = APIRouter(prefix="/api/library")
 _MOST_LOG = 5000
-_REFRESH_S = 0.5
 
 
 @router.get("/session")
 def one(panel: Here, name: Session) -> Any:
     """One session, its runs and its log."""
     path = existing(panel.settings.data, name, SUFFIX)
+    pending = panel.library.refresh(REFRESH_S)  # a fit may have been written since
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
         found, stated = overview(session), session.about
@@ -45,6 +45,7 @@ def one(panel: Here, name: Session) -> Any:
         "devices": list(found.devices),
         "marks_table": list(found.marks),
         "about": about,
+        "pending": pending,
         "log": log,
     }
 
@@ -69,7 +70,7 @@ def add(request: Request, body: MarkBody, panel: Here) -> Any:
     add_mark(
         path, Mark(run=body.run, reading=body.reading, why=why, who=name, invalid=not body.undo)
     )
-    panel.library.refresh(_REFRESH_S)
+    panel.library.refresh(REFRESH_S)
     which = named(body.run, body.reading)
     did = f"took back the mark of {which}" if body.undo else f"marked {which} invalid"
     panel.log(who, f"{did} in {body.name}: {why}", note=False)

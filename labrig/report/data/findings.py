@@ -63,10 +63,18 @@ class Findings:
         return quality(self.session, self.measurements)
 
 
-def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Measurements:
+def measured(
+    path: Path,
+    progress: Progress,
+    tell: Callable[[str], None],
+    *,
+    processes: int | None = None,
+) -> Measurements:
     """Return a session's measurements, analysed now where that was not done or is out of date.
 
     `tell` reports it.
+
+    `processes`: how many search for curves at a time; by default as many as the computer allows.
     """
     with open_session(path) as session:
         known, outdated = session.has_measurements, session.outdated
@@ -78,7 +86,7 @@ def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Mea
     why = "runs or readings were marked since it was analysed" if outdated else "not analysed yet"
     tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
     chosen = stored_curve_extractor(path).partition(" ")[0] or BUILT_IN
-    return analyze(path, progress, workers=workers(), extractor=chosen)
+    return analyze(path, progress, workers=processes or workers(), extractor=chosen)
 
 
 def workers() -> int:

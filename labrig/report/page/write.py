@@ -50,7 +50,7 @@ def write_report(
     found = gather(session, progress, tell)
     make_folder(folder)
     with found.session:
-        content = report_content(found, FigureFolder(figures, formats), ordered())
+        content = report_content(found, FigureFolder(figures, formats), ordered(), progress)
         for text in content.left_out:
             tell(text)
         files = f"{_named(figures, folder)} as {' and '.join(one.upper() for one in formats)}"

@@ -15,7 +15,7 @@ import model.discrepancy
 from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
-from labrig.report.data.kept_diagnosis import kept_diagnosis
+from labrig.report.data.kept_diagnosis import keep_diagnosis, kept_diagnosis
 from labrig.report.diagnosis.figures import FIGURES
 from labrig.report.page.diagnosis import write_diagnosis
 from labrig.report.page.write import write_report
@@ -330,3 +330,31 @@ def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     found = json.loads(capsys.readouterr().out)
     assert found["protocol"]["extras"]["free_shapes"] is True
     assert found["separation_expected"] == 9.0
+
+
+def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded)]) == 0
+    kept = kept_diagnosis(recorded)
+    capsys.readouterr()
+    assert run(["next", str(recorded)]) == 0  # what the diagnosis has proposed
+    assert kept.next_measurement.why.rstrip(".") in capsys.readouterr().out
+    asked = []
+    keep_diagnosis(recorded, replace(kept, next_measurement=None))
+
+    def find(_measurements, between, _options):
+        asked.append(between)
+        return kept.next_measurement
+
+    monkeypatch.setattr(model.discrepancy, "next_measurement", find)
+    assert run(["next", str(recorded)]) == 0
+    assert asked == [("nonuniform_eibm", "load_cell_hysteresis")]
+
+
+def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, capsys):
+    finding(made.nothing_missing)
+    assert run(["diagnose", str(recorded)]) == 0
+    assert run(["next", str(recorded)]) == 2
+    assert "names no two effects that could be mistaken" in " ".join(
+        capsys.readouterr().err.split()
+    )

@@ -19,6 +19,7 @@ export class Job {
     this.alive = null;
     this.replay = null;
     this.model = null; // the panel's choice, not the job's
+    this.queue = null; // the panel's, too
     this.forget();
   }
 
@@ -32,13 +33,14 @@ export class Job {
       state: { state: "idle", run: null },
       output: null,
       prompt: null,
+      step: null, // of the beginning
+      pause: null, // whether one is asked for
       ended: null,
       curve: null,
       picture: null,
       preflight: null,
       weighing: null,
-      result: null, // of what was measured so far
-      analysis: null, // the job of analysis that was heard of last
+      result: null, // of what was measured so far: { session, configurations, convergence, ... }
       latest_s: null,
       now_run: null,
     });
@@ -189,6 +191,8 @@ const HANDLERS = {
   },
   plan: (job, m) => (job.plan = m),
   model: (job, m) => (job.model = m.name),
+  step: (job, m) => (job.step = m),
+  pause: (job, m) => (job.pause = m),
   started: (job, m) => (job.started = m),
   state: (job, m) => {
     job.state = m;
@@ -219,9 +223,9 @@ const HANDLERS = {
   },
   curve: (job, m) => (job.curve = m),
   preflight: (job, m) => (job.preflight = m),
+  queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
   result: (job, m) => (job.result = m),
-  analysis: (job, m) => (job.analysis = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

@@ -42,6 +42,7 @@ const PHASES = {
   leading_in: "LEADING IN",
   running: "RUNNING",
   tailing: "FINISHING",
+  paused: "PAUSED",
   stopping: "STOPPING",
   finished: "FINISHED",
   unknown: "UNKNOWN",
@@ -62,7 +63,7 @@ export function goingOf(job) {
     job.job.state === "starting" ||
     (job.going && job.job.kind === "run" && job.state.state === "idle")
   )
-    return { word: "STARTING", why: KINDS[job.job.kind] };
+    return { word: "STARTING", why: job.step?.text ?? KINDS[job.job.kind] };
   if (job.ended) return { word: job.ended.outcome.toUpperCase(), why: job.ended.reason };
   if (job.job.state === "ended") return { word: "ENDED", why: job.job.text ?? "" };
   if (job.job.kind !== "run")

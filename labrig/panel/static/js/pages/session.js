@@ -1,5 +1,6 @@
 // One session of the library: what it is, what came out, what can be done with it.
 
+import { mountAnalysis } from "../analysis.js";
 import { table } from "../data_page.js";
 import { h, put, setText } from "../dom.js";
 import { bytes, clock, digits, number, timesOf, volts, whenInZone } from "../format.js";
@@ -8,6 +9,8 @@ import { Notes } from "../notes.js";
 import { recoverButton, recoveredPlace } from "../recover.js";
 import { outcome } from "./library.js";
 import { SessionMarks } from "./session_marks.js";
+
+const AGAIN_MS = 500; // while the library has files to read, the fit may be one of them
 
 /** Rows of name and value that describe a session; used for comparing, too. */
 export function factsOf(session) {
@@ -70,6 +73,7 @@ export function mount(place, app, asked) {
   const name = asked.get("name");
   const body = h("div", { class: "session-two" }, h("p", { class: "muted" }, "reading\u2026"));
   const fault = h("p", { class: "fault", role: "alert" });
+  const analysis = h("div", { class: "card session-analysis" });
   const link = (words, href, more = {}) => h("a", { class: "button", href, ...more }, words);
   const file = (as) => `/api/library/export?${query({ name, as })}`;
   const resume = h("button", { type: "button", hidden: true, onclick: () => act() }, "Resume it");
@@ -99,24 +103,35 @@ export function mount(place, app, asked) {
       link("All sessions", "#/library"),
     ),
     fault,
+    analysis,
     body,
   );
   const notes = new Notes(app, name);
-  const marks = new SessionMarks(app, name, () => load());
-  const load = () => get(`/api/library/session?${query({ name })}`).then(
-    (session) => {
-      marks.show(session);
-      resume.hidden =
-        app.status?.mode !== "rig" ||
-        session.runs == null ||
-        session.runs_complete >= session.runs ||
-        session.outcome === "running";
-      put(body, facts(session), log(session), marks.element, (session.about ?? []).map(table), notes.element);
+  const marks = new SessionMarks(app, name, () => read());
+  let again = null;
+  const read = () =>
+    get(`/api/library/session?${query({ name })}`).then(
+      (session) => {
+        marks.show(session);
+        resume.hidden =
+          app.status?.mode !== "rig" ||
+          session.runs == null ||
+          session.runs_complete >= session.runs ||
+          session.outcome === "running";
+        put(body, facts(session), log(session), marks.element, (session.about ?? []).map(table), notes.element);
+        if (session.pending) again = setTimeout(read, AGAIN_MS);
+      },
+      (error) => put(body, unopened(app, name, error.message)),
+    );
+  read();
+  const analysed = mountAnalysis(analysis, app, name, read);
+  return {
+    destroy() {
+      clearTimeout(again);
+      analysed.destroy();
+      notes.destroy?.();
     },
-    (error) => put(body, unopened(app, name, error.message)),
-  );
-  load();
-  return notes;
+  };
 }
 
 /** Why it cannot be opened; where a crash has left it, with what can be done about that. */
