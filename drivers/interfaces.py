@@ -370,12 +370,14 @@ class Camera(Protocol):
 class Prompt:
     """Something the operator is asked to do before the run goes on."""
 
-    # move | moisten | mount | free | touch | remount | dead_weight | turn_over | confirm
+    # move | moisten | mount | free | touch | remount | dead_weight | turn_over | confirm | repeat
     kind: str
     text: str  # one sentence, ready to show
     configuration: str | None = None
     position_m: float | None = None
     load_N: float | None = None
+    # After so long without an answer it goes on as if that were yes; None: it waits
+    expires_s: float | None = None
 
 
 class Operator(Protocol):
@@ -386,7 +388,10 @@ class Operator(Protocol):
     """
 
     def ask(self, prompt: Prompt) -> bool:
-        """Show the prompt and wait for the answer: True, it is done; False, stop the session."""
+        """Show the prompt and wait for the answer: True, it is done; False, stop the session.
+
+        To `repeat`, True is to go on, and False is to measure the run of the prompt again.
+        """
 
 
 @runtime_checkable

@@ -16,6 +16,7 @@ from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, SignalInp
 READ_BACK_S = 0.02
 PATIENCE_S = 1.0  # a device that fails is tried again for so long
 DEVICE_S = 5.0  # a device that does not answer keeps the next one waiting for so long at most
+NOT_SAFE = "THE OUTPUT IS NOT KNOWN TO BE SAFE"
 _AGAIN_S = 0.05
 _FAILED = " failed: "  # between what was tried and why not, in most errors' texts
 _READ_BACKS = 10  # the voltage may need a moment to fall: 0.2 s in all
@@ -51,8 +52,7 @@ class SafetyReport:
         if self.is_safe:
             return f"the output is safe: 0 V written and {seen}" + (f" (but {why})" if why else "")
         return (
-            f"THE OUTPUT IS NOT KNOWN TO BE SAFE ({seen}): switch the amplifier off by hand; "
-            f"{why or 'no cause is known'}"
+            f"{NOT_SAFE} ({seen}): switch the amplifier off by hand; {why or 'no cause is known'}"
         )
 
 

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from labrig.model_file import save_model as save_model
     from labrig.panel.pages.interface import PanelPage as PanelPage
     from labrig.report.sections.interface import ReportSection as ReportSection
+    from labrig.session import Note as Note
+    from labrig.session import add_note as add_note
     from labrig.session import load_measurements as load_measurements
     from labrig.session import open_session as open_session
     from labrig.session import read_tables as read_tables
@@ -89,6 +91,8 @@ _HOMES = {
     "labrig.panel.pages.interface": ("PanelPage",),
     "labrig.report.sections.interface": ("ReportSection",),
     "labrig.session": (
+        "Note",
+        "add_note",
         "load_measurements",
         "open_session",
         "read_tables",

@@ -21,26 +21,46 @@ class Parameter:
     unit: str
     freedom: float = 1e4  # degrees of freedom behind sigma
     positive: bool = False  # its logarithm is what is uncertain, by sigma over value
+    low: float = -math.inf  # values beyond these bounds do not exist, such as a share above 1
+    high: float = math.inf
 
     def interval(self, probability: float = 0.9) -> tuple[float, float]:
-        """Return the central interval; Student's t for few degrees of freedom."""
-        from scipy.special import stdtrit  # slow to import
+        """Return the interval of highest density; Student's t for few degrees of freedom.
 
-        reach = float(stdtrit(self.freedom, 0.5 + 0.5 * probability)) * self.sigma
-        if self.positive and self.value > 0.0:
-            factor = math.exp(min(reach / self.value, FARTHEST))
-            return self.value / factor, self.value * factor
-        return self.value - reach, self.value + reach
+        The distribution ends at the bounds: the interval holds its share of what lies between them.
+        It is symmetric about the value, of its logarithm where `positive`, unless it meets a bound.
+        """
+        if self.sigma <= 0.0:
+            return self.value, self.value
+        logarithmic = self.positive and self.value > 0.0
+        scale = self.sigma / self.value if logarithmic else self.sigma
+        inside = self.low <= self.value <= self.high
+        least, most = (self.low, self.high) if inside else (-math.inf, math.inf)
+        first, last = (self._reach(bound, scale, logarithmic) for bound in (least, most))
+        low, high = _densest(probability, self.freedom, first, last)
+        if logarithmic:
+            ends = (self.value * _exp(low * scale), self.value * _exp(high * scale))
+        else:
+            ends = (self.value + low * scale, self.value + high * scale)
+        return max(ends[0], least), min(ends[1], most)  # but for rounding they are between
+
+    def _reach(self, bound: float, scale: float, logarithmic: bool) -> float:
+        """Return how many `scale` a bound is from the value."""
+        if not logarithmic:
+            return (bound - self.value) / scale
+        return math.log(bound / self.value) / scale if bound > 0.0 else -math.inf
 
     def scaled(self, factor: float, unit: str) -> Parameter:
         """Return the parameter in another unit, or divided by an exact number."""
-        sigma = self.sigma * abs(factor)
+        low, high = sorted((self.low * factor, self.high * factor)) if factor else (0.0, 0.0)
         return Parameter(
             value=self.value * factor,
-            sigma=sigma,
+            sigma=self.sigma * abs(factor),
             unit=unit,
             freedom=self.freedom,
             positive=self.positive,
+            low=low,
+            high=high,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -50,7 +70,8 @@ class Parameter:
             result["freedom"] = self.freedom
         if self.positive:
             result["positive"] = True
-        return result
+        bounds = {"low": self.low, "high": self.high}
+        return result | {key: bound for key, bound in bounds.items() if math.isfinite(bound)}
 
     def to_json(self) -> dict[str, Any]:
         """For `--json`."""
@@ -67,8 +88,35 @@ class Parameter:
         freedom = finite(data.get("freedom", 1e4), f"{where}.freedom")
         if sigma < 0.0 or freedom <= 0.0:
             raise ModelError(f"{where}: sigma must not be negative, freedom must be positive")
-        unit, positive = str(data.get("unit", "")), data.get("positive") is True
-        return Parameter(value=value, sigma=sigma, unit=unit, freedom=freedom, positive=positive)
+        low = finite(data["low"], f"{where}.low") if "low" in data else -math.inf
+        high = finite(data["high"], f"{where}.high") if "high" in data else math.inf
+        return Parameter(
+            value=value,
+            sigma=sigma,
+            unit=str(data.get("unit", "")),
+            freedom=freedom,
+            positive=data.get("positive") is True,
+            low=low,
+            high=high,
+        )
+
+
+def _densest(probability: float, freedom: float, first: float, last: float) -> tuple[float, float]:
+    """Return the ends that hold a share of Student's t between `first` < 0 and `last` > 0."""
+    from scipy.special import stdtr, stdtrit  # slow to import
+
+    below, above = float(stdtr(freedom, first)), float(stdtr(freedom, last))
+    mass = probability * (above - below)
+    reach = float(stdtrit(freedom, 0.5 + 0.5 * mass))
+    if -reach < first and -first <= last:
+        return first, float(stdtrit(freedom, below + mass))
+    if reach > last:
+        return float(stdtrit(freedom, above - mass)), last
+    return -reach, reach
+
+
+def _exp(exponent: float) -> float:
+    return math.exp(max(-FARTHEST, min(exponent, FARTHEST)))
 
 
 def finite(value: object, where: str) -> float:

@@ -31,7 +31,7 @@ class SimulatedOperator:
                 self._world.hang(prompt.load_N or 0.0)
             case "turn_over":
                 self._world.turn_over()
-            case "confirm":
+            case "confirm" | "repeat":  # it goes on
                 pass
             case other:
                 raise ValueError(f"the simulated operator does not know how to {other}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import stat
+import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -46,12 +47,16 @@ def without_password(source: str) -> str:
 
 def _driver(capture: Any) -> str:
     """Return OpenCV's version and backend; empty for a capture of another make."""
-    try:
-        import cv2
-
-        return f"OpenCV {cv2.__version__} {capture.getBackendName()}"
-    except (AttributeError, ImportError, cv2.error):
+    if "cv2" not in sys.modules:  # then it made no capture either
         return ""
+    import cv2
+
+    if not isinstance(capture, cv2.VideoCapture):
+        return ""
+    try:
+        return f"OpenCV {cv2.__version__} {capture.getBackendName()}"
+    except cv2.error:
+        return f"OpenCV {cv2.__version__}"
 
 
 def _by_kernel(source: int | str, v4l: Path) -> tuple[str, str]:

@@ -26,6 +26,7 @@ from drivers.guard.settings import (
     REPORT,
     GuardSettings,
 )
+from drivers.guard.suspect import sign_of
 from drivers.interfaces import DeviceError, DeviceTimeoutError, RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 
@@ -34,6 +35,8 @@ ACT_S = 30.0
 _END_S = 5.0
 _UNHEARD_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
 _BEAT_EVERY_S = 0.4 * HEARTBEAT_S
+_SIGN_EVERY_S = 0.1  # while the working loop does not beat
+_SIGN_AFTER_S = 3 * HEARTBEAT_S
 
 
 class Guard:
@@ -48,8 +51,12 @@ class Guard:
         self._energised = False
         self._last_beat_s = self._confirmed_s = self._clock.now()
         self._unconfirmed = 0
+        self._why = ""  # it has acted
+        self._loop_thread = threading.get_ident()  # that beats
+        self._ended = threading.Event()
         self._reader = threading.Thread(target=self._listen, name="guard", daemon=True)
         self._reader.start()
+        threading.Thread(target=self._give_signs, name="guard-signs", daemon=True).start()
 
     @classmethod
     def start(cls, settings: GuardSettings, timeout_s: float = START_S) -> Guard:
@@ -114,6 +121,7 @@ class Guard:
         if on and not self._energised:
             self._confirmed_s = self._last_beat_s = self._clock.now()
             self._unconfirmed = 0
+            self._loop_thread = threading.get_ident()
         self._energised = on
         self._send_if_heard(ENERGISED if on else AT_ZERO)
 
@@ -157,7 +165,8 @@ class Guard:
         if self.alive:
             return
         if self._report is not None:
-            raise DeviceError(f"the output guard has acted: {self._report.text}")
+            # What is known of the output is said by whoever reads it back after this.
+            raise DeviceError(f"the output guard has ended this run ({self._why})")
         raise DeviceError(
             "the output guard has ended or does not answer: the run must stop, since nobody would "
             "write 0 V if this program failed; start it again"
@@ -180,6 +189,14 @@ class Guard:
             if self._energised or data not in (AT_ZERO, BEAT, DISARM, ACT):
                 raise DeviceError(f"the output guard has ended ({fault})") from fault
 
+    def _give_signs(self) -> None:
+        """Its thread: where the working loop is, while that does not beat."""
+        while not self._ended.wait(_SIGN_EVERY_S):
+            silent_s = self._clock.now() - self._last_beat_s
+            if self._energised and silent_s > _SIGN_AFTER_S:
+                with suppress(DeviceError, ValueError):  # a guard that is gone: the loop notices
+                    self._send_if_heard(sign_of(self._loop_thread))
+
     def _listen(self) -> None:
         """Its thread: what the guard says."""
         pipe = self._process.stdout
@@ -191,7 +208,7 @@ class Guard:
                 self._confirmed_s = self._clock.now()
                 self._unconfirmed = 0
             elif word == REPORT:
-                self._report = report_from_json(rest)
+                self._why, self._report = json.loads(rest)["why"], report_from_json(rest)
             elif word == FAILED:
                 self._failure = rest
             if word in (READY, FAILED):
@@ -202,6 +219,7 @@ class Guard:
 
     def _end(self) -> None:
         """Close the pipes and wait; our own child, so it can be ended when it does not listen."""
+        self._ended.set()
         _close(self._process.stdin)
         try:
             self._process.wait(_END_S)

@@ -12,7 +12,8 @@ from drivers.interfaces import DeviceError
 HEARTBEAT_S = 0.05
 HEARTBEAT_LIMIT_S = 0.4
 
-# From the program, one byte each, after a first line with the settings as JSON.
+# From the program, one byte each, after a first line with the settings as JSON; and the life signs
+# of `suspect`, while it does not beat.
 BEAT, NEW_RUN, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"N", b"E", b"Z", b"D", b"A"
 # To the program, a line each.
 READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
@@ -27,6 +28,7 @@ class GuardSettings:
     time_under_voltage_s: float = 30.0  # in one run, all its pulses together
     heartbeat_limit_s: float = HEARTBEAT_LIMIT_S
     report_path: str | None = None  # where the guard leaves its report when it has acted
+    address: str = ""  # of the boards, for the words of the report
     program_pid: int = 0  # filled in by `Guard.start`
 
     def to_json(self) -> str:

@@ -16,10 +16,12 @@ from drivers.guard.settings import (
     NEW_RUN,
     GuardSettings,
 )
+from drivers.guard.suspect import SIGNS
 from drivers.interfaces import Clock
 
 _TICK_S = 0.02
 _STARVED_S = 0.1  # a tick this late was the computer's fault: the program may be as late
+_SIGN_S = 0.3  # a life sign older than this was before the program stood still
 _BACKSTOP = 1.02  # of the time under voltage: the program itself comes first
 
 
@@ -52,6 +54,14 @@ class ParentWatchdog:
         self._energised_s: float | None = None  # since when
         self._before_s = 0.0  # time under voltage of this run, before that
         self._heard_s = clock.now()
+        self._sign: tuple[bytes, float] | None = None  # the newest since the last beat, and when
+
+    @property
+    def sign(self) -> bytes | None:
+        """The life sign of a program that does not beat; None: it gives none."""
+        if self._sign is None or self._clock.now() - self._sign[1] > _SIGN_S:
+            return None
+        return self._sign[0]
 
     def until_end(self) -> Ending:
         """Block until the guard must act or may go."""
@@ -77,9 +87,13 @@ class ParentWatchdog:
             return None
         if not batch:
             return Ending.GONE
-        self._heard_s = self._clock.now()
+        now = self._clock.now()
         for number in batch:
             message = bytes([number])
+            if message in SIGNS:
+                self._sign = (message, now)
+                continue
+            self._heard_s, self._sign = now, None
             if message == DISARM:
                 return Ending.DISARMED
             if message == ACT:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of, turns_of
@@ -18,6 +20,9 @@ from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, open_session, store_measurements
 from model.measurements import Measurements, SheetGeometry, TimeSeries
 from protocols.planning.schedule import Purpose
+
+if TYPE_CHECKING:
+    from labrig.vision import Optics
 
 
 def analyze(
@@ -53,27 +58,52 @@ def measure(
         raise BadInputError(
             f"{session.path}: no run was recorded in it, so there is nothing to analyze."
         )
+    given = inputs_of(session)
+    forces = {run.planned.index: measure_forces(run, given.calibration) for run in session.runs}
+    seen, notes = _curves(session, given, progress, workers, extractor) if curves else ([], [])
+    warnings = [
+        *notes,
+        *wetting_warnings(session),
+        *dead_weight_warnings(session, forces, given.calibration),
+    ]
+    warnings += [text for each in seen for text in each.warnings]
+    return Measurements(
+        sheets=given.sheets,
+        conditions=conditions_of(session, forces, seen),
+        series=tuple(_series(session, given.calibration)),
+        source=session.path.name,
+        checksum=session.data_checksum,
+        warnings=tuple(warnings),
+    )
+
+
+@dataclass(frozen=True)
+class AnalysisInputs:
+    """What a session's analysis needs beside its runs."""
+
+    sheets: dict[str, SheetGeometry]
+    calibration: LoadCellCalibration
+    optics: Optics | None  # None: there are no curves
+    why_no_curves: str
+
+
+def inputs_of(session: RecordedSession) -> AnalysisInputs:
+    """Read them from the texts that the session holds. Raises BadInputError."""
     sheets = parse_sheet(_text(session, "sheet.toml"), f"{session.path}: sheet.toml")
     calibration = recorded_calibration(
         _text(session, "load_cell.toml"), f"{session.path}: load_cell.toml", session.resolved
     )
     _check_configurations(session, sheets)
-    forces = {run.planned.index: measure_forces(run, calibration) for run in session.runs}
-    seen, notes = _curves(session, sheets, progress, workers, extractor) if curves else ([], [])
-    warnings = [
-        *notes,
-        *wetting_warnings(session),
-        *dead_weight_warnings(session, forces, calibration),
-    ]
-    warnings += [text for each in seen for text in each.warnings]
-    return Measurements(
-        sheets=sheets,
-        conditions=conditions_of(session, forces, seen),
-        series=tuple(_series(session, calibration)),
-        source=session.path.name,
-        checksum=session.checksum,
-        warnings=tuple(warnings),
-    )
+    if session.frame_shape is None:
+        why = "The session was recorded without a camera; it has no curves."
+        return AnalysisInputs(sheets, calibration, None, why)
+    if "optics.json" not in session.texts:
+        why = "The session holds no optics.json; its frames cannot be measured."
+        return AnalysisInputs(sheets, calibration, None, why)
+    from labrig.vision import Optics
+
+    optics = Optics.from_json(session.texts["optics.json"], f"{session.path}: optics.json")
+    return AnalysisInputs(sheets, calibration, optics, "")
 
 
 def _text(session: RecordedSession, name: str) -> str:
@@ -94,24 +124,20 @@ def _check_configurations(session: RecordedSession, sheets: dict[str, SheetGeome
 
 def _curves(
     session: RecordedSession,
-    sheets: dict[str, SheetGeometry],
+    given: AnalysisInputs,
     progress: Progress | None,
     workers: int,
     extractor: str,
 ) -> tuple[list[ConditionCurves], list[str]]:
-    if session.frame_shape is None:
-        return [], ["The session was recorded without a camera; it has no curves."]
-    if "optics.json" not in session.texts:
-        return [], ["The session holds no optics.json; its frames cannot be measured."]
-    from labrig.vision import Optics
-
-    optics = Optics.from_json(session.texts["optics.json"], f"{session.path}: optics.json")
+    if given.optics is None:
+        return [], [given.why_no_curves]
     curves = measure_curves(
-        session, optics, sheets, progress=progress, workers=workers, extractor=extractor
-    )
+        session, given.optics, given.sheets,
+        progress=progress, workers=workers, extractor=extractor,
+    )  # fmt: skip
     made_by = _record_of(extractor)
     notes = [f"The curves are those of the curve extractor {made_by}."] if made_by else []
-    return curves, [*notes, *contact_warnings(session, sheets, curves, optics.px_per_m)]
+    return curves, [*notes, *contact_warnings(session, given.sheets, curves, given.optics.px_per_m)]
 
 
 def _record_of(extractor: str) -> str:

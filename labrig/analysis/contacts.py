@@ -31,7 +31,7 @@ def contact_warnings(
     warnings: list[str] = []
     shifts: list[float] = []
     for number, contacts in by_run.items():
-        run = session.runs[number]
+        run = session.run(number)
         shift = middle_position(contacts) - _stage_m(run)
         shifts.append(shift)
         if abs(shift) > tolerance_m(contacts):
@@ -91,7 +91,7 @@ def _other_radius(
 ) -> Iterator[str]:
     """Return the rolls' distance from the clamp, against the arc's radius."""
     ratios = [
-        contact.radius_m / sheets[session.runs[number].planned.configuration].arc_radius_m
+        contact.radius_m / sheets[session.run(number).planned.configuration].arc_radius_m
         for number, contacts in by_run.items()
         for contact in contacts
         if contact.rolls_m

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -72,7 +72,7 @@ def measure_curves(
     for done, curves in enumerate(_results(session, jobs, workers), start=1):
         found.append(curves)
         if progress is not None:
-            run = session.runs[curves.run].planned
+            run = session.run(curves.run).planned
             progress(done / len(jobs), f"{run.configuration}, {place_of(run.position_m)}")
     return found
 
@@ -87,9 +87,10 @@ def curve_jobs(
     optics: Optics,
     sheets: Mapping[str, SheetGeometry],
     extractor: str = BUILT_IN,
+    runs: Sequence[RunRecord] | None = None,
 ) -> Iterator[CurveJob]:
-    """Return one job for each run and voltage with frames, in the order of the runs."""
-    for run in session.runs:
+    """Return one job for each run (by default all) and voltage with frames, in their order."""
+    for run in session.runs if runs is None else runs:
         if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
             continue
         sheet = sheets[run.planned.configuration]
@@ -144,7 +145,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
     from labrig.vision import compare_with_frames, contact_from_image
 
-    run = session.runs[job.run]
+    run = session.run(job.run)
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
     warnings: list[str] = []
     mean = contact = None

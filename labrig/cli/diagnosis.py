@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import print_table, progress, say, warn
-from labrig.errors import BadInputError, LabrigError
+from labrig.errors import LabrigError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
@@ -16,13 +16,10 @@ if TYPE_CHECKING:
 
 def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis:
     """Diagnose with a progress bar."""
+    from labrig.analysis.driven import require_driven
     from model.discrepancy import diagnose
 
-    if not any(c.voltage_V for c in measurements.conditions):
-        raise BadInputError(
-            "nothing was measured under voltage, so there is no EIBM to be found; measure at 0 V"
-            " and at one voltage at least."
-        )
+    require_driven(measurements)
     with progress("diagnose") as advance:
         return diagnose(measurements, options, lambda text, share: advance(share, text))
 
@@ -43,12 +40,13 @@ def keep(session: Path, found: Diagnosis) -> None:
     try:
         keep_diagnosis(session, found)
     except LabrigError as error:
-        warn(f"not kept in the session: {error}")
+        warn(f"the diagnosis is not stored in the session: {error}")
 
 
 def print_diagnosis(found: Diagnosis) -> None:
-    """Print the whole diagnosis, in the order in which it was made."""
+    """Print the whole diagnosis in the order in which it was made."""
     from labrig.report.diagnosis import tables as made
+    from labrig.report.diagnosis.parameters import choice_table, parameter_table
 
     say(made.gap_sentence(found))
     print_noted_table(made.where_table(found))
@@ -60,7 +58,8 @@ def print_diagnosis(found: Diagnosis) -> None:
     for text in made.verdict_sentences(found):
         say(text)
     say()
-    print_noted_table(made.parameter_table(found))
+    print_noted_table(parameter_table(found))
+    print_noted_table(choice_table(found))
     print_noted_table(made.improvement_table(found))
     scatter = made.scatter_sentence(found)
     for text in [scatter] * bool(scatter) + made.further_sentences(found):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,8 @@ import typer
 from labrig.cli.screen import Advance, progress, say, warn
 from labrig.config import read_text
 from labrig.config.about import FILE as ABOUT
+from labrig.errors import ExitCode
+from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -38,6 +41,7 @@ from protocols.execution.events import (
 )
 from protocols.execution.stop import StopLevel, StopRequest
 
+_MOST_LINES = 3  # of readings that do not count, in one run; then its end says how many
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
 _AFTER_PULSE = "stopping after this pulse; Ctrl-C once more: at once"
 
@@ -100,12 +104,29 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
+        _hooks(plan, output) as hooks,
         _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)
-        rig = wire(plan, operator, hub.emit)
-        return run_session(rig, plan, output, stop, hub, resumption=resumption)
+        show.step("starting the simulated rig" if plan.rig.is_simulated else "loading drivers")
+        asked = operator if yes else NotifyingOperator(operator, hooks)
+        rig = wire(plan, asked, hub.emit)
+        result = run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
+        hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
+        return result
+
+
+@contextmanager
+def _hooks(plan: Plan, output: Path) -> Iterator[Hooks]:
+    """Yield the rig's hooks; what is still told when the session is over is waited for."""
+    hooks: Hooks | None = None
+    try:
+        with hooks_of(plan.rig.hooks, output.name, warn) as hooks:
+            yield hooks
+    finally:
+        if hooks is not None:
+            hooks.close()
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:
@@ -125,7 +146,7 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
 
 def finish(result: Result) -> None:
     """Print how a session ended; exit with its code unless that is 0."""
-    text = f"{result.path}: {result.outcome.value}: {result.status.text.rstrip('.')}."
+    text = f"{result.path}: {result.text}."
     if result.code:
         warn(f"labrig: {text}")
         raise typer.Exit(int(result.code))
@@ -173,7 +194,16 @@ class RunDisplay:
         self._output = OutputState.UNKNOWN
         self._run: PlannedRun | None = None  # the present or last one
         self._running = False
+        self._run_s = 0.0
         self._invalid: list[str] = []  # why, of this run's readings
+        self._lost: list[str] = []  # of every run so far, a phrase each
+
+    def step(self, text: str) -> None:
+        """Show what is done next before the session begins."""
+        if sys.stderr.isatty():
+            self._advance(0.0, text)
+        else:
+            warn(f"session: {text}")
 
     def __call__(self, event: Event) -> None:
         """See `protocols.execution.event_bus`: called for each event."""
@@ -182,43 +212,85 @@ class RunDisplay:
             warn(_AFTER_PULSE)
         if isinstance(event, RunStarted):
             self._run, self._running, self._invalid = event.run, True, []
-            self._report(0.0, "")
+            self._run_s = 0.0
+            self._report()
         elif isinstance(event, ReadingTaken) and self._run is not None:
-            self._invalid += [event.why] * (not event.valid)
-            fraction_s = self._run.time_of(event.planned)
-            self._report(fraction_s, f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
+            if not event.valid:
+                self._lose(event)
+            self._run_s = self._run.time_of(event.planned)
+            self._report(f"F = {1e3 * event.values[FORCE_N]:+.2f} mN")
         elif isinstance(event, RunStopped) and self._run is not None:
-            self._running = False
-            self._done_s += self._run.duration_s + self._move_s
-            if self._invalid:
-                warn(
-                    f"run {event.run + 1}: {len(self._invalid)} of {len(self._run.readings)} "
-                    f"readings are not valid: {'; '.join(dict.fromkeys(self._invalid))}"
-                )
-            if event.lost_samples or event.frames_dropped:
-                warn(
-                    f"run {event.run + 1}: {event.lost_samples} samples and "
-                    f"{event.frames_dropped} frames were lost"
-                )
+            self._stop_run(event, self._run)
         elif isinstance(event, OutputChanged):
             self._output = event.state
+            self._report()
             if self._running and event.state is OutputState.UNKNOWN:
                 warn(f"{event.why}; labrig keeps trying")
         elif isinstance(event, Warned):
             warn(f"warning: {event.text}")
-        elif isinstance(event, SessionStopped) and event.outcome is Outcome.COMPLETED:
-            self._advance(1.0, f"{len(self._runs)} runs done · output {event.output.value}")
+        elif isinstance(event, SessionStopped):
+            self._end(event)
 
-    def _report(self, run_s: float, force: str) -> None:
+    def _stop_run(self, event: RunStopped, run: PlannedRun) -> None:
+        self._running = False
+        if event.completed and run.repeats is None:
+            self._done_s += run.duration_s + self._move_s
+            self._run_s = 0.0
+        if self._invalid:
+            self._lost.append(
+                f"run {event.run + 1}: {len(self._invalid)} of {len(run.readings)} "
+                f"readings do not count: {'; '.join(dict.fromkeys(self._invalid))}"
+            )
+            warn(self._lost[-1])
+        if event.lost_samples or event.frames_dropped:
+            warn(
+                f"run {event.run + 1}: {event.lost_samples} samples and "
+                f"{event.frames_dropped} frames were lost"
+            )
+
+    def _lose(self, event: ReadingTaken) -> None:
+        """Report a reading that does not count, unless the run has lost many before it."""
+        self._invalid.append(event.why)
+        if len(self._invalid) <= _MOST_LINES:
+            warn(
+                f"run {event.run + 1}, reading {event.planned.index + 1} "
+                f"({event.planned.voltage_V:+g} V) does not count: {event.why}"
+            )
+
+    def _end(self, event: SessionStopped) -> None:
+        """Report how it ended, with what is known of the output now and not during the run."""
+        completed = event.outcome is Outcome.COMPLETED
+        where = f"{len(self._runs)} runs done" if completed else event.outcome.value
+        if not completed and self._run is not None:
+            where += f" in {_which(self._run, len(self._runs))}"
+        if len(self._lost) > 1:  # of one run it has just been said
+            warn("warning: readings were lost:")
+        for line in self._lost if len(self._lost) > 1 else ():
+            warn(f"  {line}")
+        safe = event.output is OutputState.SAFE
+        output = "output safe, read back" if safe else f"OUTPUT {event.output.value.upper()}"
+        self._advance(1.0 if completed else self._fraction, f"{where} · {output}", last=True)
+
+    @property
+    def _fraction(self) -> float:
+        return min((self._done_s + self._run_s) / max(self._whole_s, 1e-9), 1.0)
+
+    def _report(self, force: str = "") -> None:
         run = self._run
         if run is None:
             return
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
         parts = [
-            f"run {run.index + 1} of {len(self._runs)}",
+            _which(run, len(self._runs)),
             f"{run.configuration}, {where}",
             f"output {self._output.value}",
         ]
         if force:
             parts.append(force)
-        self._advance((self._done_s + run_s) / max(self._whole_s, 1e-9), " · ".join(parts))
+        self._advance(self._fraction, " · ".join(parts))
+
+
+def _which(run: PlannedRun, runs: int) -> str:
+    if run.repeats is not None:
+        return f"run {run.repeats + 1} of {runs} again"
+    return f"run {run.index + 1} of {runs}"

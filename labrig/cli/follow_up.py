@@ -70,5 +70,5 @@ class _AtTheRig:
             follows=follows,
             earlier=len(sessions),
         )
-        say(f"{result.path}: {result.outcome.value}: {result.status.text}.")
+        say(f"{result.path}: {result.text}.")
         return result.code

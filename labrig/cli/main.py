@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import sys
@@ -34,10 +35,30 @@ def main() -> None:
     sys.exit(code)
 
 
+_PLAIN = {
+    "\N{RIGHTWARDS ARROW}": "->",
+    "\N{MINUS SIGN}": "-",
+    "\N{EN DASH}": "-",
+    "\N{MICRO SIGN}": "u",
+    "\N{MIDDLE DOT}": " ",
+    "\N{PLUS-MINUS SIGN}": "+/-",
+    "\N{SUPERSCRIPT TWO}": "^2",
+}
+
+
 def show_what_can_be_shown() -> None:
     """Replace letters that standard output lacks: Windows gives a pipe its old code page."""
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")
+        codecs.register_error("labrig-plain", _plain_letters)
+        sys.stdout.reconfigure(errors="labrig-plain")
+
+
+def _plain_letters(error: UnicodeError) -> tuple[str, int]:
+    """Return the plain letters for those that cannot be encoded: -> for an arrow, ? for others."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(_PLAIN.get(letter, "?") for letter in lacking), error.end
 
 
 def _ignore_unraisable(_unraisable: object) -> None:

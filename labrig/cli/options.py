@@ -19,10 +19,15 @@ EachConfiguration = Annotated[
     list[str] | None, typer.Option(help="repeatable; by default all that the model has")
 ]
 
+FigureFormats = Annotated[
+    list[str] | None,
+    typer.Option("--format", help="of figures: png, svg, pdf; repeatable; default png and svg"),
+]
+
 # What `diagnose` and `next` measure the model against: sessions or CSV tables.
 Sessions = Annotated[
     list[Path] | None,
-    typer.Argument(help="a session; further ones of the same sheet are taken together with it"),
+    typer.Argument(help="a session; further ones of the same sheet are used together with it"),
 ]
 SheetFile = Annotated[
     Path | None, typer.Option(help="sheet.toml, with CSV tables instead of a session")
@@ -31,7 +36,7 @@ ForcesFile = Annotated[Path | None, typer.Option(help="forces.csv")]
 CurvesFile = Annotated[Path | None, typer.Option(help="curves.csv")]
 SignalsFile = Annotated[Path | None, typer.Option(help="signals.csv")]
 KnownModel = Annotated[
-    Path | None, typer.Option("--model", help="a model file, whose effects are taken as known")
+    Path | None, typer.Option("--model", help="a model file whose effects are known")
 ]
 Symmetric = Annotated[
     bool, typer.Option("--symmetric", help="one |EIBM| for both polarities: asymmetry is a finding")

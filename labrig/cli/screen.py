@@ -98,8 +98,11 @@ def _holds_numbers(rows: list[list[str]], column: int) -> bool:
 class Advance(Protocol):
     """Reports how far a job is: a fraction from 0 to 1, and what is being done."""
 
-    def __call__(self, fraction: float, text: str) -> None:
-        """Report the progress; called from time to time, returns at once."""
+    def __call__(self, fraction: float, text: str, *, last: bool = False) -> None:
+        """Report the progress; called from time to time, returns at once.
+
+        `last`: how the job ended, which is printed wherever it ended.
+        """
 
 
 @contextmanager
@@ -115,8 +118,10 @@ def progress(title: str) -> Iterator[Advance]:
     bar = Progress(*columns, console=terminal, transient=True)
     task = bar.add_task(title, total=1.0)
 
-    def advance(fraction: float, text: str) -> None:
+    def advance(fraction: float, text: str, *, last: bool = False) -> None:
         bar.update(task, completed=fraction, description=f"{title}: {text}" if text else title)
+        if last:  # the bar is removed with its line
+            warn(_line(title, fraction, text))
 
     _with_a_bar.append(terminal)
     try:
@@ -134,8 +139,14 @@ class _PlainProgress:
         self._title = title
         self._tenth = -1
 
-    def __call__(self, fraction: float, text: str) -> None:
+    def __call__(self, fraction: float, text: str, *, last: bool = False) -> None:
         tenth = int(fraction * 10 + 1e-9)
-        if tenth > self._tenth:
+        if last:
+            warn(_line(self._title, fraction, text))
+        elif tenth > self._tenth:
             self._tenth = tenth
-            warn(f"{self._title}: {10 * tenth} %{' - ' + text if text else ''}")
+            warn(_line(self._title, tenth / 10, text))
+
+
+def _line(title: str, fraction: float, text: str) -> str:
+    return f"{title}: {100 * fraction:.0f} %{' - ' + text if text else ''}"

@@ -16,6 +16,7 @@ from drivers.boards.contract import CURRENT, DRIVE, FORCE
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
 from labrig.config.derived import SIMULATED, raising_value_errors
+from labrig.config.hooks import HooksConfig
 from labrig.config.parts import (
     CAMERA,
     FORCE_SENSOR,
@@ -95,6 +96,9 @@ class RigConfig(ClosedModel):
     channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
     simulated: Simulated | None = None
+    hooks: HooksConfig | None = Field(
+        None, description="who is told when a session waits, has stopped or is done"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from drivers.interfaces import Prompt
 from labrig.errors import NotReadyError
+from protocols.execution.operator import REPEAT
 
 
 class ConsoleOperator:
@@ -21,7 +22,10 @@ class ConsoleOperator:
 
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
-        self._show(f"{prompt.text} Then press Enter (q and Enter: stop the session).")
+        if prompt.kind == REPEAT:
+            self._show(f"{prompt.text} (Enter: go on; r and Enter: again; Ctrl-C: stop)")
+        else:
+            self._show(f"{prompt.text} Then press Enter (q and Enter: stop the session).")
         self.waiting = True
         try:
             answer = sys.stdin.readline()
@@ -29,6 +33,8 @@ class ConsoleOperator:
             return False
         finally:
             self.waiting = False
+        if prompt.kind == REPEAT:  # who is not there to answer wants nothing repeated
+            return answer.strip().lower() not in {"r", "repeat", "again", "y", "yes"}
         if not answer:
             raise NotReadyError(
                 "Nobody is there to answer: standard input has ended. Run labrig in a terminal, or "
@@ -48,5 +54,6 @@ class NoOperator:
 
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
-        self._show(f"{prompt.text} (--yes: taken as done)")
+        taken = "not measured again" if prompt.kind == REPEAT else "taken as done"
+        self._show(f"{prompt.text} (--yes: {taken})")
         return True

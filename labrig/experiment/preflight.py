@@ -61,7 +61,7 @@ def _beside(rig: Path, name: str) -> Path:
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, check everything, close it. `folder` is where the session would go."""
-    checks = [*calibrations(plan), _names(plan), _disk(plan, folder)]
+    checks = [*calibrations(plan), _names(plan), disk_space([plan], folder)]
     try:
         with opened(rig):
             checks += open_rig_checks(rig, plan)
@@ -119,17 +119,23 @@ def _names(plan: Plan) -> Check:
     )
 
 
-def _disk(plan: Plan, folder: Path) -> Check:
-    columns, rows = (plan.optics.image_size if plan.optics else None) or (640, 480)
-    wanted = _FREE_MARGIN * estimated_size(plan, columns * rows if plan.rig.camera else 0)
+def disk_space(plans: Sequence[Plan], folder: Path) -> Check:
+    """Check whether all these sessions find room in a folder, which need not exist yet."""
+    wanted = _FREE_MARGIN * sum(_session_bytes(plan) for plan in plans)
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     free = shutil.disk_usage(there).free
     return Check(
         name="disk space",
         ok=free >= wanted,
         found=f"{free / 1e9:.1f} GB free",
-        wanted=f"at least {wanted / 1e9:.2f} GB for this session",
+        wanted=f"at least {wanted / 1e9:.2f} GB for "
+        + ("this session" if len(plans) == 1 else f"these {len(plans)} sessions"),
     )
+
+
+def _session_bytes(plan: Plan) -> int:
+    columns, rows = (plan.optics.image_size if plan.optics else None) or (640, 480)
+    return estimated_size(plan, columns * rows if plan.rig.camera else 0)
 
 
 def _boards(rig: Rig) -> Iterator[Check]:

@@ -26,6 +26,7 @@ from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from protocols.execution.events import Event, RunStarted, RunStopped
+from protocols.execution.operator import REPEAT
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
@@ -138,7 +139,7 @@ class Director:
     def follow(self, event: Event) -> None:
         """Told of each event before the first sample after it is read."""
         if isinstance(event, RunStarted):
-            self.run = self.session.runs[event.run.index]
+            self.run = self.session.run(event.run.index)
             self.start_s = event.sample_clock.start_s
             self._rate_hz = event.sample_clock.rate_hz
             self._samples = {name: self.run.signal_V(name) for name in self._names.values()}
@@ -233,11 +234,20 @@ class _RecordedStage:
 
 
 class _Done:
-    """Whatever is asked was done when the session was recorded, or nobody was asked then either."""
+    """Whatever is asked was done when the session was recorded, or nobody was asked then either.
+
+    Runs are measured again as they were.
+    """
 
     def __init__(self, session: RecordedSession) -> None:
         self.is_present = all(event.kind != "not asked" for event in session.events)
+        runs = [run.planned for run in session.runs if run.planned.repeats is not None]
+        self._repeated = [(run.configuration, run.position_m) for run in runs]
 
-    def ask(self, prompt: Prompt) -> bool:  # noqa: ARG002
+    def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
-        return True
+        place = (prompt.configuration, prompt.position_m)
+        if prompt.kind != REPEAT or place not in self._repeated:
+            return True
+        self._repeated.remove(place)
+        return False

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import datetime as dt
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,8 @@ _BLOCK = 10_000  # samples in one event
 def resumed_plan(session: RecordedSession) -> Plan:
     """Return what was to be done, from the configuration that the session holds.
 
-    A world that its rig.toml names is looked for beside the session.
+    A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
+    that comes from elsewhere must not run commands here.
     """
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
@@ -40,7 +41,7 @@ def resumed_plan(session: RecordedSession) -> Plan:
         world = session.path.parent / rig.simulated.world
         simulated = rig.simulated.model_copy(update={"world": world})
         rig = rig.model_copy(update={"simulated": simulated})
-    return make_plan(rig, session.texts)
+    return make_plan(rig.model_copy(update={"hooks": None}), session.texts)
 
 
 def output_beside(session: Path) -> Path:
@@ -62,7 +63,7 @@ class Resumption:
     def check(self, plan: Plan) -> None:
         """BadInputError unless the plan is the session's, and something is left to do."""
         path = self.session.path
-        if len(self.done) == len(self.session.runs):
+        if {run.index for run in self.session.schedule.runs} <= self.done:
             raise BadInputError(f"{path}: all its runs are complete; there is nothing to resume.")
         names = dict.fromkeys((*self.session.texts, *plan.texts))
         other = [
@@ -76,7 +77,9 @@ class Resumption:
                 f"{path}: {', '.join(other)} is not what this session was begun with; leave the "
                 "files out, and those that the session holds are used, or begin a new session."
             )
-        if plan.schedule != self.session.schedule:
+        # A session from before there were repeats has none, and is resumed all the same.
+        then = replace(self.session.schedule, repeats=plan.schedule.repeats)
+        if plan.schedule != then:
             raise BadInputError(
                 f"{path}: this labrig makes another schedule of the same protocol; finish it with "
                 f"the version that began it ({self.session.versions.get('labrig', 'not known')})."
@@ -155,14 +158,13 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
         block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
         yield ev.SignalsArrived(zero_s, planned.index, block)
     yield from _readings(run, zero_s)
-    for mark in run.marks:
-        reading = int(mark["reading"])
+    for mark in run.standing_marks.values():
         yield ev.ReadingMarked(
-            float(mark["time_s"]) + shift_s,
+            zero_s + planned.duration_s,
             run=planned.index,
-            reading=None if reading < 0 else reading,
-            why=str(mark["why"]),
-            who=str(mark["who"]),
+            reading=mark.reading,
+            why=mark.why,
+            who=mark.who,
         )
     yield ev.RunStopped(
         time_s=zero_s + planned.duration_s,

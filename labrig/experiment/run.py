@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drivers.interfaces import DeviceError
+from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
+from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan
 from labrig.experiment.preflight import open_rig_checks
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use
-from labrig.experiment.rig.rig import Rig, opened
+from labrig.experiment.rig.rig import DRIVE, Rig, Step, no_step, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
@@ -25,7 +27,7 @@ from protocols.execution.events import Event, Outcome, OutputState, RunStarted
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import Status
-from protocols.execution.stop import StopRequest
+from protocols.execution.stop import Pause, StopRequest
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,14 @@ class Result:
             return ExitCode.STOPPED
         return ExitCode.FAILED if self.status.energised_once else ExitCode.NOT_READY
 
+    @property
+    def text(self) -> str:
+        """How it ended, and what is known of the output now: it says what `code` says."""
+        text = f"{self.outcome.value}: {self.status.text.rstrip('.')}"
+        if self.status.output is OutputState.SAFE:
+            return f"{text}; the output is at 0 V, read back"
+        return text if NOT_SAFE in text else f"{text}; {NOT_SAFE}: switch the amplifier off by hand"
+
 
 def run_session(
     rig: Rig,
@@ -58,20 +68,23 @@ def run_session(
     check_first: bool = True,
     resumption: Resumption | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
+    on_step: Step = no_step,
 ) -> Result:
     """Open the rig, check that it is ready, run the whole schedule, record it at `path`.
 
     `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
     `check_first` the devices are taken as they are: a recording shows nothing between its runs.
     The complete runs of a `resumption` are copied instead of run.
+    `on_step` is called with each step of the beginning, in words.
     Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
     result: Result | None = None
     try:
-        with opened(rig), _ending_safely(rig) as shutdown:
+        with opened(rig, on_step), _ending_safely(rig) as shutdown:
             if check_first:
+                on_step("checking boards, load cell and camera")
                 _require_ready(rig, plan)
-            job = _Job(rig=rig, plan=plan, stop=stop, hub=hub, shutdown=shutdown)
+            job = _Job(rig=rig, plan=plan, stop=stop, hub=hub, shutdown=shutdown, on_step=on_step)
             result = _record(job, path, resumption, on_scheduler)
     except OutputUnknownError:
         # Of closing the devices. How the session ended says more, and what is known of the output.
@@ -86,11 +99,12 @@ def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
     with safe_shutdown(rig) as shutdown:
         try:
             yield shutdown
-        except Exception as error:
+        except BaseException as error:
             found = shutdown.report or shutdown.make_safe()
             if found.is_safe:
                 raise
-            raise OutputUnknownError(f"{found.text}; what ended the run: {error}") from error
+            ended = str(error) or type(error).__name__
+            raise OutputUnknownError(f"{found.text}; what ended the run: {ended}") from error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +116,7 @@ class _Job:
     stop: StopRequest
     hub: EventBus
     shutdown: SafeShutdown
+    on_step: Step
 
 
 def _record(
@@ -113,21 +128,27 @@ def _record(
     rig, hub = job.rig, job.hub
     if resumption is not None:
         resumption.check_rig(rig)
+    job.on_step("making the session file")
     writer = _writer(rig, job.plan, path)
+    pause = PauseFile(path)
+    pause.forget()
     hub.add_required("the session file", writer.handle)
     try:
         if resumption is not None:
             resumption.publish(writer.handle, rig.clock.now())
+        if not rig.config.is_simulated:
+            job.on_step("starting the output guard")
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
             hub.add_required("the output guard", _run_counter(watchdog))
-            scheduler = _scheduler(job)
+            scheduler = _scheduler(job, pause)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
             outcome = scheduler.run(job.plan.schedule, resumption.done if resumption else ())
     finally:
         hub.close()
         writer.close()
+        pause.forget()
     return Result(path, outcome, scheduler.status)
 
 
@@ -177,7 +198,12 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
     )
 
 
-def _scheduler(job: _Job) -> Scheduler:
+def _confirm_zero(rig: Rig) -> SafetyReport:
+    """Write 0 V and read it back between two runs; every device stays open."""
+    return make_safe(rig.output, rig.read_back, rig.clock, DRIVE, rig.config.limits.safe_below_V)
+
+
+def _scheduler(job: _Job, pause: PauseFile) -> Scheduler:
     rig, plan, shutdown = job.rig, job.plan, job.shutdown
     limits = rig.config.limits
     return Scheduler(
@@ -190,5 +216,6 @@ def _scheduler(job: _Job) -> Scheduler:
         rules=Rules(late_edge_s=plan.protocol.rules.late_edge_s),
         beat=shutdown.watchdog.beat,
         on_energised=shutdown.watchdog.energised,
+        pause=Pause(pause, lambda: _confirm_zero(rig)),
         keep_all_frames=plan.protocol.camera.keep_all_frames,
     )

@@ -120,4 +120,5 @@ def _settings(rig: Rig, session: Path) -> GuardSettings:
         place=output_place(rig.config),
         time_under_voltage_s=rig.config.limits.time_under_voltage_s + _GRACE_S,
         report_path=str(guard_report_path(session).absolute()),
+        address=str(getattr(rig.config.boards, "address", "")),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,10 +9,9 @@ from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.library.fits import Fits
 from labrig.serialise import to_plain
 from labrig.session import Note, RecordedSession, open_session
-
-Fits = dict[str, dict[str, Any]]  # by configuration
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,11 +33,16 @@ class CatalogueEntry:
     runs_complete: int = 0
     readings: int = 0
     invalid: int = 0
-    duration_s: float | None = None
+    duration_s: float | None = None  # by the session's own clock
+    clock: str = ""  # real or virtual
     analysed: bool = False
     largest_force_mN: float | None = None
     scatter_mN: float | None = None
-    checksum: str = ""
+    checksum: str = ""  # of the recording with its marks
+    earlier_checksums: tuple[str, ...] = ()  # of the same before marks were made after the end
+    marks: int = 0  # made after the end, or taken back
+    analysis_outdated: bool = False  # made before the last of them
+    fit_outdated: bool = False
     title: str = ""
     project: str = ""
     sample: str = ""  # its identity
@@ -101,11 +104,15 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         runs_complete=sum(run.completed for run in session.runs),
         readings=sum(len(rows) for rows in readings),
         invalid=sum(int((~rows["valid"]).sum()) for rows in readings),
-        duration_s=_duration_s(session.started, session.ended),
+        duration_s=session.duration_s,
+        clock=session.clock,
         analysed=session.has_measurements,
         largest_force_mN=largest_force_mN(means),
         scatter_mN=median_scatter_mN(means),
-        checksum=session.checksum if whole else "",
+        checksum=session.data_checksum if whole else "",
+        earlier_checksums=_earlier(session) if whole else (),
+        marks=len(session.marks_after_end),
+        analysis_outdated=bool(session.outdated),
         title=about.title,
         project=about.project,
         sample=about.sample.identity if about.sample else "",
@@ -128,15 +135,13 @@ def _words_of(note: Note) -> str:
     return f"{note.who} {note.text} {note.file_name}"
 
 
+def _earlier(session: RecordedSession) -> tuple[str, ...]:
+    """Return the checksums that the data had, but for the present one."""
+    now = session.data_checksum
+    return tuple(dict.fromkeys(each for each in session.data_checksums if each != now))
+
+
 def _sheets_of(session: RecordedSession) -> tuple[str, ...]:
     """Of a session that was imported and has no runs."""
     found = session.resolved.get("sheet", {})
     return tuple(found) if isinstance(found, dict) else ()
-
-
-def _duration_s(started: str, ended: str) -> float | None:
-    try:
-        span = dt.datetime.fromisoformat(ended) - dt.datetime.fromisoformat(started)
-    except (ValueError, TypeError):
-        return None
-    return span.total_seconds()

@@ -1,17 +1,42 @@
-"""What model files say of the sessions they were fitted to."""
+"""What model files say of the sessions they were fitted to.
+
+Of several model files of one session the library shows one: the newest that `labrig fit` wrote,
+which has no effects; only where there is none, the newest that `labrig diagnose` wrote.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from labrig.errors import LabrigError
-from labrig.library.entry import Fits
 from labrig.model_file import load_model
 from model import Along, ConfiguredSheet, ModelError, SheetModel
 
+Kind = Literal["constant", "along_sheet", "effects"]
+Rank = tuple[bool, int, str]  # without effects, time of the last change, name; the highest is shown
+# by configuration: B_Nm2, EIBM_Nm, ... and which file they are from
+Fits = dict[str, dict[str, Any]]
+
+# what the EIBM of a model file of each kind is
+QUANTITIES: Mapping[Kind, str] = {
+    "constant": "constant EIBM",
+    "along_sheet": "EIBM along the sheet, mean over [0, l]",
+    "effects": "EIBM without the effects, mean over [0, l]",
+}
 _BEGIN_BYTES = 4096
 _MARK = b"labrig_model"
+
+
+@dataclass(frozen=True)
+class ModelFits:
+    """One model file: the session it was fitted to, and its parameters by configuration."""
+
+    checksum: str  # of the session
+    kind: Kind
+    fits: Fits
 
 
 def looks_like_model(path: Path) -> bool:
@@ -23,26 +48,55 @@ def looks_like_model(path: Path) -> bool:
         return False
 
 
-def read_fits(path: Path) -> tuple[str, Fits] | None:
-    """Return the checksum of the session a model was fitted to, and its parameters, or None."""
+def read_fits(path: Path) -> ModelFits | None:
+    """Return what a model file holds; None where it cannot be read or names no session."""
     try:
         model = load_model(path)
     except (LabrigError, ModelError):
         return None
     if not model.checksum:
         return None
-    return model.checksum, {name: _fit(model, one) for name, one in model.sheets.items()}
+    kind = _kind(model)
+    fits = {name: _fit(model, name, one, kind) for name, one in model.sheets.items()}
+    return ModelFits(model.checksum, kind, fits)
 
 
-def _fit(model: SheetModel, one: ConfiguredSheet) -> dict[str, Any]:
+def shown_fits(files: Iterable[tuple[str, int, ModelFits]]) -> dict[str, tuple[Rank, Fits]]:
+    """Return the fits to show for each session, by its checksum, with their rank.
+
+    `files` are name, time of the last change and content of model files.
+    """
+    best: dict[str, tuple[Rank, Fits]] = {}
+    for name, changed, one in files:
+        rank = (one.kind != "effects", changed, name)
+        if one.checksum not in best or best[one.checksum][0] < rank:
+            named = {sheet: {**fit, "model": name} for sheet, fit in one.fits.items()}
+            best[one.checksum] = (rank, named)
+    return best
+
+
+def _kind(model: SheetModel) -> Kind:
+    if model.effects:
+        return "effects"
+    nodes = (len(along.s_m) for one in model.sheets.values() for along in one.eibm.values())
+    return "along_sheet" if max(nodes, default=1) > 1 else "constant"
+
+
+def _fit(model: SheetModel, name: str, one: ConfiguredSheet, kind: Kind) -> dict[str, Any]:
+    own = model.own_merit.get(name, {})
     return {
         "B_Nm2": one.B.value,
         "B_sigma": one.B.sigma,
         "E_Pa": one.E.value,
         "EIBM_Nm": {str(float(v)): one.mean_eibm(v) for v in sorted(one.eibm)},
         "EIBM_sigma": {str(float(v)): _sigma(along) for v, along in sorted(one.eibm.items())},
-        "rmse_force_mN": _milli(model.merit.get("force_rmse_N")),
-        "rmse_curve_mm": _milli(model.merit.get("curve_rmse_m")),
+        "EIBM_quantity": QUANTITIES[kind],
+        "kind": kind,
+        # of this configuration; files of older versions state those of all together only
+        "rmse_force_mN": _milli(own.get("force_rmse_N")),
+        "rmse_curve_mm": _milli(own.get("curve_rmse_m")),
+        "rmse_all_force_mN": _milli(model.merit.get("force_rmse_N")),
+        "rmse_all_curve_mm": _milli(model.merit.get("curve_rmse_m")),
     }
 
 

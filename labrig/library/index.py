@@ -5,17 +5,17 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from labrig.errors import BadInputError
-from labrig.library.entry import CatalogueEntry, Fits, read_entry
-from labrig.library.fits import looks_like_model, read_fits
+from labrig.library.entry import CatalogueEntry, read_entry
+from labrig.library.fits import Fits, ModelFits, Rank, looks_like_model, read_fits, shown_fits
 from labrig.serialise import from_json, to_json
 
-VERSION = 2  # of what is kept
+VERSION = 3  # of what is kept
 KEPT = ".labrig/library.json"
 MOST_FILES = 100_000
 MOST_MODEL_BYTES = 1 << 20
@@ -32,7 +32,7 @@ class _Known:
 
     stamp: Stamp
     entry: CatalogueEntry | None = None
-    fits: tuple[str, Fits] | None = None
+    fits: ModelFits | None = None
 
 
 @dataclass(frozen=True)
@@ -62,22 +62,13 @@ class Library:
             return self._refresh(budget_s, advance)
 
     def entries(self) -> list[CatalogueEntry]:
-        """All sessions as they were at the last `refresh`, with the fit of the newest model."""
+        """All sessions as they were at the last `refresh`, with the fit that `fits` chooses."""
         with self._lock:
-            known = list(self._known.values())
-        fits: dict[str, tuple[int, Fits]] = {}
-        for one in known:
-            if one.fits is not None:
-                checksum, found = one.fits
-                if checksum not in fits or fits[checksum][0] < one.stamp[0]:
-                    fits[checksum] = (one.stamp[0], found)
-        return [
-            replace(one.entry, fit=fits[one.entry.checksum][1])
-            if one.entry.checksum in fits
-            else one.entry
-            for one in known
-            if one.entry is not None
-        ]
+            known = dict(self._known)
+        fits = shown_fits(
+            (name, one.stamp[0], one.fits) for name, one in known.items() if one.fits is not None
+        )
+        return [with_fit(one.entry, fits) for one in known.values() if one.entry is not None]
 
     def _refresh(self, budget_s: float | None, advance: Advance | None) -> int:
         end_s = None if budget_s is None else time.monotonic() + budget_s
@@ -92,7 +83,8 @@ class Library:
             del self._known[name]
         saved_s = time.monotonic()
         for count, name in enumerate(changed):
-            if end_s is not None and time.monotonic() > end_s:
+            # One at least, or a slow disk would keep whoever asks again and again waiting for ever.
+            if count and end_s is not None and time.monotonic() > end_s:
                 self._save()
                 return len(changed) - count
             self._known[name] = _look(self.folder / name, name, there[name])
@@ -154,3 +146,13 @@ def _load(path: Path) -> dict[str, _Known]:
     except (OSError, ValueError):
         return {}
     return kept.files if kept.version == VERSION else {}
+
+
+def with_fit(entry: CatalogueEntry, fits: Mapping[str, tuple[Rank, Fits]]) -> CatalogueEntry:
+    """Add the fit to the data as they are, else the one to those before the last marks."""
+    if entry.checksum in fits:
+        return replace(entry, fit=fits[entry.checksum][1])
+    earlier = [fits[checksum] for checksum in entry.earlier_checksums if checksum in fits]
+    if not earlier:
+        return entry
+    return replace(entry, fit=max(earlier, key=lambda fit: fit[0])[1], fit_outdated=True)

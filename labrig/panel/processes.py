@@ -1,14 +1,18 @@
-"""What is the same for every process that the panel starts."""
+"""What is the same for every process that the panel starts, and for ending it with its children."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import TypedDict
 
 _ROOT = Path(__file__).resolve().parents[2]
+LOWER_BY = 10  # nice steps of what must not slow a run down
+LOWEST_PRIORITY = 19
 
 
 class Detached(TypedDict):
@@ -31,3 +35,38 @@ def detached() -> Detached:
     if sys.platform == "win32":
         flags = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
     return {"start_new_session": sys.platform != "win32", "creationflags": flags}
+
+
+def in_background() -> Detached:
+    """Return the same for a process that computes: on Windows its priority is low from the start.
+
+    Elsewhere `lower_priority` does that when it is needed.
+    """
+    options = detached()
+    if sys.platform == "win32":
+        options["creationflags"] |= subprocess.BELOW_NORMAL_PRIORITY_CLASS
+    return options
+
+
+def lower_priority(leader: int) -> None:
+    """Lower the priority of a detached process and all its children; it cannot be raised again."""
+    if sys.platform != "win32":
+        with suppress(OSError):  # it has just ended
+            now = os.getpriority(os.PRIO_PGRP, leader)
+            os.setpriority(os.PRIO_PGRP, leader, min(LOWEST_PRIORITY, now + LOWER_BY))
+
+
+def end_with_children(leader: int) -> None:
+    """End a detached process and all its children at once; nothing happens if it has ended."""
+    if sys.platform == "win32":
+        command = ["taskkill", "/F", "/T", "/PID", str(leader)]
+        subprocess.run(command, capture_output=True, check=False)
+        return
+    with suppress(OSError):
+        os.killpg(leader, signal.SIGKILL)
+
+
+def be_ended_first() -> None:
+    """Have the system end this process and its children, not a run, when memory is short."""
+    with suppress(OSError):  # Linux only
+        Path("/proc/self/oom_score_adj").write_text("1000", encoding="ascii")

@@ -28,6 +28,7 @@ from model.effects.interface import Effect
 from model.measurements import Measurements, ModelError
 
 Progress = Callable[[str, float], None]
+_SEARCH_FROM, _SEARCH_TO = 0.05, 0.7  # of the time that a diagnosis takes
 
 
 def diagnose(
@@ -40,21 +41,26 @@ def diagnose(
     say("fitting the base model", 0.0)
     ready = prepare(measurements, options)
     effects = _effects(options)
-    say("searching", 0.2)
+
+    def searching(step: str, share: float) -> None:
+        say(step, _SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share)
+
     enough = setups(ready) >= FEWEST_SETUPS
     limit, limit_from = EVIDENCE_THRESHOLD_LN, "the built-in value"
     if not enough:
         limit, limit_from = np.inf, "nothing is named: too few set-ups"
-    outcome = search(ready.problem, ready.theta, effects, limit, options.most_effects, ready.found)
+    outcome = search(
+        ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
+    )
     if options.calibrate and enough:
         pool = [*candidates(outcome.base, effects), *unknowns(outcome.base)]
         gains = null_gains(outcome.base, pool, options.calibrate, options.seed, progress)
         limit = threshold(gains)
-        limit_from = f"{options.calibrate} simulated sessions with nothing missing"
+        limit_from = f"{options.calibrate} simulated sessions of the base model"
         outcome = search(
-            ready.problem, ready.theta, effects, limit, options.most_effects, ready.found
+            ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
         )
-    say("judging", 0.8)
+    say("comparing with other explanations", _SEARCH_TO)
     finding = Finding(
         measurements=measurements,
         options=options,

@@ -32,7 +32,7 @@ class Options:
     symmetric: bool = False  # one |EIBM| for both polarities
     # positions to leave out of the fit: (configuration or "" for all, position in m)
     hold_out: tuple[tuple[str, float], ...] = ()
-    calibrate: int = 0  # sessions simulated with nothing missing, from which the threshold comes
+    calibrate: int = 0  # sessions simulated with the base model, from which the threshold comes
     seed: int = 0  # of these
     exclude: tuple[str, ...] = ()  # effects that are not to be considered
     model: SheetModel | None = None  # whose effects are taken as known

@@ -62,6 +62,14 @@ class EffectParameter:
     starting_values: tuple[float, ...] = ()
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
 
+    def meaning_of(self, value: float) -> str:
+        """Return what a value stands for: by `meaning`, as in "0: evenly; 1: slower", or itself."""
+        for clause in self.meaning.split("; "):
+            number, colon, text = clause.partition(": ")
+            if colon and number == f"{value:g}":
+                return text
+        return f"{value:g} {self.unit}".strip()
+
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
@@ -90,6 +98,11 @@ class Effect:
     def amplitude(self) -> EffectParameter:
         """The parameter that says how much of the effect there is."""
         return self.parameters[0]
+
+    @property
+    def choices(self) -> tuple[EffectParameter, ...]:
+        """Parameters that are chosen among the values tried and not estimated."""
+        return tuple(p for p in self.parameters[1:] if not p.log and len(p.starting_values) > 1)
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """Return the changed problem; `contact` is its present solution."""

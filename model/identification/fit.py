@@ -11,7 +11,7 @@ from model.identification.joint import Joint, joint_fit
 from model.identification.observations import Observed, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
-from model.identification.residuals import ConditionResidual, Rmse, residuals, rmse
+from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
 from model.measurements import FloatArray, Measurements, ModelError
 from model.parameter import Parameter
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
@@ -96,11 +96,12 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     ]  # fmt: skip
     rows = residuals(observed, models[0], models[1])
     errors = {kind: rmse(rows, kind) for kind in ("constant", "varying")}
-    done = []
-    for model, kind in zip(models, ("constant", "varying"), strict=True):
-        merit = {"force_rmse_N": errors[kind].force_N, "curve_rmse_m": errors[kind].curve_m}
-        done.append(replace(model, merit={k: v for k, v in merit.items() if np.isfinite(v)}))
     configurations = {name: part.table(rows) for name, part in parts.items()}
+    done = []
+    kinds: tuple[Kind, ...] = ("constant", "varying")
+    for model, kind in zip(models, kinds, strict=True):
+        own = {name: _merit(one.rmse[kind]) for name, one in configurations.items()}
+        done.append(replace(model, merit=_merit(errors[kind]), own_merit=own))
     notes = _notes(measurements, parts, configurations, rows, ratio)
     return Fit(
         model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
@@ -108,6 +109,12 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio, notes=notes,
         options=options, joint=joint,
     )  # fmt: skip
+
+
+def _merit(errors: Rmse) -> dict[str, float]:
+    """Return the errors as a model file states them: those that exist."""
+    merit = {"force_rmse_N": errors.force_N, "curve_rmse_m": errors.curve_m}
+    return {name: value for name, value in merit.items() if np.isfinite(value)}
 
 
 class _Part:

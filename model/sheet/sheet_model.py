@@ -109,7 +109,9 @@ class SheetModel:
     source: str = ""  # the file it was fitted to
     checksum: str = ""  # sha256 of that file
     held_out: tuple[str, ...] = ()  # conditions that were left out
-    merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit
+    merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit; of all sheets
+    # the same of each configuration alone, where the file states it
+    own_merit: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -175,7 +177,10 @@ class SheetModel:
                 "file": self.source, "sha256": self.checksum, "held_out": list(self.held_out)
             },
             "figures_of_merit": dict(self.merit),
-            "configurations": {name: _sheet_to_dict(one) for name, one in self.sheets.items()},
+            "configurations": {
+                name: _sheet_to_dict(one, self.own_merit.get(name, {}))
+                for name, one in self.sheets.items()
+            },
             "effects": [e.to_dict() for e in self.effects],
         }  # fmt: skip
 
@@ -191,15 +196,16 @@ class SheetModel:
         effects = data.get("effects", [])
         if not isinstance(effects, list):
             raise ModelError("effects: a list of tables is wanted")
-        merit = data.get("figures_of_merit", {})
+        known = {name: _sheet_from_dict(name, one) for name, one in sheets.items()}
+        own = {name: _merit(one, f"configurations.{name}.") for name, one in sheets.items()}
         return SheetModel(
-            sheets={name: _sheet_from_dict(name, one) for name, one in sheets.items()},
+            sheets=known,
             effects=tuple(
                 ActiveEffect.from_dict(e, f"effects[{i}]") for i, e in enumerate(effects)
             ),
             source=str(fitted.get("file", "")), checksum=str(fitted.get("sha256", "")),
             held_out=tuple(str(c) for c in fitted.get("held_out", [])),
-            merit={str(k): finite(v, f"figures_of_merit.{k}") for k, v in dict(merit).items()},
+            merit=_merit(data), own_merit={name: merit for name, merit in own.items() if merit},
         )  # fmt: skip
 
 
@@ -210,7 +216,15 @@ _LENGTHS = {
 }  # fmt: skip
 
 
-def _sheet_to_dict(one: ConfiguredSheet) -> dict[str, Any]:
+def _merit(data: dict[str, Any], where: str = "") -> dict[str, float]:
+    """Return the figures of merit of a model file or of one of its configurations."""
+    merit = data.get("figures_of_merit", {})
+    if not isinstance(merit, dict):
+        raise ModelError(f"{where}figures_of_merit: a table is wanted")
+    return {str(k): finite(v, f"{where}figures_of_merit.{k}") for k, v in merit.items()}
+
+
+def _sheet_to_dict(one: ConfiguredSheet, merit: Mapping[str, float]) -> dict[str, Any]:
     geometry: dict[str, Any] = {
         key: round(getattr(one.sheet, name) * 1e3, 12) for key, name in _LENGTHS.items()
     }
@@ -222,6 +236,7 @@ def _sheet_to_dict(one: ConfiguredSheet) -> dict[str, Any]:
         "E_Pa": one.E.to_dict(),
         "initial_curvature": one.rest.to_dict(),
         "eibm": {str(float(v)): along.to_dict() for v, along in sorted(one.eibm.items())},
+        **({"figures_of_merit": dict(merit)} if merit else {}),
     }
 
 

@@ -1,11 +1,23 @@
-"""The operator, with every question and answer told as an event."""
+"""What is asked of the operator: every question and answer as an event, and runs offered again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from drivers.interfaces import Clock, Operator, Prompt
-from protocols.execution.events import Event, OperatorAnswered, OperatorAsked, OperatorNotAsked
+from protocols.execution.events import (
+    Event,
+    OperatorAnswered,
+    OperatorAsked,
+    OperatorNotAsked,
+    ReadingTaken,
+)
+from protocols.planning.preparation import Action
+from protocols.planning.schedule import PlannedReading, PlannedRun, ReadingKind, Schedule
+
+REPEAT = "repeat"  # kind of the prompt; True: go on without them, False: measure the run again
+EXPIRES_S = 120.0  # a session that nobody attends does not wait for ever
+_DISMOUNTING = frozenset({"mount", "remount", "turn_over", "dead_weight"})
 
 
 class RecordedOperator:
@@ -29,3 +41,57 @@ class RecordedOperator:
         done = self._operator.ask(prompt)
         self._emit(OperatorAnswered(self._clock.now(), prompt, done))
         return done
+
+
+class LostReadings:
+    """Which readings of which run do not count. Discarded ones would not have counted anyhow."""
+
+    def __init__(self) -> None:
+        self._why: dict[int, dict[int, str]] = {}
+
+    def note(self, event: ReadingTaken) -> None:
+        """Note a reading that is not valid."""
+        if not event.valid and event.planned.kind is not ReadingKind.DISCARDED:
+            self._why.setdefault(event.run, {})[event.planned.index] = event.why
+
+    def of(self, run: PlannedRun) -> dict[int, str]:
+        """Return why each of a run's readings does not count, by index."""
+        return self._why.get(run.index, {})
+
+
+def counting(run: PlannedRun) -> list[PlannedReading]:
+    """Return the readings that would count."""
+    return [each for each in run.readings if each.kind is not ReadingKind.DISCARDED]
+
+
+def dismounts(actions: list[Action]) -> bool:
+    """Whether the sheet as it is mounted is gone after these."""
+    return any(isinstance(each, Prompt) and each.kind in _DISMOUNTING for each in actions)
+
+
+def offers(schedule: Schedule, mounted: list[PlannedRun], lost: LostReadings) -> Iterator[
+    tuple[Prompt, PlannedRun]
+]:  # fmt: skip
+    """Yield for each run with lost readings what to ask, and the run that repeats it."""
+    spare = {run.repeats: run for run in schedule.repeats}
+    for run in mounted:
+        why = lost.of(run)
+        if why and run.index in spare:
+            yield _offer(run, why), spare[run.index]
+
+
+def _offer(run: PlannedRun, why: dict[int, str]) -> Prompt:
+    where = "free" if run.position_m is None else f"{run.position_m * 1e3:g} mm"
+    reasons = "; ".join(dict.fromkeys(why.values()))
+    text = (
+        f"{len(why)} of {len(counting(run))} readings of run {run.index + 1} ({run.configuration}, "
+        f"{where}) do not count: {reasons}. The sheet is still mounted: go on without them, or "
+        f"measure this run again now? (After {EXPIRES_S:g} s it goes on.)"
+    )
+    return Prompt(
+        kind=REPEAT,
+        text=text,
+        configuration=run.configuration,
+        position_m=run.position_m,
+        expires_s=EXPIRES_S,
+    )

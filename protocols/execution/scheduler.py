@@ -30,6 +30,7 @@ PREPARING   0 V                           operator and stage may take any time; 
 LEADING_IN  0 V                           signals and camera are acquired before the first step
 RUNNING     as the schedule says          `beat` at least every 50 ms while energised
 TAILING     0 V                           acquisition until the last reading is complete
+PAUSED      0 V, read back                after TAILING, where a pause is asked for; then PREPARING
 STOPPING    0 V is written first          `make_safe` is called once; no other voltage is written
 FINISHED    0 V, read back                `SessionStopped` was the last event; `status` says why
 UNKNOWN     may be live                   as FINISHED; the reason says what hands must do
@@ -44,6 +45,8 @@ Who causes a transition:
 - The operator causes STOPPING by answering "no"; so does a stage whose move is not done.
 - A device (`DeviceError`), a required subscriber (`SubscriberError`), the overload check or any
   other exception causes STOPPING. 0 V is written before an event is emitted about it.
+- `Pause.request` causes PAUSED when the present run is complete and another one follows, and ends
+  it; so does a stop. A read-back other than 0 V causes STOPPING.
 - `mark` changes no state; it may be called from any thread until FINISHED or UNKNOWN.
 """
 
@@ -59,6 +62,7 @@ from protocols.errors import ScheduleError
 from protocols.execution.devices import Devices
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
+    ActionTaken,
     Event,
     Outcome,
     OutputState,
@@ -69,13 +73,13 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.operator import RecordedOperator
+from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.run_loop import Loop, RunLoop, Stopped
 from protocols.execution.states import FinishReason, RunState, Status
-from protocols.execution.stop import StopLevel, StopRequest
-from protocols.planning.limits import SafetyLimits, check_schedule
+from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
+from protocols.planning.limits import SafetyLimits, check_schedule, limit_faults
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule
 
@@ -127,6 +131,7 @@ class Scheduler:
         beat: Callable[[], None] = _no_beat,
         on_energised: Callable[[bool], None] = _no_guard,
         keep_all_frames: bool = False,
+        pause: Pause | None = None,
         wall: Callable[[], str] = utc_now,
     ) -> None:
         self._devices = devices
@@ -138,6 +143,7 @@ class Scheduler:
         timing = timing or LoopTiming()
         self._make_safe = make_safe
         self._wall = wall
+        self._pause = pause
         self._emit_lock = threading.RLock()
         operator = devices.operator
         if not isinstance(operator, RecordedOperator):
@@ -161,6 +167,8 @@ class Scheduler:
         self._wetted_s: float | None = None
         self._started: set[int] = set()
         self._acquired: set[tuple[int, int]] = set()
+        self._lost = LostReadings()
+        self._mounted: list[PlannedRun] = []  # done since the sheet was mounted
 
     @property
     def status(self) -> Status:
@@ -203,14 +211,55 @@ class Scheduler:
         self._devices.rows()
         self._output.write(0.0)
         self._output.report("the session begins at 0 V")
+        before: PlannedRun | None = None
         for run in schedule.runs:
             if run.index in done:
                 continue
-            self._enter(RunState.PREPARING, run.index)
-            stage_position_m = self._prepare(run)
-            RunLoop(
-                self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s
-            ).execute()
+            if before is not None:
+                self._pause_if_asked(before, run)
+            if dismounts(preparation(self._situation, run)[0]):
+                self._offer_repeats(schedule)
+            self._execute(run, schedule)
+            self._mounted.append(run)
+            before = run
+        self._offer_repeats(schedule)
+
+    def _execute(self, run: PlannedRun, schedule: Schedule) -> None:
+        self._enter(RunState.PREPARING, run.index)
+        stage_position_m = self._prepare(run)
+        RunLoop(self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s).execute()
+
+    def _offer_repeats(self, schedule: Schedule) -> None:
+        """Ask whether runs with lost readings are to be measured again, the sheet as it is."""
+        mounted, self._mounted = self._mounted, []
+        for prompt, repeat in offers(schedule, mounted, self._lost):
+            if any(limit_faults(repeat, self._limits)):  # its approach may be beyond the stage
+                continue
+            self._enter(RunState.PREPARING)
+            go_on = self._ask(prompt)
+            self._obey_stop()
+            if not go_on:
+                self._execute(repeat, schedule)
+
+    def _pause_if_asked(self, before: PlannedRun, after: PlannedRun) -> None:
+        """Keep 0 V, read back, while a pause is wanted. Time passes on a virtual clock, too."""
+        pause = self._pause
+        if pause is None or not (who := pause.request.asked_by()):
+            return
+        self._enter(RunState.PAUSED)
+        began_s, found = self._clock.now(), self._output.settle(pause.confirm_zero)
+        if self._output.state is not OutputState.SAFE:
+            raise DeviceError(f"the session was to pause, but {found}")
+        self._enter(RunState.PAUSED)
+        self._output.report(found)
+        self._note(who, f"paused the session after run {before.index + 1}")
+        waited_s = wait_for_end(pause.request, self._stop)
+        self._clock.sleep_until(began_s + waited_s)
+        self._obey_stop()
+        self._note("labrig", f"continues with run {after.index + 1}")
+
+    def _note(self, who: str, what: str) -> None:
+        self._emit(ActionTaken(self._clock.now(), who, what))
 
     def _prepare(self, run: PlannedRun) -> float | None:
         """Ask and move; return the position that the stage reports."""
@@ -276,6 +325,7 @@ class Scheduler:
                 self._started.add(event.run.index)
             elif isinstance(event, ReadingTaken):
                 self._acquired.add((event.run, event.planned.index))
+                self._lost.note(event)
             try:
                 self._subscribers(event)
             except SubscriberError:

@@ -16,6 +16,7 @@ class RunState(StrEnum):
     LEADING_IN = "leading_in"  # acquisition runs, the first step is not due yet
     RUNNING = "running"
     TAILING = "tailing"  # at 0 V again, the last readings come in
+    PAUSED = "paused"  # between runs, 0 V read back, until somebody lets it continue
     STOPPING = "stopping"  # something ended the session; making safe
     FINISHED = "finished"
     UNKNOWN = "unknown"  # finished, and the output may not be at 0 V

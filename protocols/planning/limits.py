@@ -50,6 +50,11 @@ def _general_faults(schedule: Schedule) -> Iterator[str]:
         yield "the schedule has no runs"
     if [run.index for run in schedule.runs] != list(range(len(schedule.runs))):
         yield "the runs are not numbered 0, 1, 2, ..."
+    first = len(schedule.runs)
+    if [run.index for run in schedule.repeats] != list(range(first, len(schedule.all_runs))):
+        yield "the repeats are not numbered after the runs"
+    if not {run.repeats for run in schedule.repeats} <= set(range(first)):
+        yield "a repeat is of no run of the schedule"
     tilts = {run.tilt_rad for run in schedule.runs}
     if not tilts <= {0.0, pi}:
         yield "a rig stands upright (tilt_rad 0) or is turned over (pi), nothing between"

@@ -43,7 +43,7 @@ def preparation(before: Situation, run: PlannedRun) -> tuple[list[Action], Situa
     if before.configuration != run.configuration:
         actions.append(_mount(run))
         now = mounted
-    elif run.mounting > 0:  # every such run is a position set anew
+    elif run.mounting > 0 and run.repeats is None:  # every such run is a position set anew
         actions.append(_remount(run))
         now = mounted
     if run.purpose is Purpose.MEASUREMENT and run.position_m is not None:

@@ -69,6 +69,7 @@ class PlannedRun:
     via_m: float | None = None
     # of the rig about the sheet's long axis: 0, or pi where it is turned over; of all runs alike
     tilt_rad: float = 0.0
+    repeats: int | None = None  # the run that this one measures again; None: it is none of those
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""
@@ -82,3 +83,11 @@ class Schedule:
     protocol: str
     runs: tuple[PlannedRun, ...]
     frame_rate_hz: float  # wanted of the camera
+    # For each measurement a run like it, numbered after all `runs`. One is executed only where
+    # readings of its run were lost and the operator wants it measured again.
+    repeats: tuple[PlannedRun, ...] = ()
+
+    @property
+    def all_runs(self) -> tuple[PlannedRun, ...]:
+        """Those that are planned, and then their repeats."""
+        return self.runs + self.repeats

@@ -88,7 +88,7 @@ def make_schedule(
     planner.weigh(places[0].configuration)
     for place in places:
         planner.visit(place)
-    return Schedule(protocol.name, tuple(planner.runs), frame_rate_hz)
+    return Schedule(protocol.name, tuple(planner.runs), frame_rate_hz, planner.repeats())
 
 
 class _Planner:
@@ -126,6 +126,20 @@ class _Planner:
             self._measure(name, middle_m, approach=other)
         for turn, position_m in enumerate(_spread(positions_m, self._extras.remounts)):
             self._measure(name, position_m, mounting=1 + turn // len(positions_m))
+
+    def repeats(self) -> tuple[PlannedRun, ...]:
+        """Return a run to measure each measurement again, approached from the same side."""
+        measured = [run for run in self.runs if run.purpose is Purpose.MEASUREMENT]
+        return tuple(
+            self._again(run, index) for index, run in enumerate(measured, start=len(self.runs))
+        )
+
+    def _again(self, run: PlannedRun, index: int) -> PlannedRun:
+        via_m = run.via_m
+        if via_m is None and run.position_m is not None:
+            side = -1.0 if run.approach == "up" else 1.0
+            via_m = round(run.position_m + side * self._extras.approach_from_m, 9)
+        return replace(run, index=index, repeats=run.index, via_m=via_m)
 
     def _ordered(self, positions_m: Iterable[float]) -> list[float]:
         if self._extras.random_order_seed is None:

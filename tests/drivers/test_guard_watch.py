@@ -5,6 +5,7 @@ import queue
 import pytest
 
 from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
+from drivers.guard.suspect import AT_A_DEVICE, AT_THE_BOARDS, IN_THE_PROGRAM, what_hangs
 from drivers.guard.watch import Ending, ParentWatchdog
 from drivers.interfaces import DeviceError
 
@@ -163,3 +164,46 @@ def test_settings_that_do_not_fit_are_refused(text):
 
 def test_a_program_can_ask_the_guard_to_act():
     assert watch(Pipe((0.1, ENERGISED), (0.2, ACT))) == (Ending.ASKED, 0.2)
+
+
+def signs(sign: bytes, from_s: float, to_s: float) -> list[tuple[float, bytes]]:
+    return [(when, sign) for when, _ in beats(from_s, to_s, every_s=0.1)]
+
+
+def test_a_life_sign_is_no_heartbeat():
+    pipe = Pipe((0.1, ENERGISED), *beats(0.15, 2.0), *signs(AT_THE_BOARDS, 2.1, 9.0))
+    ending, when = watch(pipe)
+    assert ending is Ending.HUNG
+    assert when == pytest.approx(1.95 + 0.4, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        (signs(AT_THE_BOARDS, 2.1, 9.0), AT_THE_BOARDS),
+        (signs(AT_A_DEVICE, 2.1, 9.0), AT_A_DEVICE),
+        ([], None),
+        ([(2.0, AT_THE_BOARDS)], None),  # then the whole program stood still
+    ],
+)
+def test_the_newest_life_sign_tells_where_the_loop_hangs(given, kept):
+    pipe = Pipe((0.1, ENERGISED), *beats(0.15, 2.0), *given)
+    watchdog = ParentWatchdog(SETTINGS, pipe, pipe, pipe.confirm, lambda: True)
+    assert watchdog.until_end() is Ending.HUNG
+    assert watchdog.sign == kept
+
+
+@pytest.mark.parametrize(
+    ("sign", "address", "answer", "words"),
+    [
+        (None, "host:1", True, "the program hangs"),
+        (IN_THE_PROGRAM, "host:1", False, "the program hangs"),
+        (AT_THE_BOARDS, "host:1", False, "the device server at host:1 does not answer"),
+        (AT_THE_BOARDS, "host:1", True, "the program's connection to the device server at host:1"),
+        (AT_THE_BOARDS, "local", False, "the boards' driver does not answer"),
+        (AT_THE_BOARDS, "local", True, "the boards' driver does not return to the program"),
+        (AT_A_DEVICE, "host:1", True, "a device other than the boards"),
+    ],
+)
+def test_the_words_say_what_has_hung(sign, address, answer, words):
+    assert what_hangs(sign, address, boards_answer=answer).startswith(words)

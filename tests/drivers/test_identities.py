@@ -75,7 +75,9 @@ class Backend:
         return "GSTREAMER"
 
 
-def test_a_camera_that_only_opencv_knows_is_known_by_its_backend():
+def test_a_camera_that_only_opencv_knows_is_known_by_its_backend(monkeypatch):
+    assert identity_of_source("videotestsrc ! appsink", Backend()).driver == ""  # none of OpenCV's
+    monkeypatch.setattr(cv2, "VideoCapture", Backend)
     found = identity_of_source("videotestsrc ! appsink", Backend())
     assert found.driver == f"OpenCV {cv2.__version__} GSTREAMER"
     assert (found.product, found.serial, found.is_simulated) == ("", "", None)

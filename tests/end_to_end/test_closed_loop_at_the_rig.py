@@ -77,7 +77,9 @@ def test_a_weight_that_looks_like_a_bent_sheet_is_named_when_the_rig_was_turned_
     second = tmp_path / "first-2.h5"
     out = capsys.readouterr().out
     before, after = out.split("diagnosing", 1)
-    assert "gravity is missing, or clamp_angle or initial_curvature or " in before  # one of a class
+    assert (
+        "gravity is not in the model, or clamp_angle or initial_curvature or " in before
+    )  # one of a class
     assert "which these data cannot tell apart" in before
     assert "Measure next: all positions again with the rig turned over" in before
     with open_session(first) as one, open_session(second) as two:

@@ -104,7 +104,7 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     for title in ("Table 4. Parameters", "Table 6. Root mean squared errors"):
         assert title in demo.printed
     assert "The world's own record of the last voltage: 0 V" in demo.printed
-    assert "Where simulation and measurement disagree" in demo.printed
+    assert "Largest residuals" in demo.printed
     assert "Verdict: " in demo.printed
     assert (demo.folder / "model+.toml").exists()
     assert (demo.folder / "diagnosis" / "index.html").exists()
@@ -115,7 +115,7 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     }
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
-    assert "What the model is missing" in page
+    assert "Model discrepancy" in page
 
 
 def test_each_effect_of_the_world_is_named_beside_the_others_with_its_own_values(

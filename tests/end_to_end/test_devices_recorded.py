@@ -38,6 +38,7 @@ def test_a_simulated_rig_names_every_part_as_simulated(virtual: Path) -> None:
     assert cell.calibration.name == "load_cell.toml"
     assert len(cell.calibration.sha256) == 64
     assert parts["camera"].calibration.name == "optics.json"
+    assert parts["camera"].identity.driver == ""  # OpenCV has no part in it
 
 
 def test_a_replay_has_the_devices_of_what_it_plays_and_says_what_that_is(

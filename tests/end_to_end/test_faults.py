@@ -103,6 +103,9 @@ def test_a_fault_is_told_in_the_file_too_and_the_output_is_at_0_V_or_said_not_to
         assert left.highest_V == 0.0
         assert left.outcome is None or left.outcome is Outcome.FAILED
         return
+    last = left.said.splitlines()[-1]  # words and code say the same
+    assert ("NOT KNOWN TO BE SAFE" in last) is (case.code == UNKNOWN)
+    assert ("the output is at 0 V, read back" in last) is (case.code != UNKNOWN)
     assert left.output is (OutputState.UNKNOWN if case.code == UNKNOWN else OutputState.SAFE)
     if case.code != UNKNOWN:
         assert left.board_V == 0.0

@@ -79,6 +79,38 @@ def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_g
             assert session.output_state is OutputState.SAFE
 
 
+@pytest.mark.alone
+@pytest.mark.parametrize("hangs_s", [3.0, 20.0])
+def test_a_server_that_hangs_is_named_and_the_words_agree_with_the_code(
+    tmp_path: Path, hangs_s: float
+) -> None:
+    """The program did not hang; and what was not known to be safe once was read back at last."""
+    hung = '[[faults]]\nwhat = "daq_hung"\nsince = "first_voltage"\nfrom_s = 1.0\n'
+    with serving(tmp_path, world=f"{hung}until_s = {1.0 + hangs_s}\n") as rig:
+        process = rig.start()
+        assert process.wait(90) == 5
+        assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
+        said = rig.said()
+        guard = next((line for line in said.splitlines() if "output guard:" in line), "")
+        assert "the program hangs" not in said
+        assert "the device server at 127.0.0.1" in guard or not guard
+        last = said.splitlines()[-1]
+        assert "the output is at 0 V, read back" in last
+        assert "NOT KNOWN TO BE SAFE" not in last
+        with open_session(rig.session) as session:
+            assert session.output_state is OutputState.SAFE
+            assert "NOT KNOWN TO BE SAFE" not in session.reason
+
+
+def test_a_server_that_stays_away_ends_with_words_and_code_that_say_so(tmp_path: Path) -> None:
+    gone = '[[faults]]\nwhat = "daq_write_refused"\nsince = "first_voltage"\nfrom_s = 1.0\n'
+    with serving(tmp_path, world=gone) as rig:
+        process = rig.start()
+        assert process.wait(90) == 6
+        assert "NOT KNOWN TO BE SAFE" in rig.said().splitlines()[-1]
+        assert "0 V, read back" not in rig.said()
+
+
 def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

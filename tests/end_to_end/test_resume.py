@@ -126,3 +126,24 @@ def test_what_is_missing_is_said(
 ) -> None:
     assert labrig(*arguments) == 2
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "title"), [((), "as it was begun"), (("--about", "other.toml"), "by another person")]
+)
+def test_people_and_sample_stay_those_of_the_session_unless_others_are_given(
+    failed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: tuple[str, ...], title: str
+) -> None:
+    folder = tmp_path / "rig"
+    shutil.copytree(failed, folder)
+    monkeypatch.chdir(folder)
+    Path("about.toml").write_text('title = "as it was begun"\n')
+    Path("world.toml").write_text(FAULT)
+    assert labrig("run", *FILES, "-o", "begun.h5") == 5
+    Path("world.toml").write_text("seed = 1\n")
+    Path("about.toml").write_text('title = "edited since"\n')
+    Path("other.toml").write_text('title = "by another person"\n')
+    assert labrig("run", *FILES, "--resume", "begun.h5", "-o", "whole.h5", *more) == 0
+    with open_session(Path("whole.h5")) as session:
+        assert session.about.title == title
+        assert [run.completed for run in session.runs] == [True] * 3

@@ -13,14 +13,16 @@ import h5py
 import numpy as np
 import pytest
 
-from labrig.session import store_measurements
+from labrig.session import Note, add_note, store_measurements
 from labrig.session.format import layout
 from labrig.session.recording.create import put_text
 from labrig.session.recording.journal import journal_path
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told
 from tests.labrig.session.measured import measurements
-from tests.labrig.session.session_recording import record, small_schedule
+from tests.labrig.session.session_recording import TEXTS, record, small_schedule
+from tests.labrig.test_about import FULL
+from tests.labrig.test_note_command import photograph
 
 CASES = 10
 JOURNALS = 15
@@ -30,10 +32,13 @@ RUN = layout.run_path(0)
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A whole session with measurements."""
+    """A whole session with people, measurements, and a note with a photograph."""
     path = tmp_path_factory.mktemp("sound") / "s.h5"
-    record(path, small_schedule(readings=1, positions_m=(0.0,)))
+    schedule = small_schedule(readings=1, positions_m=(0.0,))
+    record(path, schedule, texts={**TEXTS, "about.toml": FULL})
     store_measurements(path, measurements())
+    content = photograph(path.with_name("clamp.png")).read_bytes()
+    add_note(path, Note(who="Ada", text="the clamp", media_type="image/png", photograph=content))
     return path
 
 

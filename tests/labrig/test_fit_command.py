@@ -177,14 +177,14 @@ def test_each_set_up_has_the_stiffness_it_was_made_with(uneven):
 def test_by_run_prints_a_row_for_each_set_up_below_the_common_values(uneven, tmp_path, capsys):
     path = session(tmp_path / "uneven.h5", uneven)
     out = printed(capsys, path, "--by-run")
-    lines = out[out.index("Set-up by set-up") :].splitlines()
+    lines = out[out.index("B and EIBM of each set-up") :].splitlines()
     rows = [line for line in lines if line.startswith("long, ")][:5]
     assert [re.split("  +", row)[0] for row in rows] == [
         "long, all", "long, 0 mm", "long, 10 mm", "long, 20 mm", "long, 30 mm",
     ]  # fmt: skip
     off = [float(re.split("  +", row)[2]) for row in rows[1:]]
     assert np.sign(off).tolist() == [1, -1, 1, -1]
-    assert "Set-up by set-up" not in printed(capsys, path)
+    assert "B and EIBM of each set-up" not in printed(capsys, path)
 
 
 @pytest.mark.slow
@@ -229,13 +229,13 @@ def test_hold_out_predicts_what_was_left_out_and_keeps_it_in_the_model_file(
 ):
     path = tmp_path / "model.toml"
     out = printed(capsys, day_1, "--hold-out", "configuration=long,position=20", "-o", path)
-    table = out[out.index("Predicted where nothing was fitted") :]
+    table = out[out.index("Predictions at left-out positions") :]
     rows = [line for line in table.splitlines() if line.startswith("long, ")]
     assert [re.split("  +", row)[0] for row in rows] == [
         "long, 20 mm, 0 V", "long, 20 mm, +2 V", "long, 20 mm, -2 V",
     ]  # fmt: skip
     assert all(abs(float(re.split("  +", row)[2])) < 0.05 for row in rows)
-    assert "Left out, RMS: varying EIBM 0.0" in out
+    assert "RMS errors: EIBM along the sheet 0.0" in out
     assert len(load_model(path).held_out) == 3
     assert "20 mm" in load_model(path).held_out[0]
 
@@ -259,7 +259,7 @@ def test_configuration_fits_one_alone(tmp_path, capsys):
 @pytest.mark.slow
 def test_bootstrap_says_how_simulated_repeats_scatter(day_1, capsys):
     out = printed(capsys, day_1, "--bootstrap", "60")
-    table = out[out.index("Scatter of simulated repeats over stated uncertainty") :]
+    table = out[out.index("Bootstrap check of the uncertainties") :]
     ratios = [float(line.split()[-1]) for line in table.splitlines() if line.startswith("long ")]
     assert len(ratios) == 3
     assert all(0.7 < ratio < 1.4 for ratio in ratios)
@@ -275,8 +275,8 @@ def test_the_papers_tables_are_printed_with_its_numbers(day_1, capsys):
     assert places == sorted(places)
     five, six = out[places[1] : places[2]], out[places[2] :]
     assert re.search(r"constant EIBM +2\.\d\d +2\.23", five)
-    assert re.search(r"varying EIBM: force, mN +0\.0\d\d +0\.322", six)
-    assert "has no numbers of its table 4" in out
+    assert re.search(r"EIBM along the sheet: force, mN +0\.0\d\d +0\.322", six)
+    assert "states no numbers of its table 4" in out
 
 
 @pytest.mark.slow

@@ -9,6 +9,8 @@ from typing import Any, cast
 import pytest
 
 from drivers.guard import __main__ as guard
+from drivers.guard.settings import GuardSettings
+from drivers.guard.watch import Ending
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.errors import NotReadyError, OutputUnknownError
@@ -111,7 +113,9 @@ class Rescue:
 @pytest.mark.parametrize("on", ["make_safe", "open", "close"])
 def test_the_guard_tries_again_whatever_the_boards_code_raises(on: str) -> None:
     rescue = Rescue(breaks=1, breaks_on=on)
-    assert guard._act(rescue, RealClock(), lambda: None).is_safe
+    settings = GuardSettings(boards="other", place={}, time_under_voltage_s=1.0)
+    rescuer = guard._Rescuer(settings, rescue, RealClock(), lambda: None, lambda *_: "it hangs")
+    assert rescuer.act(Ending.HUNG).is_safe
     assert rescue.tries == 2
 
 
@@ -155,6 +159,7 @@ class Elsewhere:
 
     is_simulated = False
     boards_kind = "other"
+    boards = SimpleNamespace()
     limits = SimpleNamespace(time_under_voltage_s=1.0)
 
 

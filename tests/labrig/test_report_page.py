@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from drivers.interfaces import DeviceIdentity
 from labrig.errors import BadInputError
 from labrig.report.data.findings import Findings
 from labrig.report.data.fitted import FittedSheets
@@ -17,6 +18,7 @@ from labrig.report.page.summary import remarks
 from labrig.report.page.write import write_report
 from labrig.report.parts.svg import inline
 from labrig.session import export_session, import_session, open_session
+from labrig.session.format.devices import RecordedDevice
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 
 VOID = {"meta", "br", "hr", "img", "link", "input"}
@@ -225,3 +227,33 @@ def test_many_warnings_are_counted_at_the_top(tmp_path):
         )
     assert said[-1] == "22 more are listed with the data's quality."
     assert sum("is odd" in text for text in said) == 8
+
+
+@pytest.mark.slow
+def test_the_page_says_of_the_boards_what_they_reported_and_nothing_else(tmp_path):
+    def device(simulated: bool) -> RecordedDevice:
+        identity = DeviceIdentity(name="PCI6703", product="PCI-6703", is_simulated=simulated)
+        return RecordedDevice(part="boards", kind="ni", identity=identity)
+
+    for name, devices, wanted in (
+        ("simulated", (device(True),), "boards: simulated"),
+        ("real", (device(False),), "boards: real"),
+        ("silent", (), "boards: not known"),
+    ):
+        path = session(
+            tmp_path / f"{name}.h5", None, devices=devices, simulated=name == "simulated"
+        )
+        text = read(write_report(path))
+        assert wanted in text, name
+        assert ("PCI-6703" in text) == bool(devices)
+
+
+@pytest.mark.slow
+def test_the_experiments_title_stands_above_the_page_where_one_is_stated(tmp_path):
+    about = 'title = "Water and back relaxation"\n[[people]]\nname = "Ada Example"\n'
+    text = read(
+        write_report(session(tmp_path / "made.h5", None, texts=TEXTS | {"about.toml": about}))
+    )
+    assert "<h1>Water and back relaxation</h1>" in text
+    assert "made.h5: pulse train" in text
+    assert "Ada Example" in text

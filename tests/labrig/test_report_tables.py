@@ -74,10 +74,10 @@ def test_table_5_and_6_have_errors_like_the_papers_for_a_sheet_like_the_papers(m
     five, six = table_5(fit, compared), table_6(fit)
     assert cell(five, "constant EIBM", "long, paper") == "2.23"
     assert 1.5 < value(cell(five, "constant EIBM", "long, this session")) < 3.0
-    assert value(cell(five, "varying EIBM", "long, this session")) < 0.1
-    assert cell(six, "varying EIBM: force, mN", "short, paper") == "0.424"
+    assert value(cell(five, "EIBM along the sheet", "long, this session")) < 0.1
+    assert cell(six, "EIBM along the sheet: force, mN", "short, paper") == "0.424"
     assert 0.3 < value(cell(six, "constant EIBM: force, mN", "long, this session")) < 0.7
-    assert value(cell(six, "varying EIBM: force, mN", "long, this session")) < 0.05
+    assert value(cell(six, "EIBM along the sheet: force, mN", "long, this session")) < 0.05
 
 
 @pytest.mark.slow
@@ -121,7 +121,7 @@ def test_observations_have_the_rest_positions_and_the_straight_line_of_the_short
     measured, fit
 ):
     table = observations(measured, fit)
-    assert value(cell(table, "the undriven long sheet rests at p, mm", "this session")) == (
+    assert value(cell(table, "rest position of the undriven long sheet, mm", "this session")) == (
         pytest.approx(14.3, abs=0.6)
     )
     share = cell(table, "straightness of F(p), short sheet, +2 V, 0 V, -2 V", "this session")

@@ -21,7 +21,7 @@ AT_ONCE = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (the run w
 def said_while(rig: FakeRig, capsys: pytest.CaptureFixture[str]) -> str:
     """Run; what has been said when the run is over, and making safe has not begun."""
     schedule = short_schedule(0.0)
-    display = RunDisplay(schedule, lambda _fraction, _text: None, rig.stop)
+    display = RunDisplay(schedule, lambda _fraction, _text, **_last: None, rig.stop)
     said: list[str] = []
 
     def show(event: Event) -> None:
@@ -95,3 +95,28 @@ def test_a_line_that_is_said_beside_a_bar_stands_above_it(monkeypatch: pytest.Mo
     assert before.endswith("\x1b[2K")  # the bar's line is empty again
     warn("It is over.")
     assert terminal.getvalue().endswith("It is over.\n")
+
+
+def test_the_progress_line_ends_with_the_output_as_it_was_read_back() -> None:
+    """The last line once said 'output energised' of a session that had been stopped at 0 V."""
+    rig = FakeRig()
+    schedule = short_schedule(0.0)
+    lines: list[str] = []
+    display = RunDisplay(schedule, lambda _fraction, text, **_last: lines.append(text), rig.stop)
+    stop = lambda: rig.stop.request(StopLevel.NOW, "stopped by Ctrl-C")  # noqa: E731
+    rig.clock.at.append((rig.clock.now() + 9.2, stop))
+    rig.scheduler(emit=display).run(schedule)
+    assert "output energised" in " ".join(lines)
+    assert lines[-1].startswith("aborted in run 1 of ")
+    assert lines[-1].endswith("output safe, read back")
+
+
+def test_a_pipe_gets_the_end_of_a_session_as_a_line_of_its_own(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with progress("session") as advance:
+        advance(0.41, "output energised")
+        advance(0.42, "aborted · output safe")
+        advance(0.42, "aborted · output safe", last=True)
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["session: 40 % - output energised", "session: 42 % - aborted · output safe"]

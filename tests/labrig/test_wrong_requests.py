@@ -66,3 +66,14 @@ def test_letters_that_the_output_cannot_show_are_no_fault(monkeypatch: pytest.Mo
     assert run(["effects", "show", "surface_tension"]) == 0
     sys.stdout.flush()
     assert b"Qu?r?" in shown.getvalue()
+
+
+def test_signs_that_an_old_code_page_lacks_become_plain_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    shown = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(shown, encoding="ascii"))
+    show_what_can_be_shown()
+    sys.stdout.write("0.198 → 0.032 mN, −2 V, 36.5 ± 0.1 µN·m, 漢")
+    sys.stdout.flush()
+    assert shown.getvalue() == b"0.198 -> 0.032 mN, -2 V, 36.5 +/- 0.1 uN m, ?"

@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 from labrig.analysis.results import converging, result_of
+from labrig.panel.pages.interface import listing
 from model import fit
 from tests.labrig.report_data import measure
 from tests.panel_browser.fake_panel import FakePanel
@@ -55,6 +56,13 @@ def fill(fake: FakePanel) -> None:
         "text": "Moisten the sheet.", "position_mm": None, "load_mN": None, "log": "asked",
     }  # fmt: skip
     fake.greeting += [{**weighing, "fit": fit, "finished": False}, prompt]
+
+
+def every_page() -> dict[str, str]:
+    """Return what to wait for on each page that the server lists, ours or not."""
+    known = {name.partition("?")[0] for name in PAGES}
+    names = [page["name"] for page in listing("rig")["pages"]]
+    return {**PAGES, **{name: "main h1, main h2" for name in names if name not in known}}
 
 
 @cache

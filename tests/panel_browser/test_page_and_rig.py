@@ -192,7 +192,7 @@ def test_every_page_keeps_to_the_content_security_policy(world, visit):
     page = visit(world.server.address)
     broken = []
     page.on("console", lambda said: broken.append(said.text) if said.type == "error" else None)
-    for name in ("run", "new", "load-cell", "camera", "library", "log"):
+    for name in ("run", "new", "queue", "load-cell", "camera", "library", "log"):
         page.goto(world.url(name))
         page.locator(f"main.page-{name}").wait_for()
         page.locator("main h1").wait_for(state="attached")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.panel_browser.every_page import PAGES
+from tests.panel_browser.every_page import every_page
+
+PAGES = every_page()
 
 SIZES = {"desk": (1440, 900), "phone": (390, 844)}
 

@@ -13,6 +13,7 @@ from tests.labrig.test_about import FULL
 from tests.labrig.test_note_command import photograph
 from tests.panel_browser.conftest import text_of
 from tests.panel_browser.rig_world import RigWorld, enter
+from tests.panel_browser.test_page_access import violations
 
 PROTOCOL = """
 [pulse_train]
@@ -76,6 +77,7 @@ def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_to_it(
         " || document.querySelector('.notes-list img:last-of-type').scrollIntoView()"
     )
     picture(page, "run")
+    assert violations(page) == []
     (tmp_path / "no.jpg").write_text("no photograph")
     add_photograph(page, tmp_path / "no.jpg")
     page.locator(".notes .fault").filter(has_text="neither a JPEG nor a PNG").wait_for()
@@ -92,6 +94,7 @@ def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_to_it(
     assert "S-18" in shown
     assert "Cy Other" in shown
     picture(page, "session")
+    assert violations(page) == []
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     picture(page, "session-phone")
@@ -100,6 +103,7 @@ def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_to_it(
     page.wait_for_function("[...document.querySelectorAll('.new-about input')].some(i => i.value)")
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     picture(page, "new-phone")
+    assert violations(page) == []
 
 
 def test_the_list_finds_a_session_by_its_sample(world, visit):

@@ -7,6 +7,7 @@ import zipfile
 
 import pytest
 
+from labrig.panel.replay import Recording
 from labrig.session import open_session
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 from tests.labrig.panel.page import panel
@@ -59,6 +60,28 @@ def test_sessions_are_listed_filtered_sorted_and_opened(world, visit):
     assert any(name.endswith("forces.csv") for name in names)
 
 
+def test_a_reading_of_a_closed_session_is_marked_and_taken_back_with_the_mouse(world, visit):
+    page = enter(visit, world, "session?name=b.h5")
+    card = page.locator(".session-marks")
+    card.locator("text=Mark…").nth(1).click()
+    card.get_by_role("spinbutton").fill("3")
+    card.get_by_role("textbox").fill("a bubble")
+    card.get_by_text("Mark invalid", exact=True).click()
+    card.locator("td").filter(has_text="reading 3 of run 2: INVALID").wait_for()
+    assert "20, 1 invalid" in text_of(page, ".facts")
+    with open_session(world.folder / "b.h5") as session:
+        assert session.runs[1].readings["why"][2] == "a bubble"
+        assert session.marks_after_end[0].who.startswith("operator")
+    card.get_by_text("Take back…").click()
+    card.get_by_role("textbox").fill("it was none")
+    card.get_by_text("Take back", exact=True).click()
+    card.locator("td").filter(has_text="mark taken back").wait_for()
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    with open_session(world.folder / "b.h5") as session:
+        assert session.runs[1].readings["valid"].all()
+
+
 def test_a_session_plays_at_once_at_ten_times_and_by_hand(world, visit):
     page = enter(visit, world, "replay?session=a.h5")
     page.wait_for_function("labrig.page?.player.duration_s > 10")
@@ -93,6 +116,47 @@ def test_a_session_plays_at_once_at_ten_times_and_by_hand(world, visit):
     page.click("text=reading ▶")
     page.wait_for_function("labrig.page.player.job.runs.get(0)?.readings.size === 5")
     assert "NOT IN USE" in text_of(page, "#output")  # the rig's, not the recording's
+
+
+def test_a_replay_opens_on_the_first_reading_with_the_curve_that_the_session_holds(world, visit):
+    with open_session(world.folder / "a.h5") as session:
+        analysed = session.has_measurements
+    if not analysed:
+        assert labrig("analyze", world.folder / "a.h5") == 0
+    recording = Recording(world.folder / "a.h5", "a.h5")
+    stored = recording.stored_curve(-1.0, recording.first_s)
+    recording.close()
+    page = enter(visit, world, "replay?session=a.h5")
+    page.wait_for_function("labrig.page?.player.job.runs.get(0)?.readings.size === 1")
+    page.wait_for_function("labrig.page.view.picture.shown === 1")
+    page.wait_for_function("labrig.page.player.job.curve?.points_px.length > 20")
+    curve, frame = page.evaluate(
+        "[labrig.page.player.job.curve, labrig.page.view.picture.header.frame]"
+    )
+    assert curve["frame"] == frame == stored["frame"]
+    assert curve["ok"]
+    assert stored["stored"]
+    assert len(stored["points_px"]) > 20
+    assert not page.evaluate("labrig.page.player.job.replay.playing")
+
+
+def test_two_sessions_are_compared_at_the_same_position_and_voltage(world, visit):
+    text = PROTOCOL.format(second=10).replace("[5, 10]", "[10, 5]")
+    (world.folder / "protocol.toml").write_text(text)
+    run_rig(world.folder, "c.h5")
+    page = enter(visit, world, "compare?a=a.h5&b=c.h5")
+    where = """labrig.page?.players.map(({ job }) => {
+      const run = job.planned(job.now_run);
+      const last = [...(job.runs.get(job.now_run)?.readings.values() ?? [])].at(-1);
+      return [run?.run, run?.position_mm, last?.voltage_V, last?.index];
+    })"""
+    page.wait_for_function(f"({where})?.every(([, mm, , index]) => mm === 5 && index === 0)")
+    assert [run for run, *_ in page.evaluate(where)] == [0, 1]  # measured at different times
+    for index in range(1, 4):
+        page.click("text=reading \u25b6")
+        page.wait_for_function(f"({where}).every(([, mm, , at]) => mm === 5 && at === {index})")
+    (_, _, volts_a, _), (_, _, volts_b, _) = page.evaluate(where)
+    assert volts_a == volts_b
 
 
 def test_a_file_that_is_no_session_is_told_in_a_sentence(world, visit):

@@ -217,3 +217,43 @@ def test_how_a_run_ended_is_told_in_full(fake, visit):
     )  # fmt: skip
     until(page, ".notice", reason)
     until(page, GOING, "FAILED")
+
+
+def test_readings_that_do_not_count_are_told_in_log_table_and_warning(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.wait_for_selector(".mean")
+    until(page, ".lost-readings", "do not count")
+    late = made_up.reading(4, made_up.readings()[22], 0.0, valid=False)
+    fake.tell({**late, "log": "reading 23 of run 5 (+2 V) does not count: the edge came 7 ms late"})
+    until(page, ".lost-readings", "run 5 (long, 20 mm): 2 of 30: the edge came 7 ms late")
+    line = page.locator(".log-lines .log-reading")
+    assert "LOST reading 23 of run 5" in " ".join(line.inner_text().split())
+    row = page.locator(".means ~ .readings-two tr.chosen")
+    assert "5 of 6" in row.inner_text()
+    assert "3 of 4" in row.inner_text()
+
+
+def test_the_offer_to_measure_a_run_again_has_its_own_answers(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.wait_for_selector(".mean")
+    fake.tell({**prompt(9), "kind": "repeat", "text": "2 of 30 readings of run 5 do not count."})
+    until(page, ".prompt-text", "do not count")
+    until(page, ".go", "Go on")
+    page.click("text=Measure it again")
+    fake.until_asked("/api/answer")
+    assert {"prompt": 9, "done": False} in [body for _, path, body in fake.asked if body]
+
+
+def test_a_run_that_is_measured_again_is_a_row_of_its_own(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.wait_for_selector(".mean")
+    again = {**made_up.plan()["runs"][4], "run": 14, "repeats": 4}
+    fake.tell(
+        {**made_up.plan(), "repeats": [again]},
+        {"type": "state", "state": "running", "run": 14},
+        {"type": "run_started", "time_s": 400, "run": 14, "log": "run 15 begins"},
+        {**made_up.reading(4, made_up.readings()[12], 0.0), "run": 14},
+    )
+    until(page, "#going .going-why", "5 again, of 14")
+    until(page, ".readings tr.chosen", "long, 20 mm, run 5 again")
+    assert page.evaluate("labrig.job.planned(14).position_mm") == 20

@@ -26,7 +26,7 @@ from labrig.config.schema import schemas
 from labrig.config.templates import template_text, write_templates
 
 FILES = {"rig": "rig.toml", "sheet": "sheet.toml", "protocol": "protocol.toml",
-         "load_cell": "load_cell.toml"}  # fmt: skip
+         "load_cell": "load_cell.toml", "about": "about.toml"}  # fmt: skip
 ODD = (-1, 0, 10**9, 1.5, float("nan"), float("inf"), True, "word", "", [], [[]], {}, {"x": 1})
 KINDS = {
     "integer": (int,),

@@ -151,7 +151,7 @@ def _with_effects(fitted: Fit, model: SheetModel) -> CandidateModel:
     known = [name for name in model.sheets if name in fitted.model.sheets]
     return CandidateModel(
         id="effects",
-        name="with the effects found",
+        name="effects found",
         model=replace(model, sheets={name: model.sheets[name] for name in known}),
         displaced={
             name: [

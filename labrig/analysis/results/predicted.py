@@ -30,7 +30,7 @@ class Predicted:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Answer:
+class _PlacePrediction:
     """Force and shape at one place; NaN and empty where there is no equilibrium."""
 
     force_N: float
@@ -72,7 +72,7 @@ def _knows(model: SheetModel, name: str, voltage_V: float) -> bool:
 
 def _with_bands(
     model: CandidateModel, name: str, places: Sequence[Place]
-) -> list[tuple[_Answer, _Band]]:
+) -> list[tuple[_PlacePrediction, _Band]]:
     best = _answers(model.model, name, places)
     others = [_answers(one, name, places) for one in model.displaced[name]]
     reach = float(stdtrit(model.model.sheets[name].B.freedom, 0.95))
@@ -80,7 +80,7 @@ def _with_bands(
     return [(one, _band(one, near, reach)) for one, near in zip(best, beside, strict=True)]
 
 
-def _band(best: _Answer, displaced: Sequence[_Answer], reach: float) -> _Band:
+def _band(best: _PlacePrediction, displaced: Sequence[_PlacePrediction], reach: float) -> _Band:
     force = np.array([one.force_N - best.force_N for one in displaced])
     force = force[np.isfinite(force)]
     off = [_off(best, one) for one in displaced if len(one.x_m) == len(best.x_m) > 0]
@@ -90,39 +90,41 @@ def _band(best: _Answer, displaced: Sequence[_Answer], reach: float) -> _Band:
     )
 
 
-def _off(best: _Answer, other: _Answer) -> FloatArray:
+def _off(best: _PlacePrediction, other: _PlacePrediction) -> FloatArray:
     """Return by how much a shape lies beside another, along the normal, m."""
     tx, ty = np.gradient(best.x_m), np.gradient(best.y_m)
     across = -ty * (other.x_m - best.x_m) + tx * (other.y_m - best.y_m)
     return np.asarray(across / np.hypot(tx, ty), dtype=float)
 
 
-def _answers(model: SheetModel, name: str, places: Sequence[Place]) -> list[_Answer]:
+def _answers(model: SheetModel, name: str, places: Sequence[Place]) -> list[_PlacePrediction]:
     """Return the readings of load cell and camera that a model predicts."""
     if model.effects or not places:
         return [_answer(model, name, *place) for place in places]
     found = solved(model.setups(name, places))  # one batch: hundreds in the time of one `predict`
     shapes = found.shapes(sampled_s(found.setups[0]))
     return [
-        _Answer(force_N=float(found.force_N[i]), x_m=shapes.x_m[i], y_m=shapes.y_m[i])
+        _PlacePrediction(force_N=float(found.force_N[i]), x_m=shapes.x_m[i], y_m=shapes.y_m[i])
         if found.status[i] == SolverStatus.SOLVED
         else _answer(model, name, *place)
         for i, place in enumerate(places)
     ]
 
 
-def _answer(model: SheetModel, name: str, position_m: float | None, voltage_V: float) -> _Answer:
+def _answer(
+    model: SheetModel, name: str, position_m: float | None, voltage_V: float
+) -> _PlacePrediction:
     try:
         if position_m is None:
             _, x, y = predict_free(model, name, voltage_V)
-            return _Answer(force_N=np.nan, x_m=x, y_m=y)
+            return _PlacePrediction(force_N=np.nan, x_m=x, y_m=y)
         found = predict(model, name, position_m, voltage_V)
     except ModelError as error:
-        return _Answer(force_N=np.nan, why=str(error))
-    return _Answer(force_N=found.F_N, x_m=found.x_m, y_m=found.y_m, why=found.why)
+        return _PlacePrediction(force_N=np.nan, why=str(error))
+    return _PlacePrediction(force_N=found.F_N, x_m=found.x_m, y_m=found.y_m, why=found.why)
 
 
-def _plain(answer: _Answer, band: _Band) -> dict[str, Any]:
+def _plain(answer: _PlacePrediction, band: _Band) -> dict[str, Any]:
     force_mN, half_mN = known(1e3 * answer.force_N), 1e3 * band.force_N
     interval = None if force_mN is None else [force_mN - half_mN, force_mN + half_mN]
     curve = plain_curve(answer.x_m, answer.y_m, band.along_normal_m) if len(answer.x_m) else None

@@ -1,4 +1,4 @@
-"""Simpler models, fitted to the same session."""
+"""Simpler models fitted to the same session."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from labrig.cli.screen import print_json, print_table, progress, say, warn
 
 def compare(
     session: Recorded,
-    model: Annotated[
-        Path | None, typer.Option(help="a model file to be compared too, as it stands")
-    ] = None,
+    model: Annotated[Path | None, typer.Option(help="a model file to compare as it is")] = None,
     as_json: Json = False,
 ) -> None:
-    """Fit simpler models to a session too: what large deflection and a varying EIBM are worth.
+    """Compare simpler models with that of large deflections and an EIBM along the sheet.
 
-    A model file, such as labrig diagnose writes it, is not fitted but compared as it stands.
+    Each simpler model is fitted to the session. A model file of labrig fit or labrig diagnose is
+    compared as it is.
     """
     from dataclasses import replace
 

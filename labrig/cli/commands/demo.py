@@ -59,7 +59,7 @@ def demo(
     analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
     fit([session], model)
-    _heading("5. What the model with a constant EIBM is missing")
+    _heading("5. Effects that are not in the model with constant EIBM")
     diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
     _heading("6. The report")
     report(session, folder / "report")

@@ -1,4 +1,4 @@
-"""What the model is missing."""
+"""The discrepancy between model and measurement."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def diagnose(
     model: KnownModel = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="the model file to write, with what was found (TOML)"),
+        typer.Option("--output", "-o", help="the model file to write, with its effects (TOML)"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
     report: Annotated[
@@ -48,16 +48,16 @@ def diagnose(
     symmetric: Symmetric = False,
     without: Annotated[
         list[str] | None,
-        typer.Option(metavar="EFFECT", help="an effect that is known not to be there; repeatable"),
+        typer.Option(metavar="EFFECT", help="an effect that is known to be absent; repeatable"),
     ] = None,
     calibrate: Annotated[
-        int, typer.Option(min=0, max=10_000, help="sessions to simulate for the threshold; 0: none")
+        int, typer.Option(min=0, max=10_000, help="number of simulated sessions for the threshold")
     ] = 0,
     as_json: Json = False,
 ) -> None:  # fmt: skip
-    """Say where simulation and measurement disagree, and which effect the model is missing.
+    """Find where simulation and measurement disagree, and which effects are not in the model.
 
-    What is found is kept in the (first) session; labrig report shows it, too.
+    The diagnosis is stored in the (first) session; labrig report shows it, too.
     """
     from labrig.analysis.holding_out import held_out
     from labrig.experiment.next_measurement.next_protocol import with_protocol

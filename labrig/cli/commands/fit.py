@@ -11,7 +11,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.measurements import fitted_of
-from labrig.cli.options import Json
+from labrig.cli.options import FigureFormats, Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
@@ -28,7 +28,7 @@ def fit(
         list[Path],
         typer.Argument(
             metavar="SESSION",
-            help="a session; further ones of the same sheet are taken together with it",
+            help="a session; further ones of the same sheet are fitted together with it",
         ),
     ],
     output: Annotated[
@@ -36,11 +36,10 @@ def fit(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
     varying: Annotated[
-        bool, typer.Option("--varying", help="write the model whose EIBM varies along the sheet")
+        bool, typer.Option("--varying", help="write the model with the EIBM along the sheet")
     ] = False,
-    figures: Annotated[
-        Path | None, typer.Option(help="a folder for figures 8 and 9, as PNG and SVG")
-    ] = None,
+    figures: Annotated[Path | None, typer.Option(help="a folder for figures 8 and 9")] = None,
+    formats: FigureFormats = None,
     configuration: Annotated[
         list[str] | None, typer.Option(help="fit this one alone; repeatable")
     ] = None,
@@ -59,7 +58,7 @@ def fit(
     ] = False,
     by_run: Annotated[
         bool,
-        typer.Option("--by-run", help="print B and EIBM of each set-up, too (not with --json)"),
+        typer.Option("--by-run", help="also print B and EIBM of each set-up (not with --json)"),
     ] = False,
     symmetric: Annotated[
         bool, typer.Option("--symmetric", help="one |EIBM| for both polarities")
@@ -71,7 +70,10 @@ def fit(
         ),
     ] = False,
     bootstrap: Annotated[
-        int, typer.Option(min=0, max=10_000, help="simulated repeats that check the uncertainties")
+        int,
+        typer.Option(
+            min=0, max=10_000, help="number of simulated repeats that check the uncertainties"
+        ),
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
     as_json: Json = False,
@@ -84,6 +86,7 @@ def fit(
     from labrig.model_file import save_model
     from labrig.report.data.separate_sessions import only
     from labrig.report.figures.fit import make_folder, write_fit_figures
+    from labrig.report.parts.style import known_formats
     from model import FitOptions
 
     if output is not None and output.exists() and not force:
@@ -96,6 +99,7 @@ def fit(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap,
     )  # fmt: skip
+    wanted = known_formats(formats)
     if figures is not None:
         make_folder(figures)
     measured = _measured(sessions, apart)
@@ -107,7 +111,7 @@ def fit(
         save_model(found.varying_model if varying else found.model, output)
         written.append(output)
     if figures is not None:
-        written += write_fit_figures(figures, found, measurements)
+        written += write_fit_figures(figures, found, measurements, wanted)
     if as_json:
         print_json(found.to_json())
         return

@@ -10,13 +10,16 @@ import typer
 from labrig.cli.command import Command
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say
+from labrig.report.parts.table import fixed, volts
 
 if TYPE_CHECKING:
     from labrig.library import CatalogueEntry
 
 
 def list_sessions(
-    folder: Annotated[Path, typer.Argument(help="looked through with all below it")] = Path(),
+    folder: Annotated[
+        Path, typer.Argument(help="a folder, searched with all folders in it")
+    ] = Path(),
     sort: Annotated[
         str, typer.Option(help="started, name, outcome, B_Nm2, EIBM_Nm, largest_force_mN, ...")
     ] = "started",
@@ -30,8 +33,9 @@ def list_sessions(
 ) -> None:
     """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
 
-    Each file is looked into once; after that only those that have changed. B and EIBM are those of
-    the newest model file in the folder that was fitted to the session (labrig fit -o).
+    Each file is read once, and again when it has changed. B and EIBM are from the newest model file
+    in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
+    of labrig diagnose -o. The file and the kind of EIBM are named beside them.
     """
     from labrig.library import Library, select
 
@@ -45,15 +49,28 @@ def list_sessions(
         print_json({"sessions": [entry.as_dict() for entry in found]})
         return
     print_table(f"{folder}", _COLUMNS, [_row(entry) for entry in found])
+    if any(entry.fit for entry in found):
+        say(_NOTE)
     for entry in found:
         if entry.error:
             say(f"{entry.name}: {entry.error}")
+        elif outdated := _outdated(entry):
+            say(f"{entry.name}: {outdated} out of date: runs or readings were marked since.")
+
+
+def _outdated(entry: CatalogueEntry) -> str:
+    found = {"analysis": entry.analysis_outdated, "fit": entry.fit_outdated}
+    return " and ".join(name for name, is_outdated in found.items() if is_outdated)
 
 
 _COLUMNS = (
-    "session", "begun", "sheet", "sample", "outcome", "runs", "readings", "largest mN",
-    "scatter mN", "B nN m2", "EIBM uN m",
+    "session", "started", "sheet", "sample", "outcome", "runs", "readings", "largest force, mN",
+    "scatter, mN", "B, µN·m²", "EIBM, µN·m", "kind of EIBM", "model file",
 )  # fmt: skip
+_NOTE = (
+    "Largest force: change from 0 V. B and EIBM: of the first sheet in the model file, EIBM at the"
+    " voltage where it is largest."
+)
 
 
 def _row(entry: CatalogueEntry) -> list[str]:
@@ -67,15 +84,24 @@ def _row(entry: CatalogueEntry) -> list[str]:
         entry.outcome,
         f"{entry.runs_complete} of {entry.runs}",
         str(entry.readings),
-        _number(entry.largest_force_mN, 1.0, 2),
-        _number(entry.scatter_mN, 1.0, 3),
-        _number(entry.fitted("B_Nm2"), 1e9, 1),
-        _number(entry.fitted("EIBM_Nm"), 1e6, 2),
+        fixed(entry.largest_force_mN, 2),
+        fixed(entry.scatter_mN, 3),
+        *_fitted(entry),
     ]
 
 
-def _number(value: float | None, times: float, digits: int) -> str:
-    return "-" if value is None else f"{times * value:.{digits}f}"
+def _fitted(entry: CatalogueEntry) -> list[str]:
+    """Return B and EIBM of the first sheet that was fitted, and what they are."""
+    name, fit = next(iter((entry.fit or {}).items()), ("", None))
+    if fit is None:
+        return ["-"] * 4
+    voltage, moment = max(fit["EIBM_Nm"].items(), key=lambda item: abs(item[1]))
+    return [
+        f"{name}: {1e6 * fit['B_Nm2']:.4g}",
+        f"{name}, {volts(float(voltage))}: {1e6 * moment:.4g}",
+        fit["EIBM_quantity"],
+        fit["model"],
+    ]
 
 
 COMMAND = Command("list", list_sessions, order=120)

@@ -28,7 +28,8 @@ from labrig.files import write_text
 def next_measurement(
     sessions: Sessions = None,
     between: Annotated[
-        tuple[str, str] | None, typer.Option(help="two effects to be told apart")
+        tuple[str, str] | None,
+        typer.Option(help="two effects to be told apart; default: those of the diagnosis"),
     ] = None,
     sheet: SheetFile = None,
     forces: ForcesFile = None,
@@ -42,23 +43,24 @@ def next_measurement(
     force: Annotated[bool, typer.Option("--force", help="overwrite the protocol")] = False,
     as_json: Json = False,
 ) -> None:
-    """Say which further measurement tells two effects apart, and write its protocol."""
+    """Say which further measurement tells two effects apart, and write its protocol.
+
+    Without --between, those that the diagnosis of the (first) session could not tell apart.
+    """
     from labrig.experiment.next_measurement.next_protocol import protocol_text
+    from labrig.experiment.next_measurement.proposal import proposal
+    from labrig.report.data.kept_diagnosis import kept_diagnosis
     from labrig.report.diagnosis.tables import next_sentence
     from model.discrepancy import DiagnoseOptions
-    from model.discrepancy import next_measurement as find
 
-    if between is None:
-        raise BadInputError(
-            "name two effects with --between, such as --between gravity clamp_angle."
-        )
-    if between[0] == between[1]:
+    if between is not None and between[0] == between[1]:
         raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
-    found = find(measurements, between, options)
+    diagnosis = kept_diagnosis(sessions[0]) if sessions and between is None else None
+    found = proposal(measurements, diagnosis, between, options)
     text = protocol_text(found, measurements, sessions[0] if sessions else None)
     if output is not None:
         write_text(output, text)

@@ -37,6 +37,9 @@ def panel(
     insecure: Annotated[
         bool, typer.Option("--insecure", help="listen elsewhere without encryption")
     ] = False,
+    other_token: Annotated[
+        bool, typer.Option("--new-token", help="let no page in that knows an earlier address")
+    ] = False,
 ) -> None:
     """Serve the operator's page: run, watch, answer, stop, calibrate, replay, compare.
 
@@ -47,6 +50,7 @@ def panel(
 
     settings = _settings(what, data, model, host, port)
     settings = _with_tls(settings, certificate, key, insecure=insecure)
+    settings = _with_token(settings, other=other_token)
 
     def ready(settings: PanelSettings) -> None:
         address = settings.url(f"/?token={settings.token}")
@@ -86,6 +90,19 @@ def _settings(
         host=host,
         port=port,
     )
+
+
+def _with_token(settings: PanelSettings, *, other: bool) -> PanelSettings:
+    """Take the token of this folder's last panel, unless others may have listened to it."""
+    from dataclasses import replace
+
+    from labrig.panel.access.settings import LOOPBACK
+    from labrig.panel.server.kept_token import kept_token, new_token
+
+    if settings.host not in LOOPBACK and settings.certificate is None:
+        return settings
+    make = new_token if other else kept_token
+    return replace(settings, token=make(settings.data))
 
 
 def _require_readable(session: Path | None, model: Path | None) -> None:

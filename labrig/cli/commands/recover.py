@@ -32,13 +32,7 @@ def recover(
     report = recover_session(session, output, in_place=in_place)
     for note in report.notes:
         say(note)
-    if report.output is None:
-        say(f"{session}: is whole; there is nothing to recover.")
-        return
-    say(
-        f"wrote {report.output}: {report.outcome.value}, {report.runs_completed} runs complete, "
-        f"{report.readings} readings, {report.frames} frames."
-    )
+    say(report.text)
 
 
 COMMAND = Command("recover", recover, order=90)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.options import Recorded
+from labrig.cli.options import FigureFormats, Recorded
 from labrig.cli.screen import progress, say, warn
 
 
@@ -18,12 +18,20 @@ def report(
         Path | None,
         typer.Option("--output", "-o", help="the folder to write into; default NAME-report"),
     ] = None,
+    figures: Annotated[
+        Path | None, typer.Option(help="a folder for the figures; default OUTPUT/figures")
+    ] = None,
+    formats: FigureFormats = None,
 ) -> None:
     """Write tables, figures and one self-contained page about a session."""
     from labrig.report.page.write import write_report
+    from labrig.report.parts.style import known_formats
 
+    wanted = known_formats(formats)
     with progress("report") as advance:
-        page = write_report(session, output, progress=advance, tell=warn)
+        page = write_report(
+            session, output, figures=figures, formats=wanted, progress=advance, tell=warn
+        )
     say(f"wrote {page}")
 
 

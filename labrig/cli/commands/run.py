@@ -30,7 +30,7 @@ def run(
     diagnose: Annotated[
         bool,
         typer.Option(
-            "--diagnose", help="then say what the model is missing, and measure what separates it"
+            "--diagnose", help="diagnose after the run, and measure what separates the candidates"
         ),
     ] = False,
 ) -> None:

@@ -12,6 +12,8 @@ from typing import Any
 
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError
+from protocols import Schedule
+from protocols.planning.schedule import Purpose
 
 _START_S = 60.0
 _END_S = 5.0
@@ -34,6 +36,21 @@ def at_addresses(rig: RigConfig, served: Mapping[str, str]) -> RigConfig:
         if port is not None:
             tables[table] = {"kind": kind, "port": port}
     return rig.changed(**tables)
+
+
+def why_not_served(schedule: Schedule) -> str:
+    """Return why a simulated rig cannot run a schedule on the real clock; empty when it can.
+
+    What a simulated operator does by hand nobody does there: the sheet is in another process.
+    """
+    runs = schedule.runs
+    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
+    if by_hand or len({run.configuration for run in runs}) > 1:
+        return (
+            "On the real clock a simulated rig measures one configuration, mounted once; choose "
+            'such a protocol (mode = "paper", one [[places]]), or the virtual clock.'
+        )
+    return ""
 
 
 @contextmanager

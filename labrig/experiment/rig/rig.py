@@ -28,6 +28,13 @@ from protocols.execution.devices import Devices
 __all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]
 
 
+Step = Callable[[str], None]  # called with what is done next, in words
+
+
+def no_step(_text: str) -> None:
+    """Nobody wants to know what is done next."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Rig:
     """The devices of a rig and what stands around them. Made by `wiring`, opened by `opened`."""
@@ -72,8 +79,10 @@ class Rig:
 
 
 @contextmanager
-def opened(rig: Rig) -> Iterator[Rig]:
+def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
     """Open every device of a rig; they are closed in reverse order, whatever happens.
+
+    `on_step` is called before each.
 
     A device that cannot be opened raises NotReadyError with the driver's sentence: nothing has been
     energised. The output is opened first and closed last, and both write 0 V; OutputUnknownError
@@ -81,7 +90,8 @@ def opened(rig: Rig) -> Iterator[Rig]:
     """
     releases: list[Callable[[], None]] = []
     try:
-        for take, release in _openings(rig):
+        for what, take, release in _openings(rig):
+            on_step(f"opening {what}")
             try:
                 take()
             except DeviceError as fault:
@@ -107,10 +117,10 @@ def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
         raise OutputUnknownError(f"{unknown}; switch the amplifier off") from unknown
 
 
-def _openings(rig: Rig) -> Iterator[tuple[Callable[[], None], Callable[[], None]]]:
-    yield rig.boards.open, rig.boards.close
-    yield rig.output.open, rig.output.close
-    yield rig.signals.open, rig.signals.close
+def _openings(rig: Rig) -> Iterator[tuple[str, Callable[[], None], Callable[[], None]]]:
+    yield "the boards", rig.boards.open, rig.boards.close
+    yield "the output, at 0 V", rig.output.open, rig.output.close
+    yield "the inputs", rig.signals.open, rig.signals.close
     if rig.camera is not None:
-        yield rig.camera.open, rig.camera.close
-    yield rig.stage.open, rig.stage.close
+        yield "the camera", rig.camera.open, rig.camera.close
+    yield "the stage", rig.stage.open, rig.stage.close

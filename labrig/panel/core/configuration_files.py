@@ -27,6 +27,7 @@ from labrig.config import (
     parse_toml,
     read_text,
 )
+from labrig.config.about import FILE as ABOUT
 from labrig.errors import BadInputError, LabrigError
 from labrig.vision import Optics
 from model import ModelError, SheetModel
@@ -91,6 +92,20 @@ def from_values(kind: str, values: Values, name: str, before: str = "") -> Confi
     return from_text(kind, tomlkit.dumps(document), name)
 
 
+def about_file(folder: Path) -> ConfigFile:
+    """Return the about.toml beside rig.toml; an empty one where there is none."""
+    path = folder / ABOUT
+    return from_text("about", read_text(path) if path.exists() else "", ABOUT)
+
+
+def about_text(folder: Path, values: Values) -> str:
+    """Return about.toml with other values. Raises BadInputError for a fault in them."""
+    found = from_values("about", values, ABOUT, about_file(folder).text)
+    if found.errors:
+        raise BadInputError(" ".join(found.errors))
+    return found.text
+
+
 def kind_of(text: str, suffix: str) -> str:
     """Return what a file is for, by its content; empty when it is none of ours."""
     try:
@@ -109,7 +124,9 @@ def kind_of(text: str, suffix: str) -> str:
         return "protocol"
     if "sensitivity_V_per_N" in values:
         return "load_cell"
-    if values and values.keys() <= About.model_fields.keys():
+    if values.keys() & {"people", "project", "licence"} or (
+        values and values.keys() <= About.model_fields.keys()
+    ):
         return "about"
     tables = [values, *(value for value in values.values() if isinstance(value, dict))]
     return "sheet" if any("free_length_mm" in table for table in tables) else "world"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 import threading
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from fastapi import Request
 
@@ -13,16 +13,28 @@ from labrig.config import ReplayConfig, load_rig
 from labrig.errors import BadInputError
 from labrig.library import Library
 from labrig.panel.access.settings import PanelSettings, host_name
+from labrig.panel.analysis.jobs import AnalysisJobs
+from labrig.panel.analysis.live_fit import LiveFit
 from labrig.panel.core.actions import Actions
 from labrig.panel.core.control import Control, utc_now
 from labrig.panel.errors import NotNowError
 from labrig.panel.job import Kind, Order
 from labrig.panel.job.jobs import Jobs
+from labrig.panel.job.registry import hidden_folder
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
+from labrig.panel.queue.run_queue import RunQueue
 
 State = TypeVar("State")
 VERSION = 1  # of what page and server say to each other
+
+
+@runtime_checkable
+class Closing(Protocol):
+    """What a page keeps and wants to be told of when the panel ends."""
+
+    def close(self) -> None:
+        """Let go; may be called while requests are under way, and must not block."""
 
 
 class Panel:
@@ -35,8 +47,13 @@ class Panel:
         self.actions = Actions(settings.data)
         self.control = Control(self.stream.publish_newest)
         self.frame_pipeline = FramePipeline(self.stream)
-        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline)
+        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline, settings.rig)
+        self.analysis_jobs = AnalysisJobs(
+            hidden_folder(settings.data), self.stream.publish_newest, lambda: self.jobs.going
+        )
+        self.live_fit = LiveFit(settings.data, hidden_folder(settings.data), self.stream)
         self.library = Library(settings.data)
+        self._queue = None if settings.rig is None else self._queue_of(settings.rig)
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()
         self.model: str | None = None
@@ -46,13 +63,20 @@ class Panel:
 
     def close(self) -> None:
         """Let go of everything but the job."""
+        if self._queue is not None:
+            self._queue.close()
+        self.analysis_jobs.close()
+        self.live_fit.close()
+        for state in list(self._states.values()):
+            if isinstance(state, Closing):
+                state.close()
         self.jobs.close()
         self.frame_pipeline.close()
 
     def state(self, kind: type[State]) -> State:
         """Return this panel's object of a class, made when a page first asks; any thread may ask.
 
-        For what a page must keep between requests.
+        For what a page must keep between requests; one with `close()` is closed with the panel.
         """
         with self._lock:
             if kind not in self._states:
@@ -66,6 +90,23 @@ class Panel:
         if self.settings.rig is None:
             raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
         return self.settings.rig
+
+    @property
+    def queue(self) -> RunQueue:
+        """The sessions to come. Raises NotNowError when the panel was started without a rig."""
+        if self._queue is None:
+            raise NotNowError("this panel has no rig; start it as labrig panel rig.toml.")
+        return self._queue
+
+    def _queue_of(self, rig: Path) -> RunQueue:
+        return RunQueue(
+            data=self.settings.data,
+            rig=rig,
+            jobs=self.jobs,
+            order=self.order,
+            publish=self.stream.publish_newest,
+            log=self.actions.add,
+        )
 
     def status(self, host: str, client: str) -> Message:
         """Return the status; `host`: the name by which this page reached us."""

@@ -1,14 +1,17 @@
-"""A job's process: read the order, do it, publish how it ended."""
+"""A job's process: load what it will need, read the order, do it, publish how it ended."""
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, LabrigError
 from labrig.panel.job.host import Host
 from labrig.panel.job.order import Order
+from labrig.panel.job.process import print_into_log
 
 
 def _work_of(order: Order) -> Callable[[Host], tuple[int, str]]:
@@ -47,9 +50,24 @@ def _done(host: Host) -> tuple[int, str]:
         )
 
 
+def _ordered() -> Order | None:
+    """Wait for the order, ready for the rig that the first line names; None: none came."""
+    rig = json.loads(sys.stdin.readline() or "null")
+    if rig is not None:
+        from labrig.panel.job.warm_up import warm_up
+
+        warm_up(Path(rig))
+    line = sys.stdin.readline()
+    return Order.from_json(line) if line else None
+
+
 def main() -> int:
     """Read the order, do it."""
-    host = Host(Order.from_json(sys.stdin.readline()))
+    order = _ordered()
+    if order is None:
+        return int(ExitCode.DONE)
+    print_into_log(Path(order.data))
+    host = Host(order)
     code, text = int(ExitCode.FAILED), "the job was ended."
     try:
         code, text = _done(host)

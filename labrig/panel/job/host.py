@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sys
 import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -26,7 +28,9 @@ class Host:
 
     def __init__(self, order: Order) -> None:
         self.order = order
+        self._began_s = time.monotonic()
         self.stream = EventStream()
+        self.on_exit: Callable[[], None] = lambda: None  # called when all is published
         self._handlers: dict[str, Handler] = {}
         self._server = JobConnectionServer(self._do, self._publisher)
         self.address = JobAddress(
@@ -51,12 +55,23 @@ class Host:
         """Send a message to all panels."""
         self.stream.publish(message)
 
+    def warn(self, text: str) -> None:
+        """Publish a warning that is no part of the session; it is printed into the job's log."""
+        print(text, file=sys.stderr, flush=True)  # noqa: T201 - into job.log
+        self.publish({"type": "warning", "time_s": None, "text": text, "log": text})
+
+    def step(self, text: str) -> None:
+        """Publish what is done next before the job is under way."""
+        since_s = round(time.monotonic() - self._began_s, 3)
+        self.publish({"type": "step", "text": text, "since_s": since_s})
+
     def end(self, code: int, text: str) -> None:
         """Publish and write down how it ended."""
         self.address = self.address.ended(code, text)
         write_address(Path(self.order.data), self.address)
         self.stream.publish(self.address.message())
         self._server.close(_FAREWELL_S)
+        self.on_exit()
 
     def _do(self, asked: Header) -> Header:
         handler = self._handlers.get(str(asked.get("do")))

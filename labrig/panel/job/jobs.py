@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
@@ -12,12 +11,12 @@ from labrig.errors import LabrigError
 from labrig.panel.errors import NotNowError, UnreachableError
 from labrig.panel.job import Order
 from labrig.panel.job.connection import JobConnection
-from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, hidden_folder, read_address
+from labrig.panel.job.process import JobProcesses
+from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, read_address
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.live.packing import BrokenConnectionError, Header
 from labrig.panel.live.strip_chart import strip_from
-from labrig.panel.processes import detached, module_environment
 from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
 
 POLL_S = 0.3
@@ -31,14 +30,23 @@ _LOST = (
 class Jobs:
     """One job at a time in a data folder. The job outlives the panel and these threads."""
 
-    def __init__(self, data: Path, stream: EventStream, frame_pipeline: FramePipeline) -> None:
+    def __init__(
+        self,
+        data: Path,
+        stream: EventStream,
+        frame_pipeline: FramePipeline,
+        rig: Path | None = None,
+    ) -> None:
         self._data = data
+        self._processes = JobProcesses(data, rig)
         self._stream = stream
         self._frame_pipeline = frame_pipeline
         self._connection: JobConnection | None = None
         self._address: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
-        self._guarded: str | None = None  # the job whose guard report was read last
+        # The guard's report that was published last, and its job: a guard that could not read 0 V
+        # back keeps trying, and reports again when it has.
+        self._guarded: tuple[str, GuardReport] | None = None
         self._starting = False
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -68,7 +76,7 @@ class Jobs:
             self._starting = True
         try:
             _forget_old_guard(order)
-            self._process = process = _spawn(order, hidden_folder(self._data))
+            self._process = process = self._processes.begin(order)
             self._wait_for(order, process)
         finally:
             self._starting = False
@@ -100,6 +108,7 @@ class Jobs:
         self._changed.set()
         if self._connection is not None:
             self._connection.close()
+        self._processes.close()
         self._thread.join(2.0)
 
     # -------------------------------------------------------------------------- in threads of ours
@@ -111,6 +120,8 @@ class Jobs:
             self._read_guard()
             if self._process is not None:
                 self._process.poll()  # so that a job of ours that has ended is no zombie
+            if not self.going:
+                self._processes.prepare()  # not during a run, which needs the computer
             self._changed.wait(POLL_S)
             self._changed.clear()
 
@@ -185,12 +196,10 @@ class Jobs:
         address = self._address
         if address is None or address.session is None or address.state == ENDED:
             return
-        if self._guarded == address.id:
-            return
         report = read_guard_report(self._data / address.session)
-        if report is None:
+        if report is None or self._guarded == (address.id, report):
             return
-        self._guarded = address.id
+        self._guarded = (address.id, report)
         if address.state == LOST:
             self._address = address.ended(None, _lost_text(report), LOST)
             self._stream.publish(self._address.message())
@@ -223,23 +232,3 @@ def _lost_text(report: GuardReport) -> str:
 
 def _output(state: str, why: str) -> Message:
     return {"type": "output", "time_s": None, "state": state, "why": why, "log": why}
-
-
-def _spawn(order: Order, hidden: Path) -> subprocess.Popen[bytes]:
-    """In a session of its own: neither Ctrl-C nor the end of the panel reaches it."""
-    try:
-        with (hidden / "job.log").open("wb") as output:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "labrig.panel.job"],
-                stdin=subprocess.PIPE,
-                stdout=output,
-                stderr=output,
-                env=module_environment(),
-                **detached(),
-            )
-        assert process.stdin is not None  # noqa: S101 - for the type checker
-        process.stdin.write(order.to_json().encode("utf-8"))
-        process.stdin.close()
-    except OSError as error:
-        raise LabrigError(f"a job cannot be started ({error}).") from None
-    return process

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from drivers.interfaces import Prompt
 from labrig.errors import BadInputError
 from labrig.panel.live.event_stream import Message
-from labrig.panel.live.messages import MessageEncoder
+from labrig.panel.live.messages import MessageEncoder, answer_text
 from protocols.execution.stop import StopLevel, StopRequest
 
 _POLL_S = 0.1  # for a stop that was asked for elsewhere, by a signal
@@ -30,19 +30,23 @@ class PageOperator:
         self._now = now
         self._changed = threading.Condition()
         self._asking: int | None = None  # the prompt that waits for its answer
+        self._kind = ""  # of that prompt
         self._answer: bool | None = None
 
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
         with self._changed:
             self._asking, message = self._encoder.asked(self._now(), prompt)
-            self._answer = None
+            self._answer, self._kind = None, prompt.kind
             self._publish(message)
+            until_s = None if prompt.expires_s is None else self._now() + prompt.expires_s
             while self._answer is None and self._stop.level is StopLevel.NONE:
                 self._changed.wait(_POLL_S)
+                if until_s is not None and self._now() > until_s:
+                    self._answer = True
             self._asking = None
             done = bool(self._answer)
-            self._publish(self._encoder.answered(self._now(), done))
+            self._publish(self._encoder.answered(self._now(), done, prompt.kind))
             return done
 
     def answer(self, prompt: int, done: bool) -> str:
@@ -52,4 +56,4 @@ class PageOperator:
                 raise BadInputError("this question is not being asked any more.")
             self._answer = done
             self._changed.notify()
-        return "done" if done else "stop"
+        return answer_text(self._kind, done)

@@ -7,10 +7,14 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from labrig.errors import BadInputError, NotReadyError
+from labrig.config import RigConfig, load_rig
+from labrig.config.hooks import HooksConfig
+from labrig.errors import BadInputError, ExitCode, NotReadyError
+from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
+from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
-from labrig.experiment.rig.networked_rig import at_addresses, served_rig
+from labrig.experiment.rig.networked_rig import at_addresses, served_rig, why_not_served
 from labrig.experiment.rig.rig import Rig
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
@@ -30,7 +34,6 @@ from protocols import ScheduleError
 from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.events import ActionTaken
 from protocols.execution.stop import StopLevel, StopRequest
-from protocols.planning.schedule import Purpose
 
 
 def run(host: Host) -> tuple[int, str]:
@@ -38,13 +41,27 @@ def run(host: Host) -> tuple[int, str]:
     order = host.order
     if order.session is None:
         raise BadInputError("a run needs the name of the session file to make.")
-    with _planned(order) as (plan, resumption), _on_its_clock(order, plan) as rig_plan:
+    host.step("reading the files")
+    with _planned(order) as (plan, resumption), _on_its_clock(host, plan) as rig_plan:
         done = resumption.done if resumption is not None else frozenset()
         clock = "virtual" if rig_plan.rig.is_simulated else "real"
         host.publish(setup_message(plan.optics, plan.sheets))
         host.publish(message_of_plan(plan, clock, order.session_name, done))
-        result = _Run(host, rig_plan).execute(Path(order.session), resumption)
-    return int(result.code), f"{result.outcome.value}: {result.status.text}"
+        host.step("starting the simulated rig" if rig_plan.rig.is_simulated else "loading drivers")
+        config = _hooks_config(order, plan)
+        with hooks_of(config, order.session_name or "", host.warn) as hooks:
+            host.on_exit = hooks.close
+            result = _Run(host, rig_plan, hooks).execute(Path(order.session), resumption)
+            hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
+    return int(result.code), f"{result.text}."
+
+
+def _hooks_config(order: Order, plan: Plan) -> HooksConfig | None:
+    """Return this rig's hooks; those of a session that is resumed may be anybody's."""
+    if order.resume is None or order.rig is None:
+        return plan.rig.hooks
+    config = load_rig(Path(order.rig))
+    return config.hooks if isinstance(config, RigConfig) else None
 
 
 @contextmanager
@@ -61,39 +78,34 @@ def _planned(order: Order) -> Iterator[tuple[Plan, Resumption | None]]:
 
 
 @contextmanager
-def _on_its_clock(order: Order, plan: Plan) -> Iterator[Plan]:
+def _on_its_clock(host: Host, plan: Plan) -> Iterator[Plan]:
     """Yield the plan on the simulated boards' own sockets, when it is to take its real time."""
+    order = host.order
     if not plan.rig.is_simulated or order.clock == "virtual":
         yield plan
         return
-    _refuse_what_nobody_does(plan)
+    why_not = why_not_served(plan.schedule)
+    if why_not:
+        raise NotReadyError(why_not)
     rig = plan.rig
     options: list[str] = []
     if rig.simulated is not None and rig.simulated.world is not None:
         options = ["--world", str(rig.simulated.world)]
     record = hidden_folder(Path(order.data)) / "world_record.csv"
+    host.step("starting the simulated rig on the real clock")
     with served_rig(record, plan.schedule.runs[0].configuration, options) as served:
         yield replace(plan, rig=at_addresses(rig, served))
-
-
-def _refuse_what_nobody_does(plan: Plan) -> None:
-    """Refuse what a simulated operator does by hand: in another process there is none."""
-    runs = plan.schedule.runs
-    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
-    if by_hand or len({run.configuration for run in runs}) > 1:
-        raise NotReadyError(
-            "On the real clock a simulated rig measures one configuration, mounted once; choose "
-            'such a protocol (mode = "paper", one [[places]]), or the virtual clock.'
-        )
 
 
 class _Run:
     """One run and the requests that it answers."""
 
-    def __init__(self, host: Host, plan: Plan) -> None:
+    def __init__(self, host: Host, plan: Plan, hooks: Hooks) -> None:
         self._host = host
         self._plan = plan
+        self._hooks = hooks
         self._stop = StopRequest()
+        self._pause: PauseFile | None = None  # once the session's file is named
         self._event_bus = EventBus(threaded=not plan.rig.is_simulated)
         encoder = MessageEncoder()
         asks_itself = not plan.rig.is_simulated
@@ -103,6 +115,7 @@ class _Run:
         for name, handler in (
             ("stop", self._do_stop),
             ("stop_after_pulse", self._do_stop_after_pulse),
+            ("pause", self._do_pause),
             ("answer", self._do_answer),
             ("mark", self._do_mark),
             ("note", lambda asked: self._note(str(asked["who"]), str(asked["what"]))),
@@ -112,6 +125,7 @@ class _Run:
     def execute(self, path: Path, resumption: Resumption | None) -> Result:
         """Run the session."""
         self._event_bus.add_best_effort("the panel", self._follower)
+        self._pause = PauseFile(path)
         self._follower.on_begin = lambda: self._note(self._host.order.by, "started the run")
         with stop_signals(lambda name, _count: self._stop.request(StopLevel.NOW, f"got {name}")):
             result = run_session(
@@ -121,13 +135,15 @@ class _Run:
                 self._stop,
                 self._event_bus,
                 resumption=resumption,
+                on_step=self._host.step,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
         self._follower.publish_state()
         return result
 
     def _wired(self, plan: Plan) -> Rig:
-        rig = wire(plan, self._operator, self._event_bus.emit)
+        operator = NotifyingOperator(self._operator, self._hooks)
+        rig = wire(plan, operator, self._event_bus.emit)
         preview = None
         if rig.camera is not None and not plan.rig.is_simulated:
             preview = Preview(rig.camera, rig.clock, plan.schedule.frame_rate_hz)
@@ -150,6 +166,17 @@ class _Run:
         who = str(asked["who"])
         self._stop.request(StopLevel.AFTER_PULSE, f"stopped by {who}, after the pulse")
         self._note(who, "asked for a stop after the pulse")
+
+    def _do_pause(self, asked: Message) -> None:
+        who, on = str(asked["who"]), bool(asked["on"])
+        if self._pause is None or not self._follower.going:
+            raise BadInputError("no session is going on, so none can pause.")
+        if on:
+            self._pause.ask(who)
+        else:
+            self._pause.end()
+        self._host.publish({"type": "pause", "on": on, "who": who})
+        self._note(who, "asked for a pause after this position" if on else "ended the pause")
 
     def _do_answer(self, asked: Message) -> None:
         answer = self._operator.answer(int(asked["prompt"]), bool(asked["done"]))

@@ -10,6 +10,7 @@ from drivers.interfaces import Prompt
 from protocols import describe
 from protocols.execution import events as ev
 from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N
+from protocols.execution.operator import REPEAT
 from protocols.planning.schedule import PlannedRun, Schedule
 
 Message = dict[str, Any]
@@ -25,7 +26,9 @@ class MessageEncoder:
         self._ways: dict[type, Callable[[Any], Message]] = {
             ev.SessionStarted: self._started,
             ev.OperatorAsked: lambda event: self.asked(event.time_s, event.prompt)[1],
-            ev.OperatorAnswered: lambda event: self.answered(event.time_s, event.done),
+            ev.OperatorAnswered: lambda event: self.answered(
+                event.time_s, event.done, event.prompt.kind
+            ),
             ev.OperatorNotAsked: self._not_asked,
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._voltage,
@@ -67,9 +70,9 @@ class MessageEncoder:
             "log": f"not asked: {event.prompt.text}",
         }
 
-    def answered(self, time_s: float, done: bool) -> Message:
-        """Return the last prompt was answered."""
-        said = "done" if done else "stop the session"
+    def answered(self, time_s: float, done: bool, kind: str) -> Message:
+        """Return the message that the last prompt, of this kind, was answered."""
+        said = answer_text(kind, done)
         return {
             "type": "answered",
             "time_s": self.since_begin(time_s),
@@ -96,13 +99,14 @@ class MessageEncoder:
         run = event.run
         self._zero_s[run.index] = event.time_s
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        again = "" if run.repeats is None else f", run {run.repeats + 1} again"
         return {
             "type": "run_started",
             "time_s": self.since_begin(event.time_s),
             "run": run.index,
             "stage_position_mm": _milli(event.stage_position_m),
             "since_wetting_s": event.since_wetting_s,
-            "log": f"run {run.index + 1} begins: {run.configuration}, {where}",
+            "log": f"run {run.index + 1} begins: {run.configuration}, {where}{again}",
         }
 
     def _voltage(self, event: ev.VoltageSet) -> Message:
@@ -120,7 +124,7 @@ class MessageEncoder:
     def _reading(self, event: ev.ReadingTaken) -> Message:
         planned, frame = event.planned, event.frame
         offset_s = event.frame_offset_s
-        return {
+        message = {
             "type": "reading",
             "time_s": self.since_begin(event.sample_time_s),
             "run": event.run,
@@ -138,6 +142,10 @@ class MessageEncoder:
             "valid": event.valid,
             "why": event.why,
         }
+        if event.valid:
+            return message
+        which = f"reading {planned.index + 1} of run {event.run + 1}"
+        return {**message, "log": f"{which} ({planned.voltage_V:+g} V) does not count: {event.why}"}
 
     def _marked(self, event: ev.ReadingMarked) -> Message:
         what = f"run {event.run + 1}"
@@ -203,6 +211,13 @@ class MessageEncoder:
         }
 
 
+def answer_text(kind: str, done: bool) -> str:
+    """Return an operator's answer to a prompt of this kind in words."""
+    if kind == REPEAT:
+        return "go on" if done else "measure it again"
+    return "done" if done else "stop the session"
+
+
 def plan_message(
     schedule: Schedule,
     *,
@@ -237,12 +252,14 @@ def plan_message(
             }
             for run in schedule.runs
         ],
+        "repeats": [_run(run) for run in schedule.repeats],
     }
 
 
 def _run(run: PlannedRun) -> Message:
     return {
         "run": run.index,
+        "repeats": run.repeats,
         "purpose": run.purpose.value,
         "configuration": run.configuration,
         "position_mm": _milli(run.position_m),

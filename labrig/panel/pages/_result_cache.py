@@ -7,22 +7,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import threading
-from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
 from labrig.files import write_text
 from labrig.panel.job.registry import HIDDEN
-from labrig.panel.pages._result_data import BESIDE, beside, complete_result, fitted_result
+from labrig.panel.pages._result_data import BESIDE, beside
+from labrig.panel.pages._result_process import ResultProcess
 
-Compute = Callable[[Path, str, str], str]
 VERSION = 1  # of what is kept
-NICE = 10  # a run comes first
 
 
 class ResultCache:
@@ -31,8 +26,11 @@ class ResultCache:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._known: dict[str, tuple[str, str]] = {}  # path -> state, text
-        self._under_way: dict[tuple[str, str, str], Future[str]] = {}
-        self._pool: ProcessPoolExecutor | None = None
+        self._process = ResultProcess()
+
+    def close(self) -> None:
+        """End what is computed now: the panel ends."""
+        self._process.close()
 
     def kept(self, data: Path, path: Path) -> str | None:
         """Return the result of a session as it is now, where it was computed before."""
@@ -49,34 +47,17 @@ class ResultCache:
 
     def fitted(self, path: Path, name: str) -> str:
         """Return the result of a session with its models, but not yet how B and EIBM settled."""
-        return self._asked(_compute_fitted, path, name, state_of(path))
+        return as_text(self._process.ask("fitted", path, name, state_of(path)))
 
     def computed(self, data: Path, path: Path, name: str) -> str:
         """Return the whole result of a session, and keep it. Blocks."""
         state = state_of(path)
-        text = self._asked(_compute, path, name, state)
+        found = self._process.ask("settled", path, name, state)
+        text = json.dumps({**found, "complete": True}, allow_nan=False)
         with self._lock:
             self._known[str(path)] = (state, text)
         _write(_file(data, path), state, text)
         return text
-
-    def _asked(self, compute: Compute, path: Path, name: str, state: str) -> str:
-        """Return what the process computes; two who ask for the same share it."""
-        key = (compute.__name__, str(path), state)
-        with self._lock:
-            future = self._under_way.get(key)
-            if future is None:
-                future = self._under_way[key] = self._started().submit(compute, path, name, state)
-        try:
-            return future.result()
-        finally:
-            with self._lock:
-                self._under_way.pop(key, None)
-
-    def _started(self) -> ProcessPoolExecutor:
-        if self._pool is None:
-            self._pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=_be_nice)
-        return self._pool
 
 
 def state_of(path: Path) -> str:
@@ -89,20 +70,6 @@ def state_of(path: Path) -> str:
         except OSError:
             parts.append("-")
     return ";".join(parts)
-
-
-def _compute(path: Path, name: str, state: str) -> str:
-    return json.dumps({**complete_result(path, name, state), "complete": True}, allow_nan=False)
-
-
-def _compute_fitted(path: Path, name: str, state: str) -> str:
-    _, found = fitted_result(path, name, state)
-    return as_text(found)
-
-
-def _be_nice() -> None:
-    if hasattr(os, "nice"):
-        os.nice(NICE)
 
 
 def _file(data: Path, path: Path) -> Path:

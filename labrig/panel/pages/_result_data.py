@@ -74,8 +74,13 @@ def complete_result(path: Path, name: str, state: str) -> dict[str, Any]:
 
 def _analysis(path: Path, analysed: bool) -> Iterator[dict[str, Any]]:
     if not analysed:
-        text = f"{path.name} is not analysed yet: its images hold no curves. Analyze finds them."
-        yield {"kind": "analyze", "text": text}
+        yield not_analysed(path)
+
+
+def not_analysed(path: Path) -> dict[str, Any]:
+    """Return what is missing of a session that holds no measurements."""
+    text = f"{path.name} is not analysed yet: its images hold no curves. Analyze finds them."
+    return {"kind": "analyze", "text": text}
 
 
 def _unfitted(fitted: FittedSheets) -> Iterator[dict[str, Any]]:
@@ -88,7 +93,7 @@ def _files(path: Path, diagnosis: Diagnosis | None) -> Iterator[dict[str, Any]]:
     if not model.is_file():
         yield {"kind": "fit", "text": f"There is no {model.name} yet. Fit writes it."}
     if diagnosis is None:
-        text = "What the model is missing was not asked yet. Diagnose says it."
+        text = "There is no diagnosis yet. Diagnose makes it."
         yield {"kind": "diagnose", "text": text}
     if not report.is_file():
         yield {"kind": "report", "text": f"There is no {report.name} yet. Report writes it."}

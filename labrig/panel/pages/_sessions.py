@@ -11,6 +11,7 @@ from labrig.library import CatalogueEntry, read_entry
 from labrig.panel.core.panel import Panel
 
 SUFFIX = ".h5"
+REFRESH_S = 1.0  # for files that have changed; the next request continues
 Session = Annotated[str, Query(max_length=400)]
 
 
@@ -23,5 +24,5 @@ def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
 def shown(entry: CatalogueEntry) -> dict[str, Any]:
     """Return what pages see of a session."""
     plain = entry.as_dict()
-    del plain["checksum"]
+    del plain["checksum"], plain["earlier_checksums"]
     return plain

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 
-from labrig.library import select
-from labrig.panel.core.requests import Here
-from labrig.panel.pages._sessions import shown
+from labrig.library import CatalogueEntry, select
+from labrig.panel.core.file_names import existing
+from labrig.panel.core.panel import Panel
+from labrig.panel.core.requests import Here, Name, RequestModel
+from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, shown
 from labrig.panel.pages.interface import PanelPage, own_script
+from labrig.session import is_left_by_a_crash, recover
 
 router = APIRouter(prefix="/api/library")
-_BUDGET_S = 1.0  # to read files that have changed; the page asks again while some are left
 Short = Annotated[str, Query(max_length=200)]
 
 
@@ -29,15 +31,41 @@ def listed(
 ) -> Any:
     """Return the sessions that fit."""
     library = panel.library
-    pending = library.refresh(_BUDGET_S)
+    pending = library.refresh(REFRESH_S)
     entries = library.entries()
     found = select(entries, sort=sort, down=down, text=text, outcome=outcome, sheet=sheet)
     return {
-        "sessions": [shown(entry) for entry in found[offset : offset + limit]],
+        "sessions": [
+            {**shown(entry), "recoverable": _is_recoverable(panel, entry)}
+            for entry in found[offset : offset + limit]
+        ],
         "total": len(found),
         "damaged": sum(entry.error is not None for entry in entries),
         "pending": pending,
     }
+
+
+class RecoverBody(RequestModel):
+    """A session that a crash has left."""
+
+    name: Name
+
+
+@router.post("/recover")
+def recover_session(request: Request, body: RecoverBody, panel: Here) -> Any:
+    """Write what can be saved to a file beside the session, as `labrig recover`."""
+    who = panel.acting(request)
+    data = panel.settings.data
+    report = recover(existing(data, body.name, SUFFIX))
+    output = None if report.output is None else report.output.relative_to(data).as_posix()
+    if output is not None:
+        panel.actions.add(who, f"recovered {body.name} as {output}")
+    plain = [text.replace(f"{data}/", "") for text in (report.text, *report.notes)]
+    return {"output": output, "text": plain[0], "notes": plain[1:]}
+
+
+def _is_recoverable(panel: Panel, entry: CatalogueEntry) -> bool:
+    return entry.error is not None and is_left_by_a_crash(panel.settings.data / entry.name)
 
 
 PAGE = PanelPage(

@@ -8,11 +8,12 @@ from fastapi import APIRouter, Request
 from pydantic import Field
 
 from labrig.config import read_text
-from labrig.config.about import FILE as ABOUT
 from labrig.config.schema import schemas
 from labrig.errors import BadInputError, LabrigError
-from labrig.experiment.plan import load_plan, make_plan
+from labrig.experiment.plan import Plan, load_plan, make_plan
+from labrig.experiment.rig.networked_rig import why_not_served
 from labrig.panel.core import configuration_files as files
+from labrig.panel.core.configuration_files import about_text
 from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
@@ -99,35 +100,28 @@ def write(request: Request, name: str, body: FileBody, panel: Here) -> Any:
 @router.get("/about")
 def about(panel: Here) -> Any:
     """Return what the about.toml beside rig.toml states."""
-    return _about_file(panel).as_dict()
-
-
-def _about_file(panel: Panel) -> files.ConfigFile:
-    path = panel.rig.parent / ABOUT
-    return files.from_text("about", read_text(path) if path.exists() else "", ABOUT)
-
-
-def _about_text(panel: Panel, values: dict[str, Any]) -> str:
-    """Return about.toml with other values. Raises BadInputError for a fault in them."""
-    found = files.from_values("about", values, ABOUT, _about_file(panel).text)
-    if found.errors:
-        raise BadInputError(" ".join(found.errors))
-    return found.text
+    return files.about_file(panel.rig.parent).as_dict()
 
 
 @router.post("/plan")
 def plan(body: PlanBody, panel: Here) -> Any:
-    """Return what would be done."""
+    """Return what would be done, and on which clocks a simulated rig can do it."""
+    found = _planned(body, panel)
+    clock = "virtual" if panel.simulated else "real"
+    why_not = why_not_served(found.schedule) if panel.simulated else ""
+    return {**message_of_plan(found, clock, None), "not_on_real_clock": why_not or None}
+
+
+def _planned(body: PlanBody, panel: Panel) -> Plan:
     folder = panel.rig.parent
     sheet = existing(folder, body.sheet, ".toml")
-    clock = "virtual" if panel.simulated else "real"
     if body.protocol_text is None:
         protocol = existing(folder, body.protocol or "protocol.toml", ".toml")
-        return message_of_plan(load_plan(panel.rig, protocol, sheet), clock, None)
-    return message_of_plan(_plan_of_text(panel, body.protocol_text, body.sheet), clock, None)
+        return load_plan(panel.rig, protocol, sheet)
+    return _plan_of_text(panel, body.protocol_text, body.sheet)
 
 
-def _plan_of_text(panel: Panel, text: str, sheet: str) -> Any:
+def _plan_of_text(panel: Panel, text: str, sheet: str) -> Plan:
     config = files.rig_config(panel.rig)
     texts = {
         "rig.toml": read_text(panel.rig),
@@ -176,7 +170,7 @@ def run(request: Request, body: RunBody, panel: Here) -> Any:
             "sheet": str(existing(folder, body.sheet, ".toml")),
         }
         if body.about is not None:
-            files["about"] = _about_text(panel, body.about)
+            files["about"] = about_text(folder, body.about)
     session = inside(data, name, ".h5")
     if session.exists():
         raise BadInputError(f"{name} exists already; choose another name.")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
@@ -9,12 +12,16 @@ from fastapi.responses import HTMLResponse, Response
 
 from labrig.analysis.results import reading_curve
 from labrig.panel.core.file_names import existing
+from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
-from labrig.panel.pages._result_cache import ResultCache, as_text
-from labrig.panel.pages._result_data import beside, measured_of, measured_result
+from labrig.panel.pages._result_cache import ResultCache, as_text, state_of
+from labrig.panel.pages._result_data import beside, measured_of, measured_result, not_analysed
 from labrig.panel.pages._sessions import SUFFIX, Session
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
+from labrig.session import open_session
+from model import Measurements
+from protocols.execution.events import Outcome
 
 Stage = Literal["measured", "fitted", "settled"]
 router = APIRouter(prefix="/api/result")
@@ -27,7 +34,7 @@ def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
     """Return a session's result; up to a stage that takes less time, where it is not kept whole."""
     path = existing(panel.settings.data, session, SUFFIX)
     cache, data = panel.state(ResultCache), panel.settings.data
-    text = cache.kept(data, path)
+    text = _live(panel, path, session) or cache.kept(data, path)
     if text is None and upto == "measured":
         text = as_text(measured_result(path, session))
     elif text is None and upto == "fitted":
@@ -35,6 +42,18 @@ def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
     elif text is None:
         text = cache.computed(data, path, session)
     return Response(text, media_type="application/json")
+
+
+def _live(panel: Panel, path: Path, session: str) -> str | None:
+    """Return the live fit of a run that goes on, or has ended and is not analysed yet."""
+    live = panel.live_fit.result(session)
+    if live is None:
+        return None
+    with open_session(path, live=True) as opened:
+        if opened.has_measurements:
+            return None
+        missing = [] if opened.outcome is Outcome.RUNNING else [not_analysed(path)]
+    return json.dumps({**live, "missing": missing, "complete": True}, allow_nan=False)
 
 
 @router.get("/reading")
@@ -46,8 +65,13 @@ def reading(
 ) -> Any:
     """Return the curve of one reading's image, null where it has none."""
     path = existing(panel.settings.data, session, SUFFIX)
-    measurements, _ = measured_of(path)
-    return {"curve": reading_curve(measurements, condition, index)}
+    return {"curve": reading_curve(_measurements(path, state_of(path)), condition, index)}
+
+
+@lru_cache(maxsize=1)
+def _measurements(path: Path, state: str) -> Measurements:  # noqa: ARG001 - a part of the key
+    """Return the measurements of the session whose readings are leafed through."""
+    return measured_of(path)[0]
 
 
 @router.get("/report")

@@ -29,6 +29,12 @@ class MarkBody(RequestModel):
     why: str = Field(min_length=1, max_length=200)
 
 
+class PauseBody(RequestModel):
+    """A pause after this position, or its end."""
+
+    on: bool
+
+
 class ModelBody(RequestModel):
     """Whose predicted curve is drawn."""
 
@@ -40,7 +46,7 @@ def answer(request: Request, body: AnswerBody, panel: Here) -> Any:
     """Answer what the run asks."""
     who = panel.acting(request)
     panel.jobs.ask({"do": "answer", "prompt": body.prompt, "done": body.done, "who": who})
-    panel.actions.add(who, f"answered {'done' if body.done else 'stop'}")
+    panel.actions.add(who, f"answered {'yes' if body.done else 'no'}")
     return {"ok": True}
 
 
@@ -61,6 +67,15 @@ def stop_after_pulse(request: Request, panel: Here) -> Any:
     who = panel.acting(request)
     panel.jobs.ask({"do": "stop_after_pulse", "who": who})
     panel.actions.add(who, "asked for a stop after the pulse")
+    return {"ok": True}
+
+
+@router.post("/pause")
+def pause(request: Request, body: PauseBody, panel: Here) -> Any:
+    """Pause after this position, at 0 V, or continue."""
+    who = panel.acting(request)
+    panel.jobs.ask({"do": "pause", "on": body.on, "who": who})
+    panel.actions.add(who, "asked for a pause" if body.on else "ended the pause")
     return {"ok": True}
 
 

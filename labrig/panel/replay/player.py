@@ -18,7 +18,7 @@ GAP_S = 1.0  # of waiting that is shown, where gaps are left out
 
 
 class Player:
-    """At the beginning it stands at 0 s and does not play."""
+    """At the beginning it stands at the first reading and does not play."""
 
     def __init__(self, path: Path, name: str, model: Path | None) -> None:
         """Open a session. Raises BadInputError when it cannot be replayed."""
@@ -28,8 +28,8 @@ class Player:
         self._frame_pipeline.set_setup(self._recording.setup)
         self._frame_pipeline.choose_model(model)
         self._changed = threading.Condition()
-        self._at_s = 0.0
-        self._seek: float | None = 0.0
+        self._at_s = self._recording.first_s
+        self._seek: float | None = self._at_s
         self._playing = False
         self._speed = 1.0
         self._skip = True
@@ -132,6 +132,9 @@ class Player:
         picture = self._recording.picture(after_s, to_s)
         if picture is not None:
             self._frame_pipeline.put(picture)
+        stored = self._recording.stored_curve(after_s, to_s)
+        if stored is not None:  # at once; what is found in the image again may follow
+            self.stream.publish_newest(stored)
 
     def _state(self) -> Message:
         return {

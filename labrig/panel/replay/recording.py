@@ -21,11 +21,16 @@ from labrig.panel.live.optics_message import setup_message
 from labrig.panel.live.plans import optics_message
 from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart
 from labrig.panel.replay.recorded_events import events_of
+from labrig.panel.replay.stored_curves import StoredCurves
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.vision import Optics
 from protocols.execution import events as ev
 
 _NOT_MARKED = {"voltage", "reading", "output", "action", "answered"}
+
+
+# A reading's image is there by then, and a step to the reading shows it.
+SHOWN_AFTER_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -76,6 +81,7 @@ class Recording:
         self._strips: tuple[int, StripChart] | None = None
         self._frames = self._all_frames()
         self._frame_times = [at_s for at_s, _, _ in self._frames]
+        self._curves = StoredCurves(session, session.path, _optics(session))
 
     def marks(self) -> list[Message]:
         """Return what a slider shows: runs, readings, and what was logged."""
@@ -84,10 +90,16 @@ class Recording:
             if message["type"] == "run_started":
                 found.append({"at_s": at_s, "kind": "run", "text": message["log"]})
             elif message["type"] == "reading":
-                found.append({"at_s": at_s, "kind": "reading", "text": ""})
+                found.append({"at_s": at_s, "kind": "reading", "text": "", **_of_reading(message)})
             elif "log" in message and message["type"] not in _NOT_MARKED:
                 found.append({"at_s": at_s, "kind": "log", "text": message["log"]})
         return found
+
+    @property
+    def first_s(self) -> float:
+        """When the first reading and its image are there; the beginning where there is none."""
+        of_readings = (at_s for at_s, message in self.timed if message["type"] == "reading")
+        return min(next(of_readings, -SHOWN_AFTER_S) + SHOWN_AFTER_S, self.duration_s)
 
     def story(self, at_s: float) -> list[Message]:
         """All that had happened by then."""
@@ -107,7 +119,7 @@ class Recording:
         if span is None:
             return None
         whole = self._whole_strip(span.run)
-        zero_s = self._session.runs[span.run].time_zero_s - self._begin_s
+        zero_s = self._session.run(span.run).time_zero_s - self._begin_s
         times = whole.values[0]
         new = fresh or after_s < span.from_s
         from_s = to_s - KEEP_S if fresh else after_s
@@ -138,7 +150,7 @@ class Recording:
         if at < 0 or self._frame_times[at] <= after_s:
             return None
         at_s, run_index, row = self._frames[at]
-        run = self._session.runs[run_index]
+        run = self._session.run(run_index)
         number = int(run.frame_column("number")[row])
         frame = Frame(number=number, time_s=at_s, device_time_s=None, image=run.image(row))
         voltage_V = self._voltage_at(run, at_s)
@@ -159,6 +171,18 @@ class Recording:
                 return float(message["force_mN"])
         return None
 
+    def stored_curve(self, after_s: float, to_s: float) -> Message | None:
+        """Return the curve that the analysis has found in the newest picture of this time."""
+        at = bisect_right(self._frame_times, to_s) - 1
+        if at < 0 or self._frame_times[at] <= after_s:
+            return None
+        at_s, run_index, row = self._frames[at]
+        run = self._session.run(run_index)
+        if int(run.frame_column("reading")[row]) < 0:
+            return None
+        number = int(run.frame_column("number")[row])
+        return self._curves.message(number, run_index, at_s)
+
     def _voltage_at(self, run: RunRecord, at_s: float) -> float:
         writes = run.writes
         at = int(np.searchsorted(writes["after_s"], at_s + self._begin_s, "right")) - 1
@@ -176,8 +200,12 @@ class Recording:
 
     def _whole_strip(self, run: int) -> StripChart:
         if self._strips is None or self._strips[0] != run:
-            self._strips = (run, _strip_of(self._session, self._session.runs[run]))
+            self._strips = (run, _strip_of(self._session, self._session.run(run)))
         return self._strips[1]
+
+
+def _of_reading(message: Message) -> Message:
+    return {key: message[key] for key in ("run", "index", "voltage_V")}
 
 
 def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
@@ -213,7 +241,7 @@ def _plan(session: RecordedSession, name: str) -> Message:
     rig: dict[str, Any] = session.resolved.get("rig", {})
     limits = rig.get("limits", {})
     capacity_N = session.resolved.get("load_cell", {}).get("capacity_N")
-    return plan_message(
+    plan = plan_message(
         session.schedule,
         clock="replay",
         session=name,
@@ -225,6 +253,7 @@ def _plan(session: RecordedSession, name: str) -> Message:
         },
         picture=optics_message(_optics(session)),
     )
+    return {**plan, "recorded_clock": session.clock}
 
 
 def _optics(session: RecordedSession) -> Optics | None:

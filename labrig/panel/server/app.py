@@ -20,6 +20,7 @@ from labrig.panel.access.settings import COOKIE, PanelSettings
 from labrig.panel.core.panel import Panel
 from labrig.panel.errors import status_of
 from labrig.panel.pages.interface import STATIC
+from labrig.panel.server import analysis
 from labrig.panel.server.live_socket import serve_live
 from labrig.panel.server.operation import router
 from labrig.panel.server.page_routes import add_page_routes
@@ -41,6 +42,7 @@ def create_app(panel: Panel, unidentified: Buckets) -> FastAPI:
         title="labrig", docs_url=None, redoc_url=None, openapi_url=None, lifespan=lifespan
     )
     app.include_router(router)
+    app.include_router(analysis.router)
     add_page_routes(app)
     _entrance(app, panel.settings)
     _answers_in_sentences(app)

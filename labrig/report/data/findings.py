@@ -14,7 +14,7 @@ from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
-from labrig.session import RecordedSession, load_measurements, open_session
+from labrig.session import RecordedSession, load_measurements, open_session, stored_curve_extractor
 from model import Fit, FitOptions, Measurements, ModelError
 
 if TYPE_CHECKING:
@@ -63,16 +63,30 @@ class Findings:
         return quality(self.session, self.measurements)
 
 
-def measured(path: Path, progress: Progress, tell: Callable[[str], None]) -> Measurements:
-    """Return a session's measurements; one not analysed yet is analysed, which `tell` reports."""
+def measured(
+    path: Path,
+    progress: Progress,
+    tell: Callable[[str], None],
+    *,
+    processes: int | None = None,
+) -> Measurements:
+    """Return a session's measurements, analysed now where that was not done or is out of date.
+
+    `tell` reports it.
+
+    `processes`: how many search for curves at a time; by default as many as the computer allows.
+    """
     with open_session(path) as session:
-        known = session.has_measurements
-    if known:
+        known, outdated = session.has_measurements, session.outdated
+    if known and not outdated:
         return load_measurements(path)
     from labrig.analysis import analyze
+    from labrig.extractors.choice import BUILT_IN
 
-    tell(f"{path}: not analysed yet; analysing it now, and keeping the result in it.")
-    return analyze(path, progress, workers=workers())
+    why = "runs or readings were marked since it was analysed" if outdated else "not analysed yet"
+    tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
+    chosen = stored_curve_extractor(path).partition(" ")[0] or BUILT_IN
+    return analyze(path, progress, workers=processes or workers(), extractor=chosen)
 
 
 def workers() -> int:

@@ -8,17 +8,25 @@ from model import Prediction, SheetModel, predict
 from model.measurements import FloatArray
 from model.sheet.solution import solved
 
+# the names of the two simulations
+ALONG, CONSTANT = "EIBM along the sheet", "constant EIBM"
+# what was fitted for each, for notes below tables and figures
+HELD = (
+    "EIBM along the sheet: B and EIBM from the joint fit. Constant EIBM: B held at the value of"
+    " that fit, EIBM held at its mean (9); nothing refitted."
+)
+
 
 @dataclass(frozen=True)
 class Models:
     """Fitted to the same measurements."""
 
-    varying: SheetModel  # the EIBM varies along the sheet, (8)
+    along: SheetModel  # EIBM along the sheet, (8)
     constant: SheetModel  # one EIBM for each voltage, (9)
 
     def named(self) -> list[tuple[str, SheetModel]]:
         """Both, in the paper's order."""
-        return [("varying EIBM", self.varying), ("constant EIBM", self.constant)]
+        return [(ALONG, self.along), (CONSTANT, self.constant)]
 
 
 def knows(model: SheetModel, configuration: str, voltage_V: float) -> bool:

@@ -1,4 +1,4 @@
-"""How good the recorded data are: timing, losses, invalid readings, saturation, noise, drift."""
+"""Quality of the recorded data: timing, losses, invalid readings, saturation, noise, drift."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_WARNINGS = 8  # of the analysis at the top of the page; beyond that a table
 
 @dataclass(frozen=True)
 class Quality:
-    """Tables, and a sentence for whatever a reader must know before trusting the numbers."""
+    """Tables of the quality, and the caveats, a sentence each."""
 
     tables: tuple[Table, ...]
     remarks: tuple[str, ...]
@@ -48,11 +48,11 @@ def _timing(runs: list[RunRecord]) -> Quality:
     frame_s = np.abs(_joined([run.readings["frame_offset_s"] for run in runs]))
     clock_s = np.array([run.sample_clock.start_uncertainty_s for run in runs])
     rows = [
-        _spread("voltage written after it was due", late_s),
-        _spread("frame away from its sampling point", frame_s[np.isfinite(frame_s)]),
-        _spread("first sample's time, uncertainty", clock_s),
+        _spread("lateness of written voltages", late_s),
+        _spread("distance of frames from their sampling points", frame_s[np.isfinite(frame_s)]),
+        _spread("uncertainty of the first sample's time", clock_s),
     ]
-    columns = ("ms", "median", "99 %", "worst", "of")
+    columns = ("time, ms", "median", "99 %", "largest", "count")
     late = int(np.count_nonzero(late_s > _LATE_S))
     said = f"{late} of {len(late_s)} voltages were written more than {1e3 * _LATE_S:g} ms late."
     return Quality(
@@ -87,7 +87,8 @@ def _losses(session: RecordedSession, runs: list[RunRecord]) -> Quality:
     if bare and session.frame_shape is not None:
         remarks.append(f"{bare} readings have no frame.")
     return Quality(
-        (Table(title="Losses", columns=("", "taken", "lost"), rows=tuple(rows)),), tuple(remarks)
+        (Table(title="Losses", columns=("data", "acquired", "lost"), rows=tuple(rows)),),
+        tuple(remarks),
     )
 
 
@@ -104,7 +105,7 @@ def _saturation(runs: list[RunRecord]) -> Quality:
         rows.append((channel, f"± {limit:g}", number(largest, 3), share, str(hit)))
         if hit:
             remarks.append(f"{hit} samples of the channel {channel} are at the end of its range.")
-    columns = ("channel", "range V", "largest V", "of range", "samples at its end")
+    columns = ("channel", "range, V", "largest, V", "share of the range", "samples at its end")
     table = Table(title="Saturation", columns=columns, rows=tuple(rows))
     return Quality((table,), tuple(remarks))
 
@@ -162,7 +163,7 @@ def _noise(measurements: Measurements) -> Table:
     columns = ("force, mN", "scatter, median", "largest", "drift in a run, median", "largest")
     note = (
         "Scatter: standard deviation of a condition's readings about their straight line in time. "
-        "Drift: what that line changes from the first to the last reading."
+        "Drift: change of that line between the first and the last reading."
     )
     return Table(title="Noise and drift", columns=columns, rows=tuple(rows), note=note)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.report.parts.style import CONSTANT, INK, VARYING, figure, letter
+from labrig.report.parts.style import ALONG_COLOUR, CONSTANT_COLOUR, INK, figure, letter
 from model.discrepancy.verdict.result import Diagnosis, FormCurve, Ranked, Unknown
 
 if TYPE_CHECKING:
@@ -40,20 +40,20 @@ def ranking_figure(found: Diagnosis) -> Figure | None:
                 f"threshold {found.threshold:.1f}", (found.threshold, 0.0), xytext=(4, 0),
                 textcoords="offset points", fontsize=8, va="center",
             )  # fmt: skip
-        axes.set_xlabel("ln of the Bayes factor against the model before")
+        axes.set_xlabel("ln Bayes factor over the base model")
         axes.grid(visible=False, axis="y")
         return fig
 
 
 def _called(one: Ranked) -> str:
-    return one.name.replace("unknown:", "unknown, ").replace("_", " ")
+    return one.name.replace("unknown:", "unknown, ")
 
 
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:
     if one.name in named:
-        return VARYING
+        return ALONG_COLOUR
     is_it = found.unknown is not None and one.name == f"unknown:{found.unknown.location}"
-    return CONSTANT if is_it else _SOFT
+    return CONSTANT_COLOUR if is_it else _SOFT
 
 
 def signatures_figure(found: Diagnosis) -> Figure | None:
@@ -63,7 +63,7 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
     if n < 2:
         return None
     order = np.argsort(-np.nan_to_num(seen.detectability))
-    names = [seen.names[i].replace("_", " ") for i in order]
+    names = [seen.names[i] for i in order]
     with figure(0.2 * n + 3.4, 0.2 * n + 1.9) as fig:
         panels = fig.subplots(1, 2, width_ratios=[1.0, 0.28], sharey=True)
         alike = np.abs(seen.cosine)[np.ix_(order, order)]
@@ -74,21 +74,23 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
         panels[0].set_yticks(range(n), names, fontsize=7)
         panels[0].set_xticks(range(n), names, fontsize=7, rotation=90)
         panels[0].grid(visible=False)
-        letter(panels[0], "a", "likeness of signatures")
+        letter(panels[0], "a", "similarity of signatures")
         bar = fig.colorbar(drawn, ax=panels[0], location="bottom", aspect=40, pad=0.02)
         bar.set_label("|cosine|, B and EIBM refitted; blank: invisible")
         _visible(panels[1], seen.detectability[order], hidden)
-        letter(panels[1], "b", "visibility")
+        letter(panels[1], "b", "detectability")
         return fig
 
 
 def _visible(axes: Axes, sigmas: np.ndarray, hidden: np.ndarray) -> None:
     shown = np.maximum(np.nan_to_num(sigmas), 0.1)
-    axes.barh(range(len(shown)), shown, color=[_SOFT if h else VARYING for h in hidden], height=0.7)
+    axes.barh(
+        range(len(shown)), shown, color=[_SOFT if h else ALONG_COLOUR for h in hidden], height=0.7
+    )
     axes.set_xscale("log")
     axes.set_xlim(left=0.1)
     axes.axvline(VISIBLE, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
-    axes.set_xlabel("sigma at a\nplausible size")
+    axes.set_xlabel("standard uncertainties\nat the prior scale")
     axes.grid(visible=False, axis="y")
 
 
@@ -102,7 +104,7 @@ def form_figure(found: Diagnosis) -> Figure | None:
         panels = fig.subplots(1, count, squeeze=False)[0]
         for axes, (name, form), mark in zip(panels, forms, "abcdefgh", strict=False):
             _form(axes, form)
-            letter(axes, mark, name.replace("_", " "))
+            letter(axes, mark, name)
         if found.unknown is not None:
             _profile(panels[-1], found.unknown)
             location = found.unknown.location.replace("_", " ")
@@ -113,9 +115,9 @@ def form_figure(found: Diagnosis) -> Figure | None:
 def _form(axes: Axes, form: FormCurve) -> None:
     at = form.at
     low, high = form.inferred - _REACH * form.band, form.inferred + _REACH * form.band
-    axes.fill_between(at, low, high, color=VARYING, alpha=0.2, linewidth=0, label="90 %")
-    axes.plot(at, form.inferred, color=VARYING, label="as the data have it")
-    axes.plot(at, form.catalogue, color=INK, linestyle=(0, (4, 2.5)), label="the catalogue's form")
+    axes.fill_between(at, low, high, color=ALONG_COLOUR, alpha=0.2, linewidth=0, label="90 %")
+    axes.plot(at, form.inferred, color=ALONG_COLOUR, label="estimated")
+    axes.plot(at, form.catalogue, color=INK, linestyle=(0, (4, 2.5)), label="catalogue")
     axes.set_xlabel(_coordinate(form.along, form.unit))
     axes.set_ylabel(form.what)
     axes.legend(fontsize=8)
@@ -125,10 +127,10 @@ def _profile(axes: Axes, one: Unknown) -> None:
     at, band = one.s_mm, _REACH * one.band
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
     axes.fill_between(
-        at, one.profile - band, one.profile + band, color=CONSTANT, alpha=0.25, linewidth=0,
+        at, one.profile - band, one.profile + band, color=CONSTANT_COLOUR, alpha=0.25, linewidth=0,
         label="90 %",
     )  # fmt: skip
-    axes.plot(at, one.profile, color=CONSTANT, label=f"{one.configuration} sheet")
+    axes.plot(at, one.profile, color=CONSTANT_COLOUR, label=f"{one.configuration} sheet")
     axes.set_xlabel(_coordinate(one.along, one.at_unit))
     axes.set_ylabel(f"added to the {one.location.replace('_', ' ')} ({one.unit})")
     axes.legend(fontsize=8)

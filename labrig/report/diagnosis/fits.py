@@ -8,9 +8,9 @@ import numpy as np
 
 from labrig.report.diagnosis.maps import configurations
 from labrig.report.parts.style import (
-    CONSTANT,
+    ALONG_COLOUR,
+    CONSTANT_COLOUR,
     INK,
-    VARYING,
     colour_of,
     figure,
     label_of,
@@ -27,6 +27,17 @@ if TYPE_CHECKING:
 DASHED = (0, (4, 2.5))
 _MARKS = 30  # measured points that are drawn of a curve
 _REACH = 1.645  # standard uncertainties to either side: 90 %
+
+
+def at_set_ups(found: Diagnosis) -> bool:
+    """Whether the diagnosis holds the models at the estimated offsets of each set-up."""
+    return any(np.isfinite(r.after_at_setup_N) or r.after_at_setup_xy_m for r in found.rows)
+
+
+def drawn_force_N(row: ErrorRow, when: str) -> float:
+    """Return the force of a line: at the estimated offsets of its set-up, where these are known."""
+    offset, nominal = (float(getattr(row, f"{when}_{kind}")) for kind in ("at_setup_N", "N"))
+    return offset if np.isfinite(offset) else nominal
 
 
 def forces_figure(found: Diagnosis) -> Figure | None:
@@ -63,8 +74,8 @@ def _forces(axes: Axes, rows: list[ErrorRow]) -> None:
         p, [1e3 * r.force_N for r in rows], "o", markersize=3.4, color=colour, zorder=3,
         label=label_of(rows[0].voltage_V),
     )  # fmt: skip
-    for key, style in (("before_N", DASHED), ("after_N", "-")):
-        values = [1e3 * getattr(r, key) for r in rows]
+    for when, style in (("before", DASHED), ("after", "-")):
+        values = [1e3 * drawn_force_N(r, when) for r in rows]
         axes.plot(p, values, color=colour, linestyle=style, linewidth=1.1)
 
 
@@ -126,8 +137,9 @@ def _curve(axes: Axes, row: ErrorRow) -> None:
         markeredgewidth=0.8, color=colour_of(row.voltage_V),
     )  # fmt: skip
     for (x, y), colour, style in (
-        (row.before_xy_m, CONSTANT, DASHED), (row.after_xy_m, VARYING, "-"),
-    ):  # fmt: skip
+        (row.before_at_setup_xy_m or row.before_xy_m, CONSTANT_COLOUR, DASHED),
+        (row.after_at_setup_xy_m or row.after_xy_m, ALONG_COLOUR, "-"),
+    ):
         axes.plot(1e3 * x, 1e3 * y, color=colour, linestyle=style, linewidth=1.3)
 
 
@@ -144,7 +156,7 @@ def _curve_legend(fig: Figure, volts: list[float]) -> None:
                 )
                 for v in volts
             ),
-            Line2D([], [], color=CONSTANT, linestyle=DASHED, linewidth=1.3, label="before"),
-            Line2D([], [], color=VARYING, linewidth=1.3, label="after"),
+            Line2D([], [], color=CONSTANT_COLOUR, linestyle=DASHED, linewidth=1.3, label="before"),
+            Line2D([], [], color=ALONG_COLOUR, linewidth=1.3, label="after"),
         ],
     )  # fmt: skip

@@ -6,33 +6,44 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from labrig.report.parts.table import Table, fixed, interval, number, volts, with_sigma
-from model import Parameter
-from model.discrepancy.verdict.result import Diagnosis, ErrorRow, Gap, Next, Ranked, Where
+from labrig.report.diagnosis.parameters import percent
+from labrig.report.parts.table import Table, fixed, number, volts
+from model.discrepancy.verdict.messages import listed
+from model.discrepancy.verdict.result import (
+    Diagnosis,
+    ErrorRow,
+    Gap,
+    Next,
+    Ranked,
+    Where,
+)
 from model.effects import catalogue
 from model.measurements import FloatArray
 
 VERDICTS = {
-    "effect_named": "an effect is named",
-    "nothing_missing": "nothing is missing",
-    "indistinguishable": "it is one of a class that these data cannot tell apart",
-    "unknown_effect": "something is missing that is in no catalogue",
-    "cannot_tell": "these data do not allow a verdict",
+    "effect_named": "effects that are not in the model",
+    "nothing_missing": "nothing seen that is not in the model",
+    "indistinguishable": "one of several effects that these data cannot tell apart",
+    "unknown_effect": "something that is neither in the model nor in the catalogue",
+    "cannot_tell": "no verdict from these data",
 }
+BEFORE_AFTER = (  # what the two columns of a comparison are
+    "Before: the base model with constant EIBM; B and EIBM refitted, k0 held where sheet.toml"
+    " states it. After: the same with the effects found; B, EIBM and effects refitted together."
+)
 MOST_RANKED = 8
-_BASE = {"B_Nm2": "bending stiffness B"}
 MOST_PLACES = 8
 _SCATTER = {  # name in a diagnosis -> text and factor
-    "position": ("contact's place {} mm", 1e3),
+    "position": ("position {} mm", 1e3),
     "eibm": ("EIBM {} %", 100.0),
-    "stiffness": ("stiffness {} %", 100.0),
-    "clamp_tilt": ("clamp's direction {} mrad", 1e3),
+    "stiffness": ("bending stiffness {} %", 100.0),
+    "clamp_tilt": ("clamp angle {} mrad", 1e3),
     "force_zero": ("load cell's zero {} mN", 1e3),
 }
 
 
 def gap_sentence(found: Diagnosis) -> str:
-    """How far the model that was started from is from the data."""
+    """Return how far the base model is from the data."""
     gap = found.fitted.before
     parts = []
     if np.isfinite(gap.force_rmse_mN):
@@ -40,21 +51,22 @@ def gap_sentence(found: Diagnosis) -> str:
     if np.isfinite(gap.curve_rmse_mm):
         parts.append(f"{fixed(gap.curve_rmse_mm, 3)} mm in the neutral curves")
     return (
-        f"Before: the simulation misses the measurement by {' and '.join(parts) or 'nothing'}"
-        f" (RMS); chi2 per degree of freedom {number(gap.chi2_per_dof)}."
+        f"Error of the base model (RMS): {' and '.join(parts) or 'not measured'};"
+        f" chi2 per degree of freedom {number(gap.chi2_per_dof)}."
     )
 
 
 def where_table(found: Diagnosis) -> Table:
     """Return the cells in which simulation and measurement disagree most."""
     rows = tuple(_where(one) for one in found.where[:MOST_PLACES])
-    note = "z: measured less simulated, in standard uncertainties with the set-ups' scatter."
-    if not rows:
-        note = "No place stands out of the noise and the set-ups' scatter."
-    columns = ("observable", "sheet", "voltage", "at p, mm", "along s, mm", "z", "reading or time")
-    return Table(
-        title="Where simulation and measurement disagree", columns=columns, rows=rows, note=note
+    note = (
+        "z: measured − simulated by the base model, in standard uncertainties; these include the"
+        " scatter between set-ups."
     )
+    if not rows:
+        note = "No residual exceeds the noise and the scatter between set-ups."
+    columns = ("observable", "sheet", "voltage", "p, mm", "s, mm", "z", "reading or time")
+    return Table(title="Largest residuals", columns=columns, rows=rows, note=note)
 
 
 def _where(one: Where) -> tuple[str, ...]:
@@ -75,13 +87,8 @@ def visibility(found: Diagnosis) -> list[str]:
     seen = len(names) - len([n for n in names if n in found.invisible])
     said = []
     if names:
-        said.append(f"These data would show {seen} of {len(names)} effects at a plausible size.")
-    said += [f"They cannot tell {_listed(one)} apart." for one in found.classes]
-    return said
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return " and ".join(names) if len(names) < 3 else f"{', '.join(names[:-1])} and {names[-1]}"
+        said.append(f"{seen} of {len(names)} effects would be seen in these data at a usual size.")
+    return said + [f"Indistinguishable in these data: {listed(one)}." for one in found.classes]
 
 
 def invisible_table(found: Diagnosis) -> Table | None:
@@ -90,7 +97,10 @@ def invisible_table(found: Diagnosis) -> Table | None:
         return None
     rows = tuple(found.invisible.items())
     return Table(
-        title="Invisible in these data", columns=("effect", "what would show it"), rows=rows
+        title="Invisible in these data",
+        columns=("effect", "measurement that shows it"),
+        rows=rows,
+        text=True,
     )
 
 
@@ -108,10 +118,13 @@ def ranking_table(found: Diagnosis) -> Table:
         )
         for one in shown
     )
-    columns = ("candidate", "acts on", "ln Bayes factor", "size", "visible with, sigma", "remark")
+    columns = (
+        "candidate", "location", "ln Bayes factor", "relative size", "detectability", "remark",
+    )  # fmt: skip
     note = (
-        f"To be named: ln of the Bayes factor of {fixed(found.threshold, 1)} or more"
-        f" ({found.threshold_from}). Size: the most likely one over a plausible one."
+        f"Threshold for a name: ln Bayes factor {fixed(found.threshold, 1)}"
+        f" ({found.threshold_from}). Relative size: most likely amplitude over its prior scale."
+        " Detectability: size of the effect at its prior scale, in standard uncertainties."
     )
     return Table(title="Candidates", columns=columns, rows=rows, note=note)
 
@@ -130,12 +143,12 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
         if meaning:
             said.append(f"{one.name}: {meaning}")
         if one.confusable_with:
-            names = _listed((one.name, *one.confusable_with))
-            said.append(f"One of {names}: {percent(one.confidence)} that it is one of these.")
+            names = listed((one.name, *one.confusable_with))
+            said.append(f"One of {names}: {percent(one.confidence)} probability of this class.")
     if found.unknown is not None:
         some = found.unknown
         said.append(
-            f"It shows most clearly in the {some.configuration} sheet, at {some.peak_mm:.3g}"
+            f"It is seen most clearly in the {some.configuration} sheet, at {some.peak_mm:.3g}"
             f" {some.at_unit}{_coordinate(some.along)}."
         )
     return said
@@ -143,53 +156,6 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
 
 def _coordinate(along: str) -> str:
     return {"s": " from the clamp", "position": " on the arc"}.get(along, "")
-
-
-def percent(share: float) -> str:
-    """Return a probability, never rounded to certainty."""
-    if share > 0.999:
-        return "more than 99.9 %"
-    return f"{100 * share:.3g} %"
-
-
-def parameter_table(found: Diagnosis) -> Table | None:
-    """Return the effects' parameters, and what else the model has."""
-    rows = [row for one in found.effects for row in _effect_rows(one.name, found)]
-    rows += [
-        (f"{name}: {_BASE.get(key, key)}", *_cells(p), "-", "-")
-        for name, parts in found.base.items()
-        for key, p in parts.items()
-    ]
-    if not rows:
-        return None
-    columns = ("parameter", "value", "90 %", "unit", "probability", "form of its own")
-    note = "Form of its own: the share of the effect that is no part of the catalogue's form."
-    return Table(
-        title="Parameters", columns=columns, rows=tuple(rows), note=note if found.effects else ""
-    )
-
-
-def _effect_rows(name: str, found: Diagnosis) -> Iterator[tuple[str, ...]]:
-    one = next(e for e in found.effects if e.name == name)
-    own = [(f", {conf}", parts) for conf, parts in one.by_configuration.items()]
-    for suffix, parts in [("", one.parameters)] * (not own) + own:
-        for key, p in parts.items():
-            probability, form = percent(one.confidence), percent(one.form_share)
-            yield (f"{name}{suffix}: {key}", *_cells(p), probability, form)
-
-
-def _cells(parameter: Parameter) -> tuple[str, str, str]:
-    factor, unit = readable(parameter.unit)
-    p = parameter.scaled(factor, unit)
-    return with_sigma(p.value, p.sigma), interval(*p.interval()), unit or "-"
-
-
-def readable(unit: str) -> tuple[float, str]:
-    """Return a factor and the customary unit of an SI quantity."""
-    return {
-        "N m^2": (1e6, "µN·m²"), "N m": (1e6, "µN·m"), "N": (1e3, "mN"), "Pa": (1e-6, "MPa"),
-        "m": (1e3, "mm"),
-    }.get(unit, (1.0, unit))  # fmt: skip
 
 
 def improvement_table(found: Diagnosis) -> Table:
@@ -201,11 +167,11 @@ def improvement_table(found: Diagnosis) -> Table:
     for name in dict.fromkeys(row.configuration for row in found.rows):
         own = [row for row in found.rows if row.configuration == name]
         rows += _gap_rows(f"{name}, fitted", *(_rms_gap(own, when) for when in ("before", "after")))
-    note = "Left out: each position predicted by models that were fitted without it."
+    note = f"{BEFORE_AFTER} Left out: each position predicted by fits without it."
     if np.isfinite(found.closed):
-        note += f" What was found closes {100 * found.closed:.1f} % of the gap there."
+        note += f" Share of the gap that is closed there: {percent(found.closed)}."
     columns = ("root mean squared errors", "before", "after")
-    return Table(title="Before and after", columns=columns, rows=tuple(rows), note=note)
+    return Table(title="Errors before and after", columns=columns, rows=tuple(rows), note=note)
 
 
 def _gap_rows(title: str, before: Gap, after: Gap) -> Iterator[tuple[str, ...]]:
@@ -237,7 +203,7 @@ def _rms(values: FloatArray) -> float:
 
 
 def next_sentences(found: Diagnosis) -> list[str]:
-    """Return what to measure to be sure."""
+    """Return what to measure next, and how to get its protocol."""
     if found.next_measurement is None:
         return []
     said = [next_sentence(found.next_measurement)]
@@ -262,18 +228,18 @@ def next_sentence(one: Next) -> str:
 
 
 def scatter_sentence(found: Diagnosis) -> str:
-    """By what one set-up differs from the next."""
+    """Return the scatter between set-ups."""
     parts = [
         text.format(number(factor * found.scatter[name], 2))
         for name, (text, factor) in _SCATTER.items()
         if name in found.scatter
     ]
-    return f"From one set-up to the next: {', '.join(parts)}." if parts else ""
+    return f"Scatter between set-ups (standard deviation): {', '.join(parts)}." if parts else ""
 
 
 def further_sentences(found: Diagnosis) -> list[str]:
     """Outliers and remarks of the procedure."""
-    said = [f"Left out as an outlier: {name}." for name in found.outliers]
+    said = [f"Outlier, left out: {name}." for name in found.outliers]
     return [*said, *(note.rstrip(".") + "." for note in found.notes)]
 
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.report.data.models import Models, predicted
+from labrig.report.data.models import ALONG, CONSTANT, Models, predicted
 from labrig.report.data.selection import place
 from labrig.report.parts.style import (
-    CONSTANT,
+    ALONG_COLOUR,
+    CONSTANT_COLOUR,
     INK,
-    VARYING,
     figure,
     label_of,
     legend_below,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_STYLES = {"varying EIBM": (VARYING, "-"), "constant EIBM": (CONSTANT, (0, (4, 2.5)))}
+_STYLES = {ALONG: (ALONG_COLOUR, "-"), CONSTANT: (CONSTANT_COLOUR, (0, (4, 2.5)))}
 _MARKS = 26  # measured points that are drawn
 
 

@@ -13,7 +13,7 @@ from labrig.files import not_written
 from labrig.report.data.models import Models
 from labrig.report.figures.force import force_figure
 from labrig.report.figures.moment import moment_figure
-from labrig.report.parts.style import save_pair
+from labrig.report.parts.style import DEFAULT_FORMATS, save_all
 from model import Fit, Measurements
 
 if TYPE_CHECKING:
@@ -22,8 +22,13 @@ if TYPE_CHECKING:
 ABREAST = 4  # panels; further ones go to a figure of their own
 
 
-def write_fit_figures(folder: Path, fit: Fit, measurements: Measurements) -> list[Path]:
-    """Write them into a folder that is there, as PNG and SVG, and return their paths.
+def write_fit_figures(
+    folder: Path,
+    fit: Fit,
+    measurements: Measurements,
+    formats: Sequence[str] = DEFAULT_FORMATS,
+) -> list[Path]:
+    """Write them into a folder that is there and return their paths.
 
     Figure 8 shows those sheets whose EIBM is known to vary; without neutral curves there are none.
     """
@@ -31,8 +36,14 @@ def write_fit_figures(folder: Path, fit: Fit, measurements: Measurements) -> lis
     names = list(fit.configurations)
     varying = [n for n in names if _varies(fit, n)]
     return [
-        *_write(folder, "figure-8", varying, lambda some: moment_figure(models, some)),
-        *_write(folder, "figure-9", names, lambda some: force_figure(measurements, some, models)),
+        *_write(folder, "figure-8", varying, lambda some: moment_figure(models, some), formats),
+        *_write(
+            folder,
+            "figure-9",
+            names,
+            lambda some: force_figure(measurements, some, models),
+            formats,
+        ),
     ]
 
 
@@ -51,11 +62,14 @@ def _varies(fit: Fit, name: str) -> bool:
 
 
 def _write(
-    folder: Path, name: str, sheets: Sequence[str], draw: Callable[[list[str]], Figure]
+    folder: Path,
+    name: str,
+    sheets: Sequence[str],
+    draw: Callable[[list[str]], Figure],
+    formats: Sequence[str],
 ) -> list[Path]:
     written = []
     for number, first in enumerate(range(0, len(sheets), ABREAST), start=1):
         own = name if number == 1 else f"{name}-{number}"
-        save_pair(draw(list(sheets[first : first + ABREAST])), folder, own)
-        written += [folder / f"{own}.png", folder / f"{own}.svg"]
+        written += save_all(draw(list(sheets[first : first + ABREAST])), folder, own, formats)
     return written

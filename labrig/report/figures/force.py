@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.report.data.models import Models, force_curve_N, knows
+from labrig.report.data.models import ALONG, CONSTANT, Models, force_curve_N, knows
 from labrig.report.data.selection import conditions_of, mean_forces, positions_m, voltages
 from labrig.report.parts.style import (
     INK,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LINES = {"varying EIBM": "-", "constant EIBM": (0, (4, 2.5))}
+_LINES = {ALONG: "-", CONSTANT: (0, (4, 2.5))}
 _BEYOND_M = 1e-3  # simulated lines go on beyond the outer positions
 _STEP_M = 0.5e-3
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from labrig.report.data.models import Models
+from labrig.report.data.models import CONSTANT, Models
 from labrig.report.parts.style import (
     INK,
     colour_of,
@@ -25,7 +25,7 @@ _REACH = 1.645  # standard uncertainties to either side: 90 %
 
 
 def moment_figure(models: Models, names: list[str]) -> Figure:
-    """Figure 8: the varying EIBM with its 90 % band, and the constant one, per configuration."""
+    """Figure 8: the EIBM along the sheet with its 90 % band, and the constant EIBM."""
     with figure(panels_width_in(len(names)), 3.3) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
@@ -38,13 +38,13 @@ def moment_figure(models: Models, names: list[str]) -> Figure:
 
 def _moments(axes: Axes, models: Models, name: str) -> None:
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
-    for volts in sorted(models.varying.sheets[name].eibm, reverse=True):
+    for volts in sorted(models.along.sheets[name].eibm, reverse=True):
         colour = colour_of(volts)
-        _band(axes, models.varying.sheets[name].eibm[volts], colour, volts)
+        _band(axes, models.along.sheets[name].eibm[volts], colour, volts)
         for mean in _constant(models.constant, name, volts):
             axes.axhline(1e6 * mean, color=colour, linewidth=1.0, linestyle=(0, (5, 3)))
     axes.set_xlabel("distance along the sheet s (mm)")
-    axes.set_xlim(0, 1e3 * models.varying.sheets[name].sheet.free_length_m)
+    axes.set_xlim(0, 1e3 * models.along.sheets[name].sheet.free_length_m)
 
 
 def _band(axes: Axes, along: Along, colour: str, volts: float) -> None:
@@ -72,6 +72,6 @@ def _legend(fig: Figure) -> None:
     known: list[Artist] = [
         *lines.values(),
         Patch(color=INK, alpha=0.2, linewidth=0, label="90 % interval"),
-        Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label="constant EIBM"),
+        Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (5, 3)), label=CONSTANT),
     ]
     legend_below(fig, known)

@@ -8,9 +8,10 @@ import numpy as np
 
 from labrig.errors import BadInputError
 from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
-from labrig.report.diagnosis.tables import VERDICTS, percent
+from labrig.report.diagnosis.parameters import percent
+from labrig.report.diagnosis.tables import VERDICTS
 from labrig.report.page.diagnosis_sections import sections_of
-from labrig.report.page.page import render_page, write_page
+from labrig.report.page.page import FILES, render_page, write_page
 from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
@@ -19,13 +20,13 @@ from model.discrepancy.verdict.result import Diagnosis
 
 # title, name of the gap, decimals
 MEANS = (
-    ("Error of the force (RMS), mN", "force_rmse_mN", 3),
-    ("Error of the curve (RMS), mm", "curve_rmse_mm", 3),
+    ("Force error (RMS) before → after, mN", "force_rmse_mN", 3),
+    ("Curve error (RMS) before → after, mm", "curve_rmse_mm", 3),
 )
 IN_TIME = (
-    ("Error of the force along a run (RMS), mN", "drift_rmse_mN", 4),
-    ("Error of the curve along a run (RMS), mm", "drift_rmse_mm", 4),
-    ("Error of the force within a pulse (RMS), mN", "pulse_rmse_mN", 4),
+    ("Force error along a run (RMS) before → after, mN", "drift_rmse_mN", 4),
+    ("Curve error along a run (RMS) before → after, mm", "drift_rmse_mm", 4),
+    ("Force error within a pulse (RMS) before → after, mN", "pulse_rmse_mN", 4),
 )
 
 
@@ -43,6 +44,7 @@ def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
         cards=_cards(found),
         remarks=[],
         sections=sections_of(found, drawn),
+        files=FILES,
     )
     write_page(text, folder / "index.html")
     return folder / "index.html"
@@ -54,13 +56,16 @@ def _title(found: Diagnosis) -> str:
 
 def _cards(found: Diagnosis) -> list[Card]:
     cards = []
-    named = [(e.name.replace("_", " "), percent(e.confidence), "") for e in found.effects]
+    named = [(e.name, percent(e.confidence), "") for e in found.effects]
     if named:
-        cards.append(Card("Named effects, posterior probability", tuple(named)))
+        cards.append(Card("Effects, posterior probability", tuple(named)))
     if found.unknown is not None:
         where = f"{found.unknown.peak_mm:.3g} {found.unknown.at_unit}"
         cards.append(
-            Card("Unknown", ((found.unknown.location.replace("_", " "), f"most at {where}", ""),))
+            Card(
+                "Unknown effect",
+                ((found.unknown.location.replace("_", " "), f"most at {where}", ""),),
+            )
         )
     cards += [
         Card(title, tuple(_gap_line(found, part, key, decimals) for part in ("fitted", "held_out")))
@@ -68,8 +73,7 @@ def _cards(found: Diagnosis) -> list[Card]:
         if _worth_a_card(found, key)
     ]
     if np.isfinite(found.closed):
-        share = ("closed on left-out positions", f"{100 * found.closed:.1f} %", "")
-        cards.append(Card("The gap", (share,)))
+        cards.append(Card("Gap closed", (("left-out positions", percent(found.closed), ""),)))
     return cards
 
 
@@ -84,4 +88,4 @@ def _worth_a_card(found: Diagnosis, key: str) -> bool:
 def _gap_line(found: Diagnosis, part: str, key: str, decimals: int) -> tuple[str, str, str]:
     both = getattr(found, part)
     before, after = (fixed(getattr(g, key), decimals) for g in (both.before, both.after))
-    return "fitted" if part == "fitted" else "left out", f"{before} to {after}", ""
+    return "fitted" if part == "fitted" else "left out", f"{before} → {after}", ""

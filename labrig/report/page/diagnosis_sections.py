@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from labrig.report.diagnosis import tables
+from labrig.report.diagnosis import parameters, tables
 from labrig.report.parts.section import Drawn, Item, Section
 from model.discrepancy.verdict.result import Diagnosis
 
@@ -18,16 +18,20 @@ def sections_of(found: Diagnosis, drawn: Mapping[str, Drawn]) -> list[Section]:
     maps, fits = figures("diagnosis-maps"), figures("diagnosis-forces", "diagnosis-curves")
     parts = [
         Section(
-            _present(tables.parameter_table(found), *figures("diagnosis-form")),
+            _present(
+                parameters.parameter_table(found),
+                parameters.choice_table(found),
+                *figures("diagnosis-form"),
+            ),
             tuple(tables.verdict_sentences(found)),
             title="Finding",
         ),
         Section(
             (tables.where_table(found), *maps),
             (tables.gap_sentence(found),),
-            title="Where it shows",
+            title="Residuals",
         ),
-        Section((tables.improvement_table(found), *fits), title="Before and after"),
+        Section((tables.improvement_table(found), *fits), title="Errors before and after"),
         Section(
             (tables.ranking_table(found), *figures("diagnosis-ranking")),
             title="Candidates",
@@ -35,9 +39,9 @@ def sections_of(found: Diagnosis, drawn: Mapping[str, Drawn]) -> list[Section]:
         Section(
             _present(tables.invisible_table(found), *figures("diagnosis-signatures")),
             tuple(tables.limits_sentences(found)),
-            title="What these data can tell apart",
+            title="Identifiability",
         ),
-        Section(sentences=tuple(tables.next_sentences(found)), title="What to measure next"),
+        Section(sentences=tuple(tables.next_sentences(found)), title="Next measurement"),
     ]
     return [part for part in parts if not part.is_empty]
 

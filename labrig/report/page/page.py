@@ -13,18 +13,21 @@ from labrig.report.parts.section import Drawn
 from labrig.report.parts.table import Table
 from labrig.report.sections.interface import SECTIONS
 
+FILES = "figures/ as PNG and SVG"
 
-def render(findings: Findings, content: ReportContent) -> str:
-    """Return the page's text."""
+
+def render(findings: Findings, content: ReportContent, files: str = FILES) -> str:
+    """Return the page's text; `files` says where its figures are and in which formats."""
     return render_page(
         "session.html.j2",
-        title=findings.session.path.name,
+        title=findings.session.about.title or findings.session.path.name,
         session=findings.session,
         names=findings.names,
         cards=cards(findings),
         remarks=[*content.left_out, *remarks(findings)],
         sections=content.sections,
         origins=SECTIONS.origins(),
+        files=files,
     )
 
 

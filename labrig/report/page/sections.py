@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from labrig.report.data.findings import Findings
@@ -24,11 +24,13 @@ def report_content(
     findings: Findings,
     figures: FigureFolder,
     known: Mapping[str, ReportSection],
+    progress: Callable[[float, str], None] = lambda _fraction, _text: None,
 ) -> ReportContent:
     """Return the known sections that apply. Raises LabrigError when figures are not written."""
     sections: dict[str, Section] = {}
     left_out = []
-    for name, part in known.items():
+    for done, (name, part) in enumerate(known.items()):
+        progress(done / len(known), part.title)
         try:
             made = _made(part, findings, figures)
             if made is not None and made.anchor in sections:

@@ -1,4 +1,4 @@
-"""The numbers that a report begins with, and what must be known before trusting them."""
+"""The numbers that a report begins with, and its caveats."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from labrig.report.data.findings import Findings
+from labrig.report.data.models import ALONG, CONSTANT
 from labrig.report.data.paper import PAPER
 from labrig.report.data.quality import MOST_WARNINGS
 from labrig.report.data.selection import rest_position_m
@@ -16,7 +17,10 @@ from labrig.report.parts.table import fixed, volts, with_sigma
 from model import ConfigurationFit, Parameter
 from protocols.execution.events import Outcome, OutputState
 
-_KINDS: Final[tuple[Literal["varying", "constant"], ...]] = ("varying", "constant")
+_KINDS: Final[tuple[tuple[Literal["varying", "constant"], str], ...]] = (
+    ("varying", ALONG),
+    ("constant", f"{CONSTANT}, B held"),
+)
 Parts = Mapping[str, ConfigurationFit]
 
 
@@ -56,7 +60,7 @@ def _session(found: Findings) -> Card:
 def _stiffness(parts: Parts) -> Card:
     lines = [(f"{name}: B, µN·m²", _scaled(one.B, 1e6), "") for name, one in parts.items()]
     lines += [(f"{name}: E, MPa", _scaled(one.E, 1e-6), "") for name, one in parts.items()]
-    return Card("Bending stiffness, Young modulus", tuple(lines))
+    return Card("Bending stiffness B, Young's modulus E", tuple(lines))
 
 
 def _eibm(parts: Parts) -> Card:
@@ -75,28 +79,28 @@ def _scaled(parameter: Parameter, factor: float) -> str:
 def _forces(parts: Parts) -> Card:
     lines = [
         (
-            f"{name}, {kind}",
+            f"{name}, {text}",
             fixed(1e3 * one.rmse[kind].force_N, 3),
             fixed(PAPER[name].force_rmse_mN[place], 3) if name in PAPER else "",
         )
         for name, one in parts.items()
-        for place, kind in enumerate(_KINDS)
+        for place, (kind, text) in enumerate(_KINDS)
     ]
-    return Card("Error of the force (RMSE), mN", tuple(lines))
+    return Card("Force error (RMSE), mN", tuple(lines))
 
 
 def _curves(parts: Parts) -> list[Card]:
     lines = [
         (
-            f"{name}, {kind}",
+            f"{name}, {text}",
             fixed(1e3 * one.rmse[kind].curve_m, 3),
             fixed(PAPER[name].curve_rmse_mm[place], 2) if name in PAPER else "",
         )
         for name, one in parts.items()
-        for place, kind in enumerate(_KINDS)
+        for place, (kind, text) in enumerate(_KINDS)
         if np.isfinite(one.rmse[kind].curve_m)
     ]
-    return [Card("Error of the curve (RMSE), mm", tuple(lines))] if lines else []
+    return [Card("Curve error (RMSE), mm", tuple(lines))] if lines else []
 
 
 def _rest(found: Findings) -> list[Card]:
@@ -112,29 +116,31 @@ def _rest(found: Findings) -> list[Card]:
         for name, place in places.items()
         if place is not None
     ]
-    return [Card("Undriven, the sheet rests at p, mm", tuple(lines))] if lines else []
+    return [Card("Rest position of the undriven sheet, mm", tuple(lines))] if lines else []
 
 
 def remarks(found: Findings) -> list[str]:
-    """Return what is missing or out of the ordinary, a sentence each; empty when nothing is."""
-    session, said = found.session, []
+    """Return the caveats, a sentence each; empty when there are none."""
+    session, caveats = found.session, list[str]()
     if session.outcome is not Outcome.COMPLETED:
         reason = session.reason.rstrip(".") or "no reason was recorded"
-        said.append(f"The session did not end as planned: {session.outcome.value} ({reason}).")
+        caveats.append(f"The session did not end as planned: {session.outcome.value} ({reason}).")
     if session.runs and session.output_state is not OutputState.SAFE:
-        said.append(f"The output was left {session.output_state.value}.")
+        caveats.append(f"Output at the end: {session.output_state.value}.")
     if found.measurements is None:
-        said.append(f"Nothing could be measured: {found.why_not}")
+        caveats.append(f"Nothing could be measured: {found.why_not}")
     elif not found.names:
-        said.append("No condition was measured.")
+        caveats.append("No condition was measured.")
     if len(found.names) == 1:
-        said.append(f"Only the configuration {found.names[0]} was measured.")
+        caveats.append(f"Only the configuration {found.names[0]} was measured.")
     for name, why in found.fitted.missing.items():
-        said.append(f"The configuration {name} could not be fitted: {why.rstrip('.')}.")
-    said += found.quality.remarks
+        caveats.append(f"The configuration {name} could not be fitted: {why.rstrip('.')}.")
+    caveats += found.quality.remarks
     if found.measurements is not None:
         warned = found.measurements.warnings
-        said += [text.rstrip(".") + "." for text in warned[:MOST_WARNINGS]]
+        caveats += [text.rstrip(".") + "." for text in warned[:MOST_WARNINGS]]
         if len(warned) > MOST_WARNINGS:
-            said.append(f"{len(warned) - MOST_WARNINGS} more are listed with the data's quality.")
-    return said
+            caveats.append(
+                f"{len(warned) - MOST_WARNINGS} more are listed with the data's quality."
+            )
+    return caveats

@@ -1,15 +1,17 @@
-"""Writes a session's report: figures as PNG and SVG, and one page that holds everything."""
+"""Writes a session's report: one page that holds everything, and its figures as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.report.data.findings import Progress, gather
+from labrig.report.figures.fit import make_folder
 from labrig.report.page.page import render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
+from labrig.report.parts.style import DEFAULT_FORMATS
 from labrig.report.sections.interface import ordered
 
 
@@ -17,27 +19,40 @@ def _quiet(_fraction: float, _text: str) -> None:
     pass
 
 
+def _named(figures: Path, folder: Path) -> str:
+    """Return the name of the figures' folder, as seen from the page."""
+    inside = figures.is_relative_to(folder)
+    return f"{figures.relative_to(folder) if inside else figures}/"
+
+
 def write_report(
     session: Path,
     folder: Path | None = None,
     *,
+    figures: Path | None = None,
+    formats: Sequence[str] = DEFAULT_FORMATS,
     progress: Progress = _quiet,
     tell: Callable[[str], None] = lambda _text: None,
 ) -> Path:
     """Write the report of a session and return the page's path.
 
-    `folder` is by default NAME-report in the folder of the session. A session that was not
-    analysed yet is analysed first; the page says what cannot be measured or fitted. Raises
-    BadInputError when the session cannot be read or the folder not be written.
+    `folder` is by default NAME-report in the folder of the session; the figures go to `figures` in
+    it, or to the folder of that name. A session that was not analysed yet is analysed first; the
+    page says what cannot be measured or fitted. Raises BadInputError when the session cannot be
+    read or a folder not be written.
     """
     session = Path(session)
     folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise BadInputError(f"{folder}: this is a file, a folder is needed.")
+    figures = folder / "figures" if figures is None else Path(figures)
+    for one in (folder, figures):
+        if one.exists() and not one.is_dir():
+            raise BadInputError(f"{one}: this is a file, a folder is needed.")
     found = gather(session, progress, tell)
+    make_folder(folder)
     with found.session:
-        content = report_content(found, FigureFolder(folder / "figures"), ordered())
+        content = report_content(found, FigureFolder(figures, formats), ordered(), progress)
         for text in content.left_out:
             tell(text)
-        write_page(render(found, content), folder / "index.html")
+        files = f"{_named(figures, folder)} as {' and '.join(one.upper() for one in formats)}"
+        write_page(render(found, content, files), folder / "index.html")
     return folder / "index.html"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POSITIVE, ZERO, NEGATIVE = "#D55E00", "#767676", "#0072B2"  # Okabe and Ito's palette
-VARYING, CONSTANT = "#009E73", "#CC79A7"  # the two simulations, where colour is free for them
+ALONG_COLOUR, CONSTANT_COLOUR = "#009E73", "#CC79A7"  # two simulations, where colour is free
 # Text, axes and neutral lines. A colour of its own, so that the page can turn it with its theme.
 INK = "#1b1f24"
 
@@ -39,6 +39,8 @@ _SETTINGS = {
     "ytick.color": INK,
     "grid.color": INK,
     "svg.hashsalt": "labrig",  # the same figure gives the same file
+    "svg.fonttype": "none",  # text stays text: searched, copied and edited
+    "pdf.fonttype": 42,  # fonts embedded as TrueType
 }
 
 
@@ -83,10 +85,37 @@ def letter(axes: Axes, name: str, title: str) -> None:
     axes.set_title(f"({name}) {title}", loc="left")
 
 
-def save_pair(fig: Figure, folder: Path, name: str) -> None:
-    """Write NAME.png and NAME.svg."""
-    for ending in ("png", "svg"):
-        save(fig, folder / f"{name}.{ending}")
+FORMATS = ("png", "svg", "pdf")
+DEFAULT_FORMATS = ("png", "svg")
+_METADATA: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+def known_formats(wanted: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the formats of figures, each once; BadInputError for one that is not known."""
+    for one in wanted or ():
+        if one not in FORMATS:
+            raise BadInputError(f"--format {one}: give {', '.join(FORMATS[:-1])} or {FORMATS[-1]}.")
+    return tuple(dict.fromkeys(wanted or DEFAULT_FORMATS))
+
+
+def save_all(fig: Figure, folder: Path, name: str, formats: Sequence[str]) -> list[Path]:
+    """Write NAME in each format and return the paths."""
+    paths = [folder / f"{name}.{ending}" for ending in formats]
+    for path in paths:
+        save(fig, path)
+    return paths
+
+
+def svg_text(fig: Figure) -> str:
+    """Return a figure as SVG, with text that is text."""
+    import io
+
+    import matplotlib as mpl
+
+    text = io.StringIO()
+    with mpl.rc_context(_SETTINGS):
+        fig.savefig(text, format="svg", metadata=_METADATA["svg"], transparent=True)
+    return text.getvalue()
 
 
 def save(fig: Figure, path: Path) -> None:
@@ -94,13 +123,17 @@ def save(fig: Figure, path: Path) -> None:
     import matplotlib as mpl
 
     ending = path.suffix.lower().lstrip(".")
-    if ending not in {"png", "svg", "pdf"}:
-        raise BadInputError(f"{path}: a picture's name must end in .png, .svg or .pdf.")
+    if ending not in FORMATS:
+        raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
     part = path.with_name(path.name + ".part")
-    metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
     try:
         with mpl.rc_context(_SETTINGS):
-            fig.savefig(part, format=ending, metadata=metadata, transparent=ending == "svg")
+            fig.savefig(
+                part,
+                format=ending,
+                metadata=_METADATA.get(ending),
+                transparent=ending == "svg",
+            )
         part.replace(path)
     except OSError as error:
         discard(part)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from labrig.report.data.findings import Findings
-from labrig.report.diagnosis import tables
+from labrig.report.diagnosis import parameters, tables
 from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Folded, Item, Section
@@ -18,7 +18,8 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
     drawn = draw_diagnosis(found, figures)
     folded = (tables.where_table(found), tables.ranking_table(found), tables.invisible_table(found))
     items: tuple[Item | None, ...] = (
-        tables.parameter_table(found),
+        parameters.parameter_table(found),
+        parameters.choice_table(found),
         drawn.get("diagnosis-form"),
         tables.improvement_table(found),
         *(drawn.get(f"diagnosis-{name}") for name in ("maps", "forces", "curves")),
@@ -34,7 +35,7 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
 
 
 SECTION = ReportSection(
-    title="What the model is missing",
+    title="Model discrepancy",
     order=40,
     applies=lambda findings: findings.diagnosis is not None,
     make=make,

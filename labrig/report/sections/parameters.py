@@ -13,6 +13,11 @@ from labrig.report.tables.fit import one_by_one_table, scatter_table, trust
 from labrig.report.tables.paper import table_4
 from model import ConfiguredSheet
 
+_SOURCE = (
+    "The parameters are from a fit made for this report, as labrig fit makes it; no model file is "
+    "read. The diagnosis refits B and EIBM together with its effects."
+)
+
 
 def applies(findings: Findings) -> bool:
     """Whether something was fitted, or could not be."""
@@ -36,7 +41,7 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
             scatter_table(fit),
             *([one_by_one_table(fit)] if each else []),
         ),
-        (*missing, *trust(fit)),
+        (*missing, *trust(fit), _SOURCE),
     )
 
 
@@ -44,14 +49,14 @@ def _moments(findings: Findings, figures: FigureFolder) -> tuple[Drawn, ...]:
     models = findings.fitted.models
     if models is None:
         return ()
-    fitted = [name for name in findings.names if models.varying.sheets.get(name)]
-    fitted = [name for name in fitted if _varies(models.varying.sheets[name])]
+    fitted = [name for name in findings.names if models.along.sheets.get(name)]
+    fitted = [name for name in fitted if _varies(models.along.sheets[name])]
     if not fitted:
         return ()
     return figures.draw(
         "figure-8",
         "Figure 8. Electrically induced bending moment along the sheet",
-        "The joint fit's EIBM with its 90 % interval, and the constant one (dashed).",
+        "EIBM along the sheet (8) with its 90 % interval; dashed: constant EIBM (9).",
         lambda: moment_figure(models, fitted),
     )
 

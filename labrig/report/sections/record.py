@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Folded, Section
@@ -20,9 +22,9 @@ def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     versions = tuple(sorted(session.versions.items()))
     return Section(
         (
-            Table(title="Session", columns=facts.columns, rows=(*facts.rows, *sums)),
+            replace(facts, rows=(*facts.rows, *sums)),
             *channels,
-            Table(title="Recorded with", columns=("", ""), rows=versions),
+            Table(title="Software", columns=("package", "version"), rows=versions, text=True),
             Folded(f"Event log, {len(log.rows)} lines", log),
         )
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from labrig.report.data.findings import Findings
+from labrig.report.data.models import HELD
 from labrig.report.figures.comparison import comparison_figure
 from labrig.report.figures.force import force_figure
 from labrig.report.parts.figures import FigureFolder
@@ -42,7 +43,7 @@ def _forces(
     findings: Findings, measurements: Measurements, figures: FigureFolder
 ) -> tuple[Drawn, ...]:
     models = findings.fitted.models
-    lines = "Lines: simulated with the EIBM that varies along the sheet, and with a constant one."
+    lines = f"Lines: simulated. {HELD}"
     return figures.draw(
         "figure-9",
         "Figure 9. Forces, measured and simulated" if models else "Figure 9. Forces",
@@ -62,8 +63,8 @@ def _curves(
     yield from figures.draw(
         "table-5",
         "Neutral curves of table 5",
-        "Above: the bending part as measured and as simulated; y is enlarged. Below: distance "
-        "of the measured points from the simulated curve.",
+        "Above: the bending part, measured and simulated; y is enlarged. Below: distance of the "
+        f"measured points from the simulated curve. {HELD}",
         lambda: comparison_figure(measurements, compared, models),
     )
 

@@ -34,7 +34,7 @@ def text_of(note: Note) -> str:
 
 def _facts(title: str, rows: dict[str, str]) -> Table:
     stated = tuple((name, text) for name, text in rows.items() if text)
-    return Table(title=title, columns=("", ""), rows=stated, text=True)
+    return Table(title=title, columns=("property", "value"), rows=stated, text=True)
 
 
 def _experiment(about: About) -> dict[str, str]:

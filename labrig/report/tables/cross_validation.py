@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from labrig.report.data.models import knows
+from labrig.report.data.models import ALONG, CONSTANT, HELD, knows
 from labrig.report.parts.table import Table, fixed
 from labrig.report.tables.fit import against_table
 from model import Fit, Measurements
@@ -30,11 +30,11 @@ def left_out_rows(fit: Fit, measurements: Measurements) -> tuple[ConditionResidu
 
 def left_out_table(rows: tuple[ConditionResidual, ...]) -> Table:
     """Predictions of what was left out against what was measured there."""
-    table = against_table("Predicted where nothing was fitted", rows)
-    varying, constant = rmse(rows, "varying"), rmse(rows, "constant")
+    table = against_table("Predictions at left-out positions", rows)
+    along, constant = rmse(rows, "varying"), rmse(rows, "constant")
     note = (
-        f"Left out, RMS: varying EIBM {fixed(1e3 * varying.force_N, 3)} mN and "
-        f"{fixed(1e3 * varying.curve_m, 3)} mm, constant EIBM {fixed(1e3 * constant.force_N, 3)} mN"
-        f" and {fixed(1e3 * constant.curve_m, 3)} mm."
+        f"RMS errors: {ALONG} {fixed(1e3 * along.force_N, 3)} mN and "
+        f"{fixed(1e3 * along.curve_m, 3)} mm, {CONSTANT} {fixed(1e3 * constant.force_N, 3)} mN"
+        f" and {fixed(1e3 * constant.curve_m, 3)} mm. {HELD}"
     )
     return replace(table, note=note)

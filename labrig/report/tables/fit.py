@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from labrig.report.data.models import ALONG, CONSTANT, HELD
 from labrig.report.data.selection import place
 from labrig.report.parts.table import Table, fixed, number, volts, with_sigma
 from model import ConfigurationFit, Fit
@@ -25,15 +26,15 @@ _SCATTER = {
 
 
 def scatter_table(fit: Fit) -> Table:
-    """Return the standard deviations between set-ups, as the misfit shows them."""
+    """Return the standard deviations between set-ups, estimated from the residuals."""
     rows = []
     for name, value in fit.scatter.items():
         text, scale = _SCATTER.get(name, (name.replace("_", " "), 1.0))
         rows.append((text, number(scale * value, 2)))
-    note = "Estimated from the misfit; the uncertainties of table 4 include it."
+    note = "Estimated from the residuals; the uncertainties of table 4 include it."
     return Table(
-        title="Scatter from one set-up to the next",
-        columns=("", "standard deviation"),
+        title="Scatter between set-ups",
+        columns=("quantity", "standard deviation"),
         rows=tuple(rows),
         note=note,
     )
@@ -53,10 +54,10 @@ def one_by_one_table(fit: Fit) -> Table:
         )
         for v in driven
     ]
-    note = "± from the scatter between positions alone. Beside table 4, which is one joint fit."
+    note = "± from the scatter between positions alone. Table 4 is one joint fit."
     return Table(
-        title="Condition by condition, as the paper does it",
-        columns=("", *names),
+        title="Parameters condition by condition, the paper's way",
+        columns=("parameter", *names),
         rows=tuple(rows),
         note=note,
     )
@@ -75,7 +76,7 @@ def _constant(one: ConfigurationFit, voltage_V: float) -> str:
 
 def residual_table(fit: Fit) -> Table:
     """Each condition that was fitted."""
-    return against_table("Each condition against the simulations", fit.residuals)
+    return against_table("Errors of each condition", fit.residuals)
 
 
 def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
@@ -83,10 +84,10 @@ def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
     columns = (
         "condition",
         "F, mN",
-        "varying - F",
-        "constant - F",
-        "curve, varying, mm",
-        "curve, constant, mm",
+        f"{ALONG}: force error, mN",
+        f"{CONSTANT}: force error, mN",
+        f"{ALONG}: curve error, mm",
+        f"{CONSTANT}: curve error, mm",
     )
     rows = [
         (
@@ -97,7 +98,8 @@ def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
         )
         for row in conditions
     ]
-    return Table(title=title, columns=columns, rows=tuple(rows))
+    note = f"Force error: simulated − measured. Curve error: RMS distance. {HELD}"
+    return Table(title=title, columns=columns, rows=tuple(rows), note=note)
 
 
 def repeats_table(fit: Fit) -> Table | None:
@@ -105,10 +107,10 @@ def repeats_table(fit: Fit) -> Table | None:
     if not fit.bootstrap_ratio:
         return None
     rows = tuple((name, fixed(ratio, 2)) for name, ratio in fit.bootstrap_ratio.items())
-    note = f"1 means that table 4 is right. From {fit.options.bootstrap} simulated sessions."
+    note = f"1: table 4 is right. From {fit.options.bootstrap} simulated sessions."
     return Table(
-        title="Scatter of simulated repeats over stated uncertainty",
-        columns=("", "ratio"),
+        title="Bootstrap check of the uncertainties",
+        columns=("parameter", "scatter of simulated repeats / stated uncertainty"),
         rows=rows,
         note=note,
     )
@@ -122,17 +124,17 @@ def trust(fit: Fit) -> list[str]:
     """Sentences on how far the parameters are fixed."""
     said = []
     for name, one in fit.configurations.items():
-        widths = {"B": one.B, **{f"EIBM at {volts(v)}": p for v, p in one.eibm.items()}}
+        widths = {"B": one.B, **{f"{CONSTANT} at {volts(v)}": p for v, p in one.eibm.items()}}
         shares = []
         for what, parameter in widths.items():
             low, high = parameter.interval()
             if parameter.value:
-                shares.append(f"{what} {50 * (high - low) / abs(parameter.value):.1f} %")
-        said.append(f"{name}: 90 % intervals reach {', '.join(shares)} to either side.")
+                shares.append(f"±{50 * (high - low) / abs(parameter.value):.1f} % ({what})")
+        said.append(f"{name}: 90 % intervals reach {', '.join(shares)}.")
         if not _has_curves(fit, name):
             said.append(
-                f"{name}: there are no neutral curves, so these numbers rest on the forces alone "
-                "and on an EIBM that is taken to be the same all along the sheet."
+                f"{name}: no neutral curves were measured. These numbers rest on the forces alone, "
+                "and the EIBM is assumed constant along the sheet."
             )
     return said + [_sentence(note) for note in fit.notes]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
+from labrig.report.data.models import CONSTANT
 from labrig.report.data.selection import place
 from labrig.report.parts.table import Table, volts, with_sigma
 from model import Measurements, Parameter
@@ -38,9 +39,9 @@ def by_run_table(
 ) -> Table:
     """Return a row for each set-up, below the common values of its configuration."""
     driven = sorted({v for one in fit.configurations.values() for v in one.eibm}, reverse=True)
-    columns = ["set-up", "B, µN·m²", "off, %"]
+    columns = ["set-up", "B, µN·m²", "difference, %"]
     for voltage in driven:
-        columns += [f"EIBM {volts(voltage)}, µN·m", "off, %"]
+        columns += [f"{CONSTANT} {volts(voltage)}, µN·m", "difference, %"]
     rows = []
     for name, common in fit.configurations.items():
         rows.append(_row(f"{name}, all", common.B, common.eibm, driven))
@@ -54,11 +55,13 @@ def by_run_table(
             again = f" ({times[text]})" if times[text] > 1 else ""
             rows.append(_row(text + again, one.B, one.eibm, driven, common.B, common.eibm))
     note = (
-        "What the joint fit's random effects most likely say of each set-up: drawn towards the "
-        "common value as far as the scatter between set-ups allows no more. ± one standard "
-        "uncertainty at that scatter."
+        "Common value and the most likely random effect of each set-up in the joint fit, which is "
+        "drawn towards 0 (shrinkage). Difference: from the common value. ± one standard "
+        "uncertainty at the estimated scatter."
     )
-    return Table(title="Set-up by set-up", columns=tuple(columns), rows=tuple(rows), note=note)
+    return Table(
+        title="B and EIBM of each set-up", columns=tuple(columns), rows=tuple(rows), note=note
+    )
 
 
 def _row(

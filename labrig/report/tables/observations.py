@@ -1,4 +1,4 @@
-"""What the paper observes of its sheets, asked of this session's."""
+"""The paper's observations about its sheets, and the same of this session's."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def observations(measurements: Measurements, fit: Fit | None) -> Table:
     for name in configurations(measurements):
         rows += _lines(measurements, name)
     columns = ("observation", "this session", "paper")
-    note = "Straightness: RMS distance of F(p) from its line, of the range of F."
+    note = "Straightness: RMS distance of F(p) from its line, over the range of F."
     return Table(
         title="Observations", columns=columns, rows=tuple(rows), note=note, quoted=frozenset({2})
     )
@@ -32,7 +32,7 @@ def _rest(measurements: Measurements, name: str) -> list[tuple[str, str, str]]:
     found = rest_position_m(measurements, name)
     theirs = number(PAPER[name].rest_position_mm) if name in PAPER else "-"
     ours = "not within the positions" if found is None else fixed(1e3 * found, 1)
-    return [(f"the undriven {name} sheet rests at p, mm", ours, theirs)]
+    return [(f"rest position of the undriven {name} sheet, mm", ours, theirs)]
 
 
 def _between_sheets(fit: Fit) -> list[tuple[str, str, str]]:
@@ -42,8 +42,12 @@ def _between_sheets(fit: Fit) -> list[tuple[str, str, str]]:
     stiffer = long.B.value / short.B.value
     weaker = long.eibm_mean_abs.value / short.eibm_mean_abs.value
     return [
-        ("stiffness of the long sheet over the short one's", fixed(stiffer, 2), "above 1"),
-        ("mean |EIBM| of the long sheet over the short one's", fixed(weaker, 2), "below 1"),
+        ("bending stiffness, long sheet over short one", fixed(stiffer, 2), "above 1"),
+        (
+            "mean |constant EIBM|, long sheet over short one",
+            fixed(weaker, 2),
+            "below 1",
+        ),
     ]
 
 
@@ -53,13 +57,13 @@ def _eibm(one: ConfigurationFit) -> list[tuple[str, str, str]]:
         top = max(one.eibm_along_Nm)
         Me = one.eibm_along_Nm[top][0]
         if np.isfinite(Me).all() and Me[0] != 0:
-            what = f"EIBM of the {one.configuration} sheet at its end over that at the clamp"
+            what = f"EIBM along the {one.configuration} sheet, end over clamp"
             theirs = "towards 0" if one.configuration == "long" else "-"
             rows.append((what, fixed(float(Me[-1] / Me[0]), 2), theirs))
     if len(one.eibm) == 2 and min(one.eibm) < 0 < max(one.eibm):
         low, high = sorted(one.eibm)
         ratio = abs(one.eibm[low].value / one.eibm[high].value)
-        what = f"|EIBM| at {volts(low)} over {volts(high)}, {one.configuration} sheet"
+        what = f"|constant EIBM| at {volts(low)} over {volts(high)}, {one.configuration} sheet"
         rows.append((what, fixed(ratio, 2), "not 1"))
     return rows
 

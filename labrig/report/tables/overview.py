@@ -22,6 +22,7 @@ class Overview:
     log: tuple[tuple[str, ...], ...]
     channels: tuple[ChannelSummary, ...] = ()
     devices: tuple[dict[str, Any], ...] = ()
+    marks: tuple[dict[str, Any], ...] = ()  # after the end, oldest first
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds."""
@@ -30,21 +31,29 @@ class Overview:
             "runs": list(self.runs),
             "channels": [asdict(channel) for channel in self.channels],
             "devices": list(self.devices),
+            "marks": list(self.marks),
         }
 
     def tables(self, *, log: bool = False) -> list[Table]:
         """Return the tables of the command line and the report."""
         found = [
-            Table(title="Session", columns=("", ""), rows=self.facts),
+            Table(title="Session", columns=("property", "value"), rows=self.facts, text=True),
             Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
         ]
         if self.channels:
             found.append(channels_as_table(self.channels))
         if self.devices:
             found.append(devices_as_table(self.devices))
+        if self.marks:
+            found.append(_marks_as_table(self.marks))
         if log:
             found.append(
-                Table(title="Log", columns=("time s", "event", "run", "text"), rows=self.log)
+                Table(
+                    title="Log",
+                    columns=("s since start", "event", "run", "text"),
+                    rows=self.log,
+                    text=True,
+                )
             )
         return found
 
@@ -53,14 +62,14 @@ _COLUMNS = {
     "run": "run",
     "purpose": "purpose",
     "configuration": "sheet",
-    "position_mm": "at mm",
+    "position_mm": "p, mm",
     "state": "state",
     "readings": "readings",
     "invalid": "invalid",
     "lost_samples": "lost samples",
     "frames_dropped": "lost frames",
-    "late_median_ms": "late ms",
-    "late_worst_ms": "at most ms",
+    "late_median_ms": "median lateness, ms",
+    "late_worst_ms": "largest lateness, ms",
 }
 
 
@@ -77,6 +86,8 @@ def overview(session: RecordedSession) -> Overview:
         ("output", session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
+        ("clock", session.clock),
+        *([("analysis", session.outdated)] if session.outdated else []),
         ("boards", session.boards),
         *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
@@ -87,7 +98,7 @@ def overview(session: RecordedSession) -> Overview:
     )
     log = tuple(
         (
-            f"{event.time_s:.3f}",
+            f"{event.time_s - session.began_s:.3f}",
             event.kind,
             str(event.run + 1) if event.run >= 0 else "",
             event.text,
@@ -95,7 +106,30 @@ def overview(session: RecordedSession) -> Overview:
         for event in session.events
     )
     devices = tuple(device_row(device) for device in session.devices)
-    return Overview(facts=facts, runs=runs, log=log, channels=channels, devices=devices)
+    return Overview(
+        facts=facts,
+        runs=runs,
+        log=log,
+        channels=channels,
+        devices=devices,
+        marks=tuple(mark.as_dict() for mark in session.marks_after_end),
+    )
+
+
+def _marks_as_table(marks: tuple[dict[str, Any], ...]) -> Table:
+    rows = tuple(
+        (
+            str(mark["run"]),
+            "whole run" if mark["reading"] is None else str(mark["reading"]),
+            "invalid" if mark["invalid"] else "mark taken back",
+            mark["why"],
+            mark["who"],
+            mark["when"],
+        )
+        for mark in marks
+    )
+    columns = ("run", "reading", "mark", "why", "by", "at (UTC)")
+    return Table(title="Marks after the end", columns=columns, rows=rows)
 
 
 def _run(run: RunRecord) -> dict[str, Any]:

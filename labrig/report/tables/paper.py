@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from labrig.report.data.models import ALONG, CONSTANT, HELD
 from labrig.report.data.paper import PAPER, Quoted
 from labrig.report.data.separate_sessions import base
 from labrig.report.parts.table import Table, fixed, interval, number, volts, with_sigma
@@ -15,8 +16,8 @@ from model import Condition, ConfigurationFit, Fit, Measurements, Parameter, She
 _MICRO, _MILLI = 1e6, 1e3
 Kind = Literal["varying", "constant"]
 _KINDS: tuple[tuple[Kind, str], ...] = (
-    ("varying", "varying EIBM"),
-    ("constant", "constant EIBM"),
+    ("varying", ALONG),
+    ("constant", CONSTANT),
 )
 
 
@@ -88,8 +89,9 @@ def table_4(fit: Fit) -> Table:
         columns += [name, f"{name}, 90 %"]
     rows = [_parameter_row(text, pick, scale, fit) for text, pick, scale in _parameters(fit)]
     note = (
-        "± one standard uncertainty, which includes the scatter from one set-up to the next. "
-        "The text of the paper at hand has no numbers of its table 4."
+        "± one standard uncertainty, with the scatter between set-ups. Constant EIBM (9): mean of"
+        " the EIBM along the sheet (8) over the loaded length, averaged over the positions. The"
+        " paper's text states no numbers of its table 4."
     )
     return Table(title="Table 4. Parameters", columns=tuple(columns), rows=tuple(rows), note=note)
 
@@ -104,12 +106,12 @@ def _parameters(fit: Fit) -> list[tuple[str, _Pick, float]]:
         ("B/w, mN·m", lambda one: one.B_per_width, _MILLI),
         ("equivalent Young modulus E, MPa", lambda one: one.E, 1e-6),
     ]
-    found += [(f"constant EIBM at {volts(v)}, µN·m", _constant_at(v), _MICRO) for v in driven]
+    found += [(f"{CONSTANT} at {volts(v)}, µN·m", _constant_at(v), _MICRO) for v in driven]
     found += [
-        ("its mean absolute value, µN·m", lambda one: one.eibm_mean_abs, _MICRO),
-        ("the same by width, mN", lambda one: one.eibm_mean_abs_per_width, _MILLI),
+        ("constant EIBM, mean absolute value, µN·m", lambda one: one.eibm_mean_abs, _MICRO),
+        ("mean absolute value over width, mN", lambda one: one.eibm_mean_abs_per_width, _MILLI),
     ]
-    found += [(f"varying EIBM, mean over l, {volts(v)}, µN·m", _mean_at(v), _MICRO) for v in driven]
+    found += [(f"{ALONG}, mean over [0, l], {volts(v)}, µN·m", _mean_at(v), _MICRO) for v in driven]
     return found
 
 
@@ -164,7 +166,10 @@ def table_5(fit: Fit, compared: list[Condition]) -> Table:
         rows.append(tuple(row))
     places = {(c.voltage_V, c.position_m) for c in compared}
     at = ", ".join(f"{volts(v)} and p = {_MILLI * (p or 0):g} mm" for v, p in sorted(places))
-    note = f"At {at}; the paper's at +2 V and p = 0. Of the bending part, not its elongation."
+    note = (
+        f"At {at}; the paper's at +2 V and p = 0. Of the bending part, without its elongation."
+        f" {HELD}"
+    )
     title = "Table 5. RMSE of one neutral curve, mm"
     return _beside_paper(title, [c.configuration for c in compared], rows, note)
 
@@ -197,5 +202,5 @@ def table_6(fit: Fit) -> Table:
                 curve.append(fixed(quotes[name].curve_rmse_mm[place], 2))
                 force.append(fixed(quotes[name].force_rmse_mN[place], 3))
         rows += [tuple(curve), tuple(force)]
-    note = "Over all positions and voltages that were fitted."
+    note = f"Over all fitted positions and voltages. {HELD}"
     return _beside_paper("Table 6. Root mean squared errors", names, rows, note)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from labrig.errors import BadInputError
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
+from labrig.session.reading.session import RecordedSession
 from labrig.session.reading.values import read_array, read_dataset
 from labrig.session.recording.create import set_attributes
 from labrig.session.supplements.store import replaced, seal
@@ -45,13 +47,15 @@ def load_measurements(path: Path) -> Measurements:
             for name in group
             if name not in FINDINGS
         }
+        outdated = RecordedSession(file, path).outdated if layout.MARKS in file else ""
         try:
-            return measurements_from_tables(tables)
+            found = measurements_from_tables(tables)
         except (KeyError, TypeError, ValueError, IndexError) as error:
             raise BadInputError(
                 f"{path}: its measurements cannot be read ({error!r}); run labrig analyze {path} "
                 "again."
             ) from None
+    return replace(found, warnings=(*found.warnings, outdated)) if outdated else found
 
 
 def stored_curve_extractor(path: Path) -> str:

@@ -9,7 +9,8 @@
   setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
                       signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
                       simulated, devices (JSON: what each device says that it is), keep_all_frames
-  run_000/            NXsubentry, default -> signals; one for each planned run
+  run_000/            NXsubentry, default -> signals; one for each planned run, and after them
+                      one to measure each measurement again, never begun where nobody wanted that
     planned           the run as planned (JSON)
     acquisition       sample clock, start, counts
     writes            each write of the voltage
@@ -20,7 +21,8 @@
 Supplements, groups that are added to a closed session; each has a checksum of its own:
   derived/            what the analysis made of it; may be dropped and made again
   notes/              the operator's notes and photographs
-  marks/              runs and readings declared invalid after the end, and taken back
+  marks/entries       runs and readings declared invalid after the end, or that taken back; a row
+                      each, with a checksum that covers the one of the row before
 A checksum covers the content of a dataset and the attributes of a group or dataset; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
@@ -178,6 +180,19 @@ MARK_ROW: Final = np.dtype(
         ("reading", "<i4"),  # -1: the whole run
         ("why", text_type(240)),
         ("who", text_type(64)),
+    ]
+)
+MARK_WHY_BYTES: Final = 240
+MARK_WHO_BYTES: Final = 64
+END_MARK_ROW: Final = np.dtype(  # of a mark after the end
+    [
+        ("when", text_type(40)),  # ISO 8601, UTC
+        ("run", "<i4"),
+        ("reading", "<i4"),  # -1: the whole run
+        ("invalid", "?"),  # False: a mark is taken back
+        ("why", text_type(MARK_WHY_BYTES)),
+        ("who", text_type(MARK_WHO_BYTES)),
+        ("sha256", text_type(64)),  # of this row and that of the row before
     ]
 )
 # One value a frame, beside the image itself: name -> (type, unit).

@@ -6,9 +6,10 @@ and doubles none, as each has an identifier.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import add_to_file
 from labrig.session.notes.waiting import WaitingNotes, open_waiting
@@ -23,7 +24,7 @@ def add_note(path: Path, note: Note) -> bool:
     """Add a note to a session that is closed, being recorded, or cut short.
 
     It is on the disk on return: in the file (True), or beside it (False) until the session is
-    closed or recovered. Raises BadInputError, LabrigError.
+    closed or recovered, or the disk takes a copy of it. Raises BadInputError, LabrigError.
     """
     path = Path(path)
     identifier = _identifier(path)
@@ -35,8 +36,10 @@ def add_note(path: Path, note: Note) -> bool:
             raise BadInputError(f"{waiting.path}: cannot be written ({cause(error)}).") from None
         if journal_path(path).exists():
             return False
-        _add(path, identifier, waiting)
-    return True
+        with suppress(LabrigError):  # the note is kept: to report a failure would have it twice
+            _add(path, identifier, waiting)
+            return True
+    return False
 
 
 def add_waiting(path: Path) -> int:
@@ -55,11 +58,19 @@ def add_waiting(path: Path) -> int:
 
 
 def _identifier(path: Path) -> str:
-    """Return the session's identifier; its journal states it when the file does not open."""
+    """Return the session's identifier; its journal states it when the file does not open.
+
+    Raises BadInputError for a closed session whose notes were changed since they were added.
+    """
     journal = read_journal(journal_path(path)) if path.exists() else None
     if journal is not None:
         return journal.setup.identifier
-    with open_session(path, live=is_locked(journal_path(path))) as session:
+    live = is_locked(journal_path(path))
+    with open_session(path, live=live) as session:
+        if session.notes_were_changed:
+            raise BadInputError(
+                f"{path}: its notes were changed by another program; nothing is added to them."
+            )
         return session.identifier
 
 

@@ -1,19 +1,22 @@
-"""Files of what a session states of people and sample, and of its notes."""
+"""Files of what a session states of people, sample and devices, and of its notes."""
 
 from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
 from labrig.config.about import FILE as ABOUT
 from labrig.errors import BadInputError
+from labrig.serialise import to_plain
 from labrig.session.notes.note import Note
 from labrig.session.notes.photograph import SUFFIXES
 from labrig.session.reading.session import RecordedSession
 from labrig.session.recording.disk import written_beside
 
+DEVICES = "devices.json"
 NOTES = "notes.csv"
 PHOTOGRAPHS = "photographs"
 _COLUMNS = ("when", "who", "text", "photograph")
@@ -27,7 +30,7 @@ def check_free(session: RecordedSession, folder: Path) -> None:
 
 
 def write_about_and_notes(session: RecordedSession, folder: Path) -> list[Path]:
-    """Write about.toml, notes.csv and photographs/ into a folder, where there are any."""
+    """Write what there is of about.toml, devices.json, notes.csv and photographs/ to a folder."""
     written = []
     for name, content in _files(session):
         path = folder / name
@@ -41,6 +44,8 @@ def write_about_and_notes(session: RecordedSession, folder: Path) -> list[Path]:
 def _files(session: RecordedSession) -> Iterator[tuple[str, bytes]]:
     if ABOUT in session.texts:
         yield ABOUT, session.texts[ABOUT].encode("utf-8")
+    if session.devices:
+        yield DEVICES, json.dumps(to_plain(session.devices), indent=2).encode("utf-8")
     notes = session.notes
     if not notes:
         return

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from labrig.errors import BadInputError
@@ -64,7 +65,10 @@ def read_photograph(file: Any, path: Path, identifier: str) -> bytes:
 
 def _names(file: Any, path: Path) -> list[str]:
     with damage_told(path, layout.NOTES):
-        names = filter(_GROUP.fullmatch, file.get(layout.NOTES, ()))
+        group = file.get(layout.NOTES, ())
+        if isinstance(group, h5py.Dataset):
+            raise BadInputError(f"{path}: {layout.NOTES} is no group, which it is in a session.")
+        names = filter(_GROUP.fullmatch, group)
         return [f"{layout.NOTES}/{name}" for name in sorted(names, key=_number)]
 
 

@@ -7,27 +7,32 @@ to it, also while another one records the session. Record 0 names the session.
 from __future__ import annotations
 
 import os
-import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, Final
 
-from labrig.errors import BadInputError, LabrigError
+from labrig.errors import BadInputError
 from labrig.session.notes.note import Note, from_head
-from labrig.session.recording.disk import cause, sync_folder
-from labrig.session.recording.locking import lock, unlock
+from labrig.session.recording.disk import sync_folder
+from labrig.session.recording.locking import locked_file
 from labrig.session.recording.records import packed, records, write_all
 
 PATIENCE_S: Final = 10.0  # with another program that appends just now
-_RETRY_S = 0.02
 _SESSION = "notes_of"
 
 
 def waiting_path(session: Path) -> Path:
     """Where the notes of a session wait."""
     return session.with_name(session.name + ".notes")
+
+
+def holds_notes(session: Path) -> bool:
+    """Whether anything waits beside a session, of whichever session it is."""
+    try:
+        return waiting_path(session).stat().st_size > 0
+    except OSError:
+        return False
 
 
 def read_waiting(session: Path, identifier: str) -> list[Note]:
@@ -69,10 +74,8 @@ class WaitingNotes:
         sync_folder(self.path.parent)
 
     def clear(self) -> None:
-        """Empty and delete the file: the session holds all of it."""
+        """Empty the file, which is then deleted: the session holds all of it."""
         self._file.truncate(0)
-        with suppress(OSError):  # Windows deletes no open file: an empty one is left
-            self.path.unlink()
 
     def _session(self) -> str | None:
         self._file.seek(0)
@@ -94,47 +97,19 @@ class WaitingNotes:
 def open_waiting(session: Path, *, make: bool = False) -> Iterator[WaitingNotes | None]:
     """Yield the file of a session, locked; None where there is none and none is to be made.
 
-    Raises LabrigError when another program keeps it locked, BadInputError when it cannot be used.
+    Raises BadInputError when it cannot be used, or another program keeps it locked.
     """
     path = waiting_path(session)
-    try:
-        file = _locked(path, make=make)
-    except OSError as error:
-        raise BadInputError(f"{path}: cannot be written ({cause(error)}).") from None
-    if file is None:
+    if not make and not path.exists():
         yield None
         return
-    try:
-        yield WaitingNotes(path, file)
-    finally:
-        unlock(file)
-        file.close()
-
-
-def _locked(path: Path, *, make: bool) -> BinaryIO | None:
-    flags = os.O_RDWR | getattr(os, "O_BINARY", 0) | (os.O_CREAT if make else 0)
-    until_s = time.monotonic() + PATIENCE_S
-    pause = threading.Event()
-    while time.monotonic() < until_s:
+    with locked_file(path, PATIENCE_S) as file:
         try:
-            file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
-        except FileNotFoundError:
-            if make:
-                raise
-            return None
-        if lock(file) and _is_still_there(path, file):
-            return file
-        file.close()
-        pause.wait(_RETRY_S)
-    raise LabrigError(f"{path}: another program keeps it locked; try again when that has ended.")
-
-
-def _is_still_there(path: Path, file: BinaryIO) -> bool:
-    """Whether the file was not deleted between its opening and its locking."""
-    try:
-        return os.path.samestat(path.stat(), os.fstat(file.fileno()))
-    except FileNotFoundError:
-        return False
+            yield WaitingNotes(path, file)
+        finally:
+            if os.fstat(file.fileno()).st_size == 0:
+                with suppress(OSError):  # Windows deletes no open file: an empty one is left
+                    path.unlink()
 
 
 def _notes(file: BinaryIO, identifier: str) -> list[Note]:

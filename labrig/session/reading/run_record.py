@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +15,7 @@ from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.layout import Array
 from labrig.session.format.setup import SessionSetup
+from labrig.session.marks.mark import Mark, Place, standing
 from labrig.session.reading.values import read_array, read_dataset, read_table
 from protocols.planning.schedule import PlannedRun
 
@@ -30,8 +32,17 @@ class Counts:
 class RunRecord:
     """A run of an open session. Nothing is read before it is asked for, images one at a time."""
 
-    def __init__(self, file: Any, path: Path, planned: PlannedRun, setup: SessionSetup) -> None:
+    def __init__(
+        self,
+        file: Any,
+        path: Path,
+        planned: PlannedRun,
+        setup: SessionSetup,
+        later_marks: Callable[[], Sequence[Mark]] = tuple,
+    ) -> None:
+        """`later_marks` returns the session's marks after the end."""
         self.planned = planned
+        self._later_marks = later_marks
         self.channels = setup.channels
         self.signals = setup.signals
         self.ranges_V = {channel.name: channel.range_V for channel in setup.signals}
@@ -125,8 +136,28 @@ class RunRecord:
 
     @cached_property
     def marks(self) -> Array:
-        """Readings declared invalid, by a person or a rule, columns as in `layout.MARK_ROW`."""
+        """Marks during the session, columns as in `layout.MARK_ROW`; see `standing_marks`."""
         return self._table("marks", layout.MARK_ROW)
+
+    @cached_property
+    def standing_marks(self) -> dict[Place, Mark]:
+        """The marks that hold, during the session and after its end, by run and reading."""
+        later = [mark for mark in self._later_marks() if mark.run == self.planned.index]
+        return standing([*self.marks_during, *later])
+
+    @property
+    def marks_during(self) -> list[Mark]:
+        """The marks that were made during the session."""
+        return [
+            Mark(
+                run=self.planned.index,
+                reading=None if mark["reading"] < 0 else int(mark["reading"]),
+                why=str(mark["why"]) or "-",
+                who=str(mark["who"]) or "-",
+                when="",
+            )
+            for mark in self.marks
+        ]
 
     @property
     def readings_as_taken(self) -> Array:
@@ -137,10 +168,10 @@ class RunRecord:
     def readings(self) -> Array:
         """Each reading, columns as in `layout.reading_row`; marks are in `valid` and `why`."""
         rows = self.readings_as_taken
-        for mark in self.marks:
-            hit = rows["index"] == mark["reading"] if mark["reading"] >= 0 else slice(None)
+        for mark in self.standing_marks.values():
+            hit = slice(None) if mark.reading is None else rows["index"] == mark.reading
             rows["valid"][hit] = False
-            rows["why"][hit] = mark["why"]
+            rows["why"][hit] = mark.why
         return rows
 
     def values(self, row: Any) -> dict[str, float]:

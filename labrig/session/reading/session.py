@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,21 +12,29 @@ from types import TracebackType
 from typing import Any, Self
 
 from labrig.config.about import About, recorded_about
+from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
+from labrig.session.marks.mark import Mark, states_of
+from labrig.session.marks.stored import read_marks
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
-from labrig.session.reading.values import read_setup, read_table, read_text
+from labrig.session.reading.values import damage_told, read_setup, read_table, read_text
+from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
 # Differ from one recording of the same virtual run to the next.
 VOLATILE = frozenset(
     {f"{layout.ENTRY}/{name}" for name in ("identifier", "start_time", "end_time", "checksums")}
+)
+OUTDATED = (
+    "The analysis is out of date: runs or readings were marked since it was made; run labrig "
+    "analyze again."
 )
 VOLATILE_UNDER = f"{layout.SETUP}/versions/"
 
@@ -64,9 +73,23 @@ class RecordedSession:
         self.keep_all_frames = self._setup.keep_all_frames
         self.simulated = self._setup.simulated
         self.devices = self._setup.devices  # none in sessions before version 3
-        self.runs: tuple[RunRecord, ...] = tuple(
-            RunRecord(file, path, run, self._setup) for run in self.schedule.runs
-        )
+        # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
+        self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def run(self, index: int) -> RunRecord:
+        """Return the run of an index. Raises BadInputError."""
+        for run in self.runs:
+            if run.planned.index == index:
+                return run
+        raise BadInputError(f"{self.path}: has no run {index + 1}.")
+
+    def _records(self) -> Iterator[RunRecord]:
+        for run in self.schedule.all_runs:
+            record = RunRecord(
+                self._file, self.path, run, self._setup, lambda: self.marks_after_end
+            )
+            if run.repeats is None or record.started:
+                yield record
 
     @property
     def boards(self) -> str:
@@ -130,6 +153,53 @@ class RecordedSession:
                 found.append(LoggedEvent(**values))
         return found
 
+    @cached_property
+    def marks_after_end(self) -> tuple[Mark, ...]:
+        """What was marked since the session was closed, and taken back, oldest first."""
+        return read_marks(self._file, self.path)
+
+    @property
+    def data_checksum(self) -> str:
+        """A sha256 (hex) of the recording with its marks: another one is other data to analyse."""
+        return self.data_checksums[-1]
+
+    @cached_property
+    def data_checksums(self) -> tuple[str, ...]:
+        """The same as it was before the first mark after the end, and after each of them."""
+        if not self.marks_after_end:
+            return (self.checksum,)
+        during = (mark for run in self.runs for mark in run.marks_during)
+        return states_of(self.checksum, during, self.marks_after_end)
+
+    @property
+    def outdated(self) -> str:
+        """Why the measurements kept in the session are out of date, a sentence; else empty."""
+        if not (self.has_measurements and self.marks_after_end):
+            return ""
+        made_of = read_text(self._file, f"{layout.DERIVED}/checksum", self.path)
+        return "" if made_of == self.data_checksum else OUTDATED
+
+    @property
+    def clock(self) -> str:
+        """`virtual` where no real time passed: boards simulated in the program; else `real`."""
+        tables = self.resolved.get("rig", {})
+        virtual = any(
+            isinstance(table, dict) and table.get("address") == SIMULATED
+            for table in (tables.values() if isinstance(tables, dict) else ())
+        )
+        return "virtual" if virtual else "real"
+
+    @property
+    def began_s(self) -> float:
+        """Clock time of its first event: times since the start count from here."""
+        return self.events[0].time_s if self.events else 0.0
+
+    @property
+    def duration_s(self) -> float | None:
+        """From its first event to its last, by its own clock; None: nothing was recorded."""
+        times_s = [event.time_s for event in self.events if math.isfinite(event.time_s)]
+        return times_s[-1] - times_s[0] if times_s else None
+
     @property
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
@@ -148,6 +218,12 @@ class RecordedSession:
         waiting = read_waiting(self.path, self.identifier)
         rest = [replace(note, photograph=b"") for note in waiting if note.identifier not in known]
         return [*found, *rest]
+
+    @property
+    def notes_were_changed(self) -> bool:
+        """Whether the notes in the file are not as they were added."""
+        with damage_told(self.path, layout.NOTES):
+            return layout.NOTES in self._file and not is_sealed(self._file[layout.NOTES])
 
     def photograph(self, identifier: str) -> bytes:
         """Return the photograph of a note. Raises BadInputError when there is none."""

@@ -47,7 +47,7 @@ def fill_file(file: Any, setup: SessionSetup) -> None:
     _setup_group(file, setup)
     _about(file, recorded_about(setup.texts))
     _table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
-    for run in setup.schedule.runs:
+    for run in setup.schedule.all_runs:
         _run(file, run, setup)
     _checksum_table(file)
 

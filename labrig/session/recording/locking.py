@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
+
+from labrig.errors import BadInputError
 
 # Far behind any content: Windows refuses others to read the bytes that are locked.
 _WHERE = 1 << 62
@@ -45,6 +51,55 @@ def unlock(file: BinaryIO) -> None:
             pass
         finally:
             file.seek(position)
+
+
+@contextmanager
+def only_writer(path: Path, patience_s: float = 60.0) -> Iterator[None]:
+    """Let one program at a time replace the file at `path`; others wait for it.
+
+    A file beside it is locked meanwhile. Raises BadInputError when another program does not end.
+    """
+    beside = path.with_name(f"{path.name}.lock")
+    with locked_file(beside, patience_s):
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # Windows removes no file that somebody has open
+                beside.unlink()
+
+
+@contextmanager
+def locked_file(path: Path, patience_s: float) -> Iterator[BinaryIO]:
+    """Yield the file at `path` open and locked; it is made where there is none.
+
+    Whoever has it locked may delete it. Raises BadInputError when it cannot be used, or when
+    another program does not let go of it.
+    """
+    give_up_s = time.monotonic() + patience_s
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
+    while True:
+        try:
+            file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
+        except OSError as error:
+            raise BadInputError(f"{path} cannot be written: {error.strerror}.") from None
+        with file:
+            if lock(file) and _is_at(file, path):
+                try:
+                    yield file
+                finally:
+                    unlock(file)
+                return
+        if time.monotonic() > give_up_s:
+            raise BadInputError(f"{path}: another program is writing to it; try again later.")
+        threading.Event().wait(0.02)
+
+
+def _is_at(file: BinaryIO, path: Path) -> bool:
+    """Whether an open file is still the one at its path: whoever had it may have removed it."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except OSError:
+        return False
 
 
 def is_locked(path: Path) -> bool:

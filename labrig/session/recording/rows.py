@@ -20,6 +20,7 @@ from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.create import FRAME_COMPRESSION
 from protocols.execution import events as ev
 from protocols.execution.channels import Values
+from protocols.execution.operator import REPEAT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +131,7 @@ class Translator:
         return self._log(event, "asked", event.prompt.text, subject=event.prompt.kind)
 
     def _answered(self, event: ev.OperatorAnswered) -> list[EventRows]:
-        said = "done" if event.done else "stop"
+        said = "done" if event.done else "again" if event.prompt.kind == REPEAT else "stop"
         return self._log(event, "answered", said, subject=event.prompt.kind)
 
     def _not_asked(self, event: ev.OperatorNotAsked) -> list[EventRows]:
@@ -163,8 +164,10 @@ class Translator:
         self._frames[index] = {}
         name = event.run.configuration
         place = "free" if event.run.position_m is None else f"{event.run.position_m * 1000:g} mm"
+        again = event.run.repeats
+        more = "" if again is None else f", run {again + 1} again"
         state = self._acquisition(event)
-        return [state, *self._log(event, "run started", f"{name}, {place}", run=index)]
+        return [state, *self._log(event, "run started", f"{name}, {place}{more}", run=index)]
 
     def _run_stopped(self, event: ev.RunStopped) -> list[EventRows]:
         started = self._started[event.run]
@@ -276,7 +279,10 @@ class Translator:
             row[column] = value
         row["frame"], row["frame_offset_s"] = frame, _or_nan(event.frame_offset_s)
         row["valid"], row["why"] = event.valid, layout.cut(event.why, 240)
-        return [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
+        rows = [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
+        if not event.valid:
+            rows += self._log(event, "lost", event.why, run=event.run, reading=planned.index)
+        return rows
 
     def _values(self, values: Values) -> Iterator[tuple[str, float]]:
         """Yield what each column of the channels holds; NaN where the reading has no value."""

@@ -21,7 +21,7 @@ from labrig.session.format.channels import as_recorded
 from labrig.session.format.devices import RecordedDevice
 from labrig.session.format.setup import SessionSetup, present_versions
 from labrig.session.notes.add import add_waiting
-from labrig.session.notes.waiting import waiting_path
+from labrig.session.notes.waiting import holds_notes, waiting_path
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.recording.journal import Journal, journal_path
@@ -225,7 +225,7 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
     """Make journal and file; the file appears at its path whole, or not at all."""
     if path.exists():
         raise BadInputError(f"{path} exists already; choose another name with -o.")
-    if waiting_path(path).exists():
+    if holds_notes(path):
         raise BadInputError(
             f"{waiting_path(path)} holds notes of an earlier session; move it away, or choose "
             "another name with -o."

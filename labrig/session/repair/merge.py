@@ -70,7 +70,7 @@ def _extend(target: Any, source: Any) -> None:
 def trim(file: Any, setup: SessionSetup) -> list[str]:
     """Cut columns that belong together to one length; returns a sentence for each that was cut."""
     notes: list[str] = []
-    for run in setup.schedule.runs:
+    for run in setup.schedule.all_runs:
         group = file[layout.run_path(run.index)]
         notes.extend(_even(group["signals"], "samples"))
         if setup.frame_shape is not None:

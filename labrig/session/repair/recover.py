@@ -51,6 +51,30 @@ class RecoverReport:
     frames: int
     notes: tuple[str, ...]  # a sentence each
 
+    @property
+    def text(self) -> str:
+        """What was saved, in one sentence."""
+        if self.output is None:
+            return f"{self.source}: is whole; there is nothing to recover."
+        return (
+            f"wrote {self.output}: {self.outcome.value}, {self.runs_completed} runs complete, "
+            f"{self.readings} readings, {self.frames} frames."
+        )
+
+
+def is_left_by_a_crash(path: Path) -> bool:
+    """Whether `recover` would find something: a session that nobody records, and not whole."""
+    beside = journal_path(path)
+    if is_locked(beside) or _is_whole(path):
+        return False
+    if beside.exists():
+        return True
+    try:
+        check_is_hdf5(path)
+    except BadInputError:
+        return False
+    return True
+
 
 def recover(path: Path, output: Path | None = None, in_place: bool = False) -> RecoverReport:
     """Write a whole session beside the original (or, `in_place`, instead of it).

@@ -10,6 +10,7 @@ from labrig.check import Check
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.format.checksums import ATTRIBUTES_SINCE, covered, digest, version_of
+from labrig.session.marks.stored import chain_holds
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import RecordedSession
@@ -20,7 +21,6 @@ from protocols.execution.events import Outcome
 _SUPPLEMENTS = {
     layout.DERIVED: ("derived measurements", "; run labrig analyze again"),
     layout.NOTES: ("notes", ""),
-    layout.MARKS: ("marks after the end", ""),
 }
 
 
@@ -38,6 +38,7 @@ def verify(path: Path) -> list[Check]:
             checks.append(_outcome(session))
             checks.extend(_checksums(file, path))
             checks.extend(_supplements(file, path))
+            checks.extend(_marks(session, file, path))
             for run in session.runs:
                 checks.extend(_run(run, session))
         except BadInputError as error:
@@ -90,6 +91,15 @@ def _supplements(file: Any, path: Path) -> Iterator[Check]:
         yield Check(name=title, ok=ok, found=found, wanted="unchanged")
 
 
+def _marks(session: RecordedSession, file: Any, path: Path) -> Iterator[Check]:
+    if layout.MARKS not in file:
+        return
+    with damage_told(path, layout.MARKS):
+        ok = is_sealed(file[layout.MARKS]) and chain_holds(file, path, session.checksum)
+    found = "unchanged" if ok else "changed since they were made"
+    yield Check(name="marks after the end", ok=ok, found=found, wanted="unchanged")
+
+
 def _digest(item: Any, version: int) -> str:
     try:
         return "missing" if item is None else digest(item, version)
@@ -100,7 +110,7 @@ def _digest(item: Any, version: int) -> str:
 def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
     name = f"run {run.planned.index + 1}"
     whole = session.outcome is Outcome.COMPLETED or run.completed
-    planned, have = len(run.planned.readings), len(run.readings)
+    planned, have = len(run.planned.readings), len(run.readings_as_taken)
     cut = "" if whole else f" (the session {session.outcome.value})"
     ok = have == planned or not whole
     yield Check(
@@ -118,7 +128,7 @@ def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
 
 
 def _frames(run: RunRecord, name: str) -> Check:
-    rows = run.readings["frame"]
+    rows = run.readings_as_taken["frame"]
     astray = int((rows >= run.frame_count).sum())
     found = f"{run.frame_count} frames" + (f", {astray} of readings missing" if astray else "")
     return Check(

@@ -19,6 +19,7 @@ from labrig.session.reading.opening import open_file
 from labrig.session.reading.values import damage_told
 from labrig.session.recording.create import set_attributes
 from labrig.session.recording.disk import written_beside
+from labrig.session.recording.locking import only_writer
 
 
 @contextmanager
@@ -29,6 +30,7 @@ def replaced(path: Path, *, without: str = "") -> Iterator[Any]:
     """
     # Left in the reverse order: a file that is open cannot be replaced everywhere.
     with (
+        only_writer(path),
         written_beside(path) as beside,
         open_file(path) as old,
         h5py.File(beside, "x", libver=layout.LIBVER) as new,

@@ -76,12 +76,15 @@ def _session(setup: SessionSetup, names: list[str], measurements: Measurements) 
 
 
 def export_session(path: Path, folder: Path) -> list[Path]:
-    """Write the measurements of a session as CSV files, about.toml and the notes; their paths.
+    """Write the measurements of a session as CSV files, about.toml, the devices and the notes.
 
-    Raises BadInputError when the session was not analysed yet or a file is there already.
+    Returns the paths. Raises BadInputError when the session was not analysed yet, or not since runs
+    or readings were marked, or when a file is there already.
     """
     measurements = load_measurements(Path(path))
     with open_session(path) as session:
+        if session.outdated:
+            raise BadInputError(f"{path}: {session.outdated}")
         check_free(session, Path(folder))
         tables = write_tables(measurements, Path(folder))
         return [*tables, *write_about_and_notes(session, Path(folder))]

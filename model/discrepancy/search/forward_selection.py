@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,6 +32,8 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_mixed_model,
 )
 from model.measurements import FloatArray
+
+Report = Callable[[str, float], None]  # what is being done, and the share that is done
 
 
 @dataclass
@@ -79,18 +81,20 @@ def search(
     threshold: float,
     most: int = 3,
     found: tuple[Found, ...] = (),
+    report: Report = lambda _step, _share: None,
 ) -> SearchResult:
     """Add effects while the data ask for them.
 
     An effect that is mostly deviation from its form may stand for several others: these are tried
-    without it, and replace it where they explain more.
+    without it, and replace it where they explain more. `report` is called before each step, with
+    the share of the search that is done at least.
     """
-    outcome = _forward(problem, theta, effects, threshold, most, found)
+    outcome = _forward(problem, theta, effects, threshold, most, found, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
     if not loose or most < 2:
         return outcome
     rest = [e for e in effects if e.name not in loose]
-    other = _forward(problem, theta, rest, threshold, most, found)
+    other = _forward(problem, theta, rest, threshold, most, found, report)
     several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
     return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
 
@@ -107,11 +111,14 @@ def _forward(
     threshold: float,
     most: int,
     found: tuple[Found, ...],
+    report: Report,
 ) -> SearchResult:
     """Add the best effect, and the best one then, while the data ask for them."""
     fitted = fit_mixed_model(problem, theta, found)
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
+        step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
+        report(step, share * len(outcome.turns))
         turn = SelectionStep(fitted, rank(fitted, effects))
         if not turn.ranking or turn.ranking[0].gain < threshold:
             outcome.turns.append(turn)
@@ -123,6 +130,7 @@ def _forward(
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
         outcome.turns.append(turn)
+        report(f"{step}: {first.name}", share * (len(outcome.turns) - 0.5))
         turn.ranking = refine_best(fitted, turn.ranking)
         turn.chosen = _worth(turn, threshold) if len(outcome.turns) <= most else None
         if turn.chosen is None or turn.chosen.fitted is None:

@@ -44,7 +44,7 @@ def null_gains(
             gains.setdefault(c.name, []).append(score(forward, weighed, c).log_bayes)
         result[i] = max(averaged(shapes) for shapes in gains.values())
         if progress is not None:
-            progress("simulating sessions with nothing missing", (i + 1) / count)
+            progress("simulating sessions of the base model", (i + 1) / count)
     return result
 
 

@@ -45,6 +45,7 @@ class RankedCandidate:
     fitted: MixedModelFit | None = None  # where it was refined
     tried: tuple[MixedModelFit, ...] = ()  # fits of all of its shapes that were refined
     shapes: tuple[Score, ...] = ()  # others of the same effect that explain about as much
+    compared: tuple[Score, ...] = ()  # all of its shapes, linearised at zero
     # ln of how much less its shapes explain on the average than the best, and of a surprise
     among: float = 0.0
 
@@ -92,7 +93,12 @@ def rank(
         among += surprise(chosen)
         result.append(
             RankedCandidate(
-                score=chosen, gain=gain + among, solution=solution, shapes=shapes, among=among
+                score=chosen,
+                gain=gain + among,
+                solution=solution,
+                shapes=shapes,
+                compared=tuple(scores.get(name, [])),
+                among=among,
             )
         )
     result.sort(key=lambda c: -c.gain)

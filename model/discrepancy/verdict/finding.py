@@ -31,11 +31,19 @@ from model.discrepancy.verdict.fitted_model import base_parameters, parameters_o
 from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
-from model.discrepancy.verdict.posterior import Choice, Leftover, choices, leftover, with_shapes
+from model.discrepancy.verdict.posterior import (
+    Choice,
+    Leftover,
+    choices,
+    chosen_values,
+    leftover,
+    with_shapes,
+)
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     Diagnosis,
     ErrorRow,
+    Gap,
     Named,
     Next,
     Ranked,
@@ -49,7 +57,7 @@ from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
-from model.measurements import Measurements
+from model.measurements import FloatArray, Measurements
 
 
 @dataclass(frozen=True)
@@ -106,7 +114,12 @@ class Finding:
         )
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         model = sheet_model(
-            decision.known, decision.unknown, self.measurements, self.options, fitted.after
+            decision.known,
+            decision.unknown,
+            self.measurements,
+            self.options,
+            fitted.after,
+            self._gaps_of_configurations(decision.final, noise),
         )
         return Diagnosis(
             verdict=verdict,
@@ -136,6 +149,14 @@ class Finding:
             plugins={**origins_of_locations(), **origins_of_effects()},
             base=base_parameters(decision.known),
         )
+
+    def _gaps_of_configurations(self, final: MixedModelFit, noise: FloatArray) -> dict[str, Gap]:
+        """Return the gap that is left in each configuration."""
+        residual, out = gaps.refitted(final), self.outcome.outliers
+        return {
+            name: gaps.gap(residual, noise, gaps.cells(final, out, name))
+            for name in final.problem.forward.names
+        }
 
     @property
     def _enough(self) -> bool:
@@ -263,5 +284,5 @@ def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
     return Named(
         name=effect.name, location=effect.location, parameters=next(iter(own.values())),
         by_configuration=own if effect.by_configuration else {}, confidence=one.confidence,
-        confusable_with=confusable, form_share=share, form=form,
+        confusable_with=confusable, form_share=share, form=form, choices=chosen_values(one, found),
     )  # fmt: skip

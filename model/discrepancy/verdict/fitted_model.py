@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -25,24 +26,30 @@ def sheet_model(
     measurements: Measurements,
     options: Options,
     merit: Gap,
+    own_merit: Mapping[str, Gap],
 ) -> SheetModel:
     """Return the model with the effects found; an unknown effect becomes an empirical term.
 
-    `merit` is the model's prediction error.
+    `merit` is the model's error, `own_merit` that of each configuration.
     """
     sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.forward.names)}
     effects = [_active(f, final) for f in final.found]
     if unknown is not None:
         effects.append(unknown_effect(unknown))
-    figures = {
-        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
-    }  # fmt: skip
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
         sheets=sheets, effects=tuple(effects), source=measurements.source,
         checksum=measurements.checksum, held_out=held,
-        merit={k: v for k, v in figures.items() if np.isfinite(v)},
+        merit=_figures(merit), own_merit={name: _figures(one) for name, one in own_merit.items()},
     )  # fmt: skip
+
+
+def _figures(merit: Gap) -> dict[str, float]:
+    """Return the errors as a model file states them: those that exist."""
+    figures = {
+        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
+    }  # fmt: skip
+    return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
@@ -65,25 +72,41 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
             unit=k.unit,
             freedom=INTERVAL_FREEDOM,
             positive=k.log,
+            low=k.low,
+            high=k.high,
         )
         for k in one.effect.parameters
     }
     forward = final.problem.forward
     sheet = forward.scenes[forward.names.index(configuration)].sheet
     derived = one.effect.derived(values, sheet)
-    size = one.effect.amplitude.name
+    amplitude = one.effect.amplitude
+    size = amplitude.name
     h = 0.01 * abs(values[size]) or 1e-9
     moved = one.effect.derived({**values, size: values[size] + h}, sheet)
+    ends = [
+        one.effect.derived({**values, size: end}, sheet) if np.isfinite(end) else {}
+        for end in (amplitude.low, amplitude.high)
+    ]
     for name, value in derived.items():
         slope = (moved[name] - value) / h
         unit = one.effect.extra.get(name, "")
+        low, high = _bounds(ends[0].get(name), ends[1].get(name), rising=slope > 0.0)
         result[name] = Parameter(
             value=value,
             sigma=abs(slope) * sigma.get(size, 0.0),
             unit=unit,
             freedom=INTERVAL_FREEDOM,
+            low=low,
+            high=high,
         )
     return result
+
+
+def _bounds(first: float | None, last: float | None, *, rising: bool) -> tuple[float, float]:
+    """Return the bounds of a derived quantity from its values at those of the amplitude."""
+    low, high = (first, last) if rising else (last, first)
+    return (-np.inf if low is None else low, np.inf if high is None else high)
 
 
 def _step(parameter: EffectParameter) -> float:

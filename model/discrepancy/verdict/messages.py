@@ -21,96 +21,100 @@ def sentence(
     left_out: BeforeAfter,
     doubt: str,
 ) -> str:
-    """Return the verdict as a sentence; `doubt` says why the data cannot decide."""
+    """Return the verdict in sentences; `doubt` says why the data do not allow one."""
     if verdict == "cannot_tell":
-        return f"These data cannot tell what is missing: {doubt}."
+        return f"These data do not allow a verdict: {doubt}."
     if verdict == "nothing_missing":
-        return "Nothing is missing that these data could show: what is left is noise and scatter."
-    names = " and ".join(n.name for n in named)
+        return "Nothing is seen that is not in the model: what is left is noise and scatter."
     if unknown is not None:
-        more = f", beside {names}," if named else ""
+        more = f" besides {listed([n.name for n in named])}" if named else ""
         return (
-            f"Something is missing{more} that is none of the known effects: it acts on"
+            f"Something is seen{more} that is neither in the model nor in the catalogue: it acts on"
             f" {unknown.location.replace('_', ' ')}, {unknown.depends}, most of all at"
             f" {unknown.peak_mm:.3g} {unknown.at_unit}."
         )
-    gap = _gap(left_out)
+    is_not = "are not" if len(named) > 1 else "is not"
+    also = ""
     if verdict == "indistinguishable":
-        also = " or ".join(sorted({c for n in named for c in n.confusable_with}))
-        return f"{names} is missing, or {also}, which these data cannot tell apart; {gap}."
-    is_it = "are missing: with them" if len(named) > 1 else "is missing: with it"
-    return f"{names} {is_it} {gap}."
+        others = sorted({c for n in named for c in n.confusable_with})
+        also = f", or {' or '.join(others)}, which these data cannot tell apart"
+    return f"{listed([n.name for n in named])} {is_not} in the model{also}. {_gap(left_out)}."
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as English has them: a, b and c."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def too_few(setups: int) -> str:
     """Return the message that there are too few set-ups."""
     return (
-        f"there are {setups} set-ups of the load cell, too few to know how much one set-up differs"
-        f" from the next; measure at least {FEWEST_SETUPS} positions, or set three of them anew"
+        f"there are {setups} set-ups of the load cell, too few to estimate the scatter between"
+        f" set-ups; measure at least {FEWEST_SETUPS} positions, or repeat three of them"
     )
 
 
 def scattered(name: str, times: float) -> str:
     """Return the message that set-ups differ too much."""
     return (
-        f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as is usual;"
-        " set three positions anew to see whether that is chance"
+        f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as usual;"
+        " repeat three positions to see whether that is chance"
     )
 
 
 def refused(name: str) -> str:
     """Return why an effect that explains something is not named."""
     return (
-        f"{name} would explain some of what is left, but not on positions that are left out, or"
-        " only in another form than its own"
+        f"{name} explains part of the residual, but not on left-out positions, or only in a form"
+        " that is not its own"
     )
 
 
 def _gap(left_out: BeforeAfter) -> str:
+    """Return the errors on left-out positions, of the base model and of the final one."""
     before, after = left_out.before, left_out.after
     means = [
-        (old, new, unit)
-        for old, new, unit in (
-            (before.force_rmse_mN, after.force_rmse_mN, "mN"),
-            (before.curve_rmse_mm, after.curve_rmse_mm, "mm"),
+        (what, old, new, unit)
+        for what, old, new, unit in (
+            ("force", before.force_rmse_mN, after.force_rmse_mN, "mN"),
+            ("neutral curve", before.curve_rmse_mm, after.curve_rmse_mm, "mm"),
         )
         if math.isfinite(old) and math.isfinite(new)
     ]
-    changes = [f"from {old:.3f} to {new:.3f} {unit}" for old, new, unit in means]
+    changes = [f"{what} {old:.3f} → {new:.3f} {unit}" for what, old, new, unit in means]
     old, new = (math.sqrt(g.chi2_per_dof) for g in (before, after))
     if old > REPORTED_GAP_RATIO * new and not any(
-        one > REPORTED_GAP_RATIO * other for one, other, _ in means
+        one > REPORTED_GAP_RATIO * other for _, one, other, _ in means
     ):
-        changes.append(f"from {old:.2f} to {new:.2f} times the noise")  # it is in fine shapes
+        changes.append(f"{old:.2f} → {new:.2f} times the noise")  # it is in fine shapes
     changes += [
-        f"{what} from {old:.{digits}f} to {new:.{digits}f} {unit}"
+        f"{what} {old:.{digits}f} → {new:.{digits}f} {unit}"
         for what, old, new, unit, digits in (
-            ("along a run", before.drift_rmse_mN, after.drift_rmse_mN, "mN", 3),
-            ("along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),
-            ("within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN, "mN", 3),
+            ("force along a run", before.drift_rmse_mN, after.drift_rmse_mN, "mN", 3),
+            ("neutral curve along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),
+            ("force within a pulse", before.pulse_rmse_mN, after.pulse_rmse_mN, "mN", 3),
         )
         if old > REPORTED_GAP_RATIO * new
     ]
     if not changes:
-        return "there is no position to be left out, so that the gap cannot be told"
-    first, last = changes[:-1], changes[-1]
-    both = f"{', '.join(first)} and {last}" if first else last
-    return f"the gap on left-out positions goes {both}"
+        return "No position can be left out, so the prediction error is not known"
+    return f"Prediction error on left-out positions (RMS), before → after: {', '.join(changes)}"
 
 
 def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:
     """Yield further notes; `chosen` is the best name with each position left out."""
     if outliers:
-        yield f"left out, since nothing else is like it: {', '.join(outliers)}"
+        yield f"outliers, left out: {', '.join(outliers)}"
     other = sorted({c for c in chosen if c} - {n.name for n in named})
     if named and other:
         times = sum(c in other for c in chosen)
         yield (
-            f"with a position left out, {', '.join(other)} was chosen {times} of"
-            f" {len(chosen)} times"
+            f"without one of the positions, {', '.join(other)} is chosen in {times} of"
+            f" {len(chosen)} cases"
         )
     for n in named:
         if n.form_share > REPORTED_FORM_SHARE:
             yield (
-                f"{n.name}: its form differs from the catalogue's; take the family, not the formula"
+                f"{n.name}: the form differs from the catalogue's; the kind of effect is found,"
+                " not its formula"
             )

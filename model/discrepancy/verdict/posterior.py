@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
@@ -16,6 +17,7 @@ from model.discrepancy.thresholds import (
     FURTHER_EFFECT_LN,
     NEGLIGIBLE_PROBABILITY,
 )
+from model.discrepancy.verdict.result import ChosenValue
 from model.effects.interface import Effect
 from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
@@ -32,6 +34,7 @@ class Choice:
     gain: float
     of_location: float  # posterior of all effects of its location
     tried: tuple[MixedModelFit, ...] = ()  # fits of its shapes
+    compared: tuple[Score, ...] = ()  # all of its shapes, linearised
 
 
 def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
@@ -64,7 +67,57 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
         gain=chosen.gain,
         of_location=of_location,
         tried=chosen.tried,
+        compared=chosen.compared,
     )
+
+
+def chosen_values(one: Choice, found: Found) -> dict[str, ChosenValue]:
+    """Return the values of an effect that are chosen among several, given that it is this effect.
+
+    The fits of several values decide; where only one was worth fitting, the linearised scores do.
+    """
+    values = next(iter(found.values.values()))
+    fits = [(_own(f), -0.5 * f.deviance) for f in one.tried]
+    scores = [(dict(s.candidate.values), s.log_bayes) for s in one.compared]
+    result = {}
+    for parameter in one.effect.choices:
+        name, value = parameter.name, float(values[parameter.name])
+        several = len({v[name] for v, _ in fits}) > 1
+        chances = _chances(fits if several else scores, name)
+        if value in chances:
+            meanings = {other: parameter.meaning_of(other) for other in chances}
+            result[name] = ChosenValue(
+                value=value,
+                meaning=meanings[value],
+                probability=chances[value],
+                alternatives=tuple(
+                    (meanings[other], chance)
+                    for other, chance in sorted(chances.items(), key=lambda item: -item[1])
+                    if other != value and chance > NEGLIGIBLE_PROBABILITY
+                ),
+            )
+    return result
+
+
+def _own(fitted: MixedModelFit) -> Mapping[str, float]:
+    """Return the values of the effect that was added last."""
+    return next(iter(fitted.found[-1].values.values()))
+
+
+def _chances(
+    compared: Sequence[tuple[Mapping[str, float], float]], name: str
+) -> dict[float, float]:
+    """Return the posterior probability of each value, by the best that has it."""
+    best: dict[float, float] = {}
+    for values, evidence in compared:
+        if name in values:
+            value = float(values[name])
+            best[value] = max(evidence, best.get(value, -np.inf))
+    if not best:
+        return {}
+    gains = np.array(list(best.values())) / EVIDENCE_TEMPERATURE
+    weights = np.exp(gains - np.max(gains))
+    return dict(zip(best, (weights / weights.sum()).tolist(), strict=True))
 
 
 def choices(

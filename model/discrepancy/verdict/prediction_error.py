@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.thresholds import TIME_GAP_RATIO
 from model.discrepancy.verdict.result import BeforeAfter, ErrorRow, Gap
 from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model import effects, weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
 
@@ -26,16 +27,25 @@ class Cells:
     weight: FloatArray  # (N,) of squares: trends are expected for a reading
 
 
-def cells(fitted: MixedModelFit, without: Collection[int] = ()) -> Cells:
-    """Return where all that stands; conditions `without`, by number over all, do not count."""
+def cells(
+    fitted: MixedModelFit, without: Collection[int] = (), configuration: str | None = None
+) -> Cells:
+    """Return where all that stands, of all configurations or of one.
+
+    Conditions `without`, by number over all, do not count.
+    """
     forward, first = fitted.problem.forward, 0
     found = Cells(
         force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(forward.layout.size)
     )
     for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         # without contact there is nothing that the sheet's model could be wrong about
+        here = configuration in (None, scene.sheet.configuration)
         counts = np.array(
-            [first + k not in without and not one.zero for k, one in enumerate(scene.look.seen)]
+            [
+                here and first + k not in without and not one.zero
+                for k, one in enumerate(scene.look.seen)
+            ]
         )
         readings = np.bincount(part.reading_of, minlength=scene.K)
         found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
@@ -134,12 +144,26 @@ def refitted(fitted: MixedModelFit) -> FloatArray:
     return result
 
 
+def at_set_ups(fitted: MixedModelFit, log_sigma: FloatArray) -> FloatArray:
+    """Return residuals (N,) from the model at each set-up's most likely offsets.
+
+    `log_sigma` is the scatter of the set-ups by which an offset is judged; the parameters stay.
+    """
+    data, layout = fitted.linear.data, fitted.problem.forward.layout
+    solution = replace(weigh(data, log_sigma), beta=fitted.solution.beta)
+    result = refitted(fitted).copy()
+    for Z, u in zip(data.groups, effects(data, solution), strict=False):
+        result -= np.einsum("rnq,rq->rn", Z, u)[layout.run_of, layout.row_of]
+    return result
+
+
 def table(
     base: MixedModelFit, final: MixedModelFit, before: FloatArray, after: FloatArray
 ) -> tuple[ErrorRow, ...]:
     """Every condition, measured and simulated; `before`, `after` (N,) are left-out residuals."""
-    noise = np.sqrt(variance(final))
-    forces = [refitted(base), refitted(final), before, after]
+    noise, log_sigma = np.sqrt(variance(final)), final.solution.log_sigma
+    set_ups = [at_set_ups(fitted, log_sigma) for fitted in (base, final)]
+    forces = [refitted(base), refitted(final), before, after, *set_ups]
     rows = []
     for c, (part, seen) in enumerate(
         zip(base.problem.forward.layout.parts, base.problem.forward.looks, strict=True)
@@ -152,7 +176,11 @@ def table(
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
             expected = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
             measured = base.problem.forward.scenes[c].measured(k)
-            first, last = (_simulated(fitted, c, k) for fitted in (base, final))
+            first, last = (_simulated(fitted, c, k, refitted(fitted)) for fitted in (base, final))
+            offset_first, offset_last = (
+                _simulated(fitted, c, k, off)
+                for fitted, off in zip((base, final), set_ups, strict=True)
+            )
             rows.append(
                 ErrorRow(
                     configuration=one.configuration,
@@ -171,18 +199,22 @@ def table(
                     after_off_m=last[1],
                     held_out_before_N=expected[2],
                     held_out_after_N=expected[3],
+                    before_at_setup_N=expected[4],
+                    after_at_setup_N=expected[5],
+                    before_at_setup_xy_m=offset_first[0],
+                    after_at_setup_xy_m=offset_last[0],
                 ),
             )
     return tuple(rows)
 
 
 def _simulated(
-    fitted: MixedModelFit, c: int, k: int
+    fitted: MixedModelFit, c: int, k: int, residual: FloatArray
 ) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Return places (x, y) of a curve's points as a model has them, and how far off they are."""
     forward = fitted.problem.forward
     scene, solved = forward.scenes[c], fitted.linear.states[c].solved
     s, x, y = scene.measured(k)
     n = len(s)
-    off = scene.along(k, refitted(fitted)[forward.part(c).mode_rows[k]])[:n]
+    off = scene.along(k, residual[forward.part(c).mode_rows[k]])[:n]
     return (x - off * solved.nx[k, :n], y - off * solved.ny[k, :n]), off

@@ -19,6 +19,16 @@ Verdict = Literal[
 
 
 @dataclass(frozen=True, kw_only=True)
+class ChosenValue:
+    """A value that is not estimated but chosen among several, such as one of two forms."""
+
+    value: float
+    meaning: str
+    probability: float  # posterior, given that the effect acts
+    alternatives: tuple[tuple[str, float], ...]  # meaning and probability of the other ones
+
+
+@dataclass(frozen=True, kw_only=True)
 class Named:
     """An effect that the model now includes."""
 
@@ -30,6 +40,7 @@ class Named:
     confusable_with: tuple[str, ...]
     form_share: float  # of the effect's size that is deviation from the catalogue's form
     form: FormCurve | None = None
+    choices: Mapping[str, ChosenValue] = field(default_factory=dict)  # by name of the parameter
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +150,11 @@ class ErrorRow:
     after_off_m: FloatArray
     held_out_before_N: float = float("nan")
     held_out_after_N: float = float("nan")
+    # the models at the most likely offsets of the condition's set-up; not known of older diagnoses
+    before_at_setup_N: float = float("nan")
+    after_at_setup_N: float = float("nan")
+    before_at_setup_xy_m: tuple[FloatArray, FloatArray] | None = None
+    after_at_setup_xy_m: tuple[FloatArray, FloatArray] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -231,6 +247,17 @@ def _named(one: Named) -> dict[str, Any]:
         "confidence": round(one.confidence, 6),
         "confusable_with": list(one.confusable_with),
         "form_share": round(one.form_share, 4),
+        **({"choices": {k: _choice(c) for k, c in one.choices.items()}} if one.choices else {}),
+    }
+
+
+def _choice(one: ChosenValue) -> dict[str, Any]:
+    others = [{"meaning": m, "probability": round(p, 6)} for m, p in one.alternatives]
+    return {
+        "value": one.value,
+        "meaning": one.meaning,
+        "probability": round(one.probability, 6),
+        "alternatives": others,
     }
 
 

@@ -160,7 +160,7 @@ def found() -> Diagnosis:
             ),
         ),
         threshold=6.2,
-        threshold_from="the 95th percentile of 200 simulated sessions with nothing missing",
+        threshold_from="the 95th percentile of 200 simulated sessions of the base model",
         signatures=Signatures(
             NAMES, np.array([300.0, 60.0, 40.0, 55.0, 2.0]), 30 * (1 - np.eye(n)), cosine
         ),
@@ -213,7 +213,7 @@ def nothing_missing() -> Diagnosis:
     one = found()
     return replace(
         one, verdict="nothing_missing", effects=(), where=(), closed=float("nan"),
-        sentence="Nothing is missing: the base model explains the data to within their noise.",
+        sentence="Nothing is seen that is not in the model: what is left is noise and scatter.",
         fitted=BeforeAfter(one.fitted.after, one.fitted.after),
         held_out=BeforeAfter(one.held_out.after, one.held_out.after),
         model=one.model.with_effects(),

@@ -15,7 +15,7 @@ import model.discrepancy
 from labrig.cli.main import run
 from labrig.config import load_protocol, parse_protocol
 from labrig.model_file import load_model
-from labrig.report.data.kept_diagnosis import kept_diagnosis
+from labrig.report.data.kept_diagnosis import keep_diagnosis, kept_diagnosis
 from labrig.report.diagnosis.figures import FIGURES
 from labrig.report.page.diagnosis import write_diagnosis
 from labrig.report.page.write import write_report
@@ -62,19 +62,20 @@ def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recor
     captured = capsys.readouterr()
     lines_in_order(
         captured.out,
-        "misses the measurement by 0.410 mN in the forces and 1.620 mm",
-        "Where simulation and measurement disagree", "+41.2",
-        "These data would show 5 of 5 effects at a plausible size.",
-        "They cannot tell force_offset and gravity apart.",
+        "Error of the base model (RMS): 0.410 mN in the forces and 1.620 mm",
+        "Largest residuals", "+41.2",
+        "5 of 5 effects would be seen in these data at a usual size.",
+        "Indistinguishable in these data: force_offset and gravity.",
         "Invisible in these data", "charging_lag",
         "Candidates", "nonuniform_eibm", "812.4", "load_cell_hysteresis", "less likely",
-        "of 6.2 or more (the 95th percentile of 200 simulated sessions",
+        "ln Bayes factor 6.2 (the 95th percentile of 200 simulated sessions",
         "Verdict: The EIBM falls along the sheet",
         "Parameters", "nonuniform_eibm: decay_length_mm", "12.00 ± 0.40",
         "long: bending stiffness B", "µN·m²",
-        "Before and after", "all, left out: force, mN", "long, fitted: neutral curve, mm",
-        "closes 99.4 % of the gap",
-        "From one set-up to the next: contact's place 0.05 mm, EIBM 1 %",
+        "Errors before and after", "all, left out: force, mN", "long, fitted: neutral curve, mm",
+        "Before: the base model with constant EIBM; B and EIBM refitted",
+        "Share of the gap that is closed there: 99.4 %",
+        "Scatter between set-ups (standard deviation): position 0.05 mm, EIBM 1 %",
     )  # fmt: skip
     assert "diagnose: 50 % - searching" in captured.err
     assert "\x1b" not in captured.out
@@ -109,7 +110,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (made.nothing_missing, "Verdict: Nothing is missing:"),
+        (made.nothing_missing, "Verdict: Nothing is seen that is not in the model:"),
         (made.indistinguishable, "One of nonuniform_eibm and load_cell_hysteresis: 97 %"),
         (made.indistinguishable, "Measure next: Six free shapes"),
         (made.indistinguishable, "1.8 sigma apart now, and would be 14.0 after 2 min"),
@@ -173,7 +174,7 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
     assert kept.verdict == "effect_named"
     assert load_measurements(path).conditions
     page = read(write_report(path, tmp_path / "out"))
-    assert "What the model is missing" in page
+    assert "Model discrepancy" in page
     assert "Verdict: The EIBM falls" in page
     assert 'id="diagnosis-maps"' in page
 
@@ -211,9 +212,9 @@ def test_a_gap_in_time_that_shrinks_has_a_card(tmp_path):
     fitted = BeforeAfter(*(replace(g, drift_rmse_mN=0.01, pulse_rmse_mN=0.01) for g in
                            (one.fitted.before, one.fitted.after)))  # fmt: skip
     page = read(write_diagnosis(replace(one, fitted=fitted, held_out=apart), tmp_path / "page"))
-    assert "Error of the force along a run" in page
-    assert "0.0141 to 0.0003" in page
-    assert "Error of the force within a pulse" not in page
+    assert "Force error along a run (RMS) before → after, mN" in page
+    assert "0.0141 → 0.0003" in page
+    assert "Force error within a pulse" not in page
 
 
 @pytest.mark.slow
@@ -329,3 +330,31 @@ def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     found = json.loads(capsys.readouterr().out)
     assert found["protocol"]["extras"]["free_shapes"] is True
     assert found["separation_expected"] == 9.0
+
+
+def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded)]) == 0
+    kept = kept_diagnosis(recorded)
+    capsys.readouterr()
+    assert run(["next", str(recorded)]) == 0  # what the diagnosis has proposed
+    assert kept.next_measurement.why.rstrip(".") in capsys.readouterr().out
+    asked = []
+    keep_diagnosis(recorded, replace(kept, next_measurement=None))
+
+    def find(_measurements, between, _options):
+        asked.append(between)
+        return kept.next_measurement
+
+    monkeypatch.setattr(model.discrepancy, "next_measurement", find)
+    assert run(["next", str(recorded)]) == 0
+    assert asked == [("nonuniform_eibm", "load_cell_hysteresis")]
+
+
+def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, capsys):
+    finding(made.nothing_missing)
+    assert run(["diagnose", str(recorded)]) == 0
+    assert run(["next", str(recorded)]) == 2
+    assert "names no two effects that could be mistaken" in " ".join(
+        capsys.readouterr().err.split()
+    )

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
 from labrig.config.templates import write_templates
+from tests.end_to_end.small_rig import make_rig, run_rig
 from tests.labrig.panel.page import panel
+from tests.made_once import made_once
 
 SHORT = """
 moisten = true
@@ -36,3 +40,17 @@ def server(rig_folder):
     """A panel for all tests of a file."""
     with panel(rig_folder / "rig.toml") as found:
         yield found
+
+
+@pytest.fixture(scope="session")
+def small_session(tmp_path_factory):
+    """A session on the simulated rig with frames, not analysed; copy it before it is changed."""
+    make = lambda folder: run_rig(make_rig(folder))  # noqa: E731 - as in tests/end_to_end
+    return made_once(tmp_path_factory, "small-rig", make) / "session.h5"
+
+
+@pytest.fixture
+def session(small_session, tmp_path):
+    """The same in a folder of its own."""
+    shutil.copy(small_session, tmp_path)
+    return tmp_path / small_session.name

@@ -93,6 +93,17 @@ def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when
     assert stream.messages()[-2] == told
 
 
+def test_a_guard_that_has_read_0_V_back_at_last_is_heard(jobs, tmp_path):
+    report = guard_report_path(tmp_path / "s.h5")
+    report.write_text(json.dumps({**REPORT, "state": "unknown", "read_back_V": None}))
+    stream, panel = jobs()
+    stream.until(type="output", by="guard", state="unknown")
+    assert "NOT KNOWN TO BE SAFE" in panel.message()["text"]
+    report.write_text(json.dumps(REPORT))
+    stream.until(type="output", by="guard", state="safe")
+    assert "NOT KNOWN TO BE SAFE" not in panel.message()["text"]
+
+
 def test_a_new_run_does_not_inherit_the_report_of_an_old_one_of_its_name(jobs, tmp_path):
     """It would be shown as safe while it begins, and its own guard would not be heard."""
     stale = guard_report_path(tmp_path / "new.h5")
@@ -100,12 +111,12 @@ def test_a_new_run_does_not_inherit_the_report_of_an_old_one_of_its_name(jobs, t
     stream, panel = jobs()
     stream.until(type="output", state="unknown")
 
-    def spawned(order, hidden):
+    def spawned(processes, order):
         assert not stale.exists()
         raise LabrigError("far enough")
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("labrig.panel.job.jobs._spawn", spawned)
+        patch.setattr("labrig.panel.job.process.JobProcesses.begin", spawned)
         with pytest.raises(LabrigError, match="far enough"):
             panel.start(run_into(tmp_path / "new.h5"))
 
@@ -118,7 +129,7 @@ def test_an_order_that_will_be_refused_takes_no_report_from_the_session_that_is_
     stream, panel = jobs()
     stream.until(type="output", by="guard")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("labrig.panel.job.jobs._spawn", refusing)
+        patch.setattr("labrig.panel.job.process.JobProcesses.begin", refusing)
         with pytest.raises(LabrigError, match="refused"):
             panel.start(run_into(tmp_path / "s.h5"))
     assert guard_report_path(tmp_path / "s.h5").exists()
@@ -130,7 +141,7 @@ def run_into(session):
     )
 
 
-def refusing(order, hidden):
+def refusing(processes, order):
     raise LabrigError("refused")
 
 

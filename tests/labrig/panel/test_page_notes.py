@@ -118,7 +118,11 @@ def test_what_is_edited_for_one_run_is_in_its_session_and_not_in_about_toml(page
     status, answer = page.ask("POST", "/api/run", {"session": "wrong.h5", "about": wrong, **files})
     assert (status, "licence = 'mine'" in answer["error"]) == (400, True)
     job = page.do("/api/run", session="edited.h5", about=values, **files)
-    assert page.ended(job)["code"] == 0
+    ended = page.until(
+        lambda m: m["type"] == "job" and m["id"] == job["id"] and m["state"] != "going",
+        timeout_s=180.0,
+    )
+    assert ended["code"] == 0, ended
     with open_session(rig_folder / "edited.h5") as session:
         assert session.about.sample.identity == "S-18"
         assert session.about.operators == ("Cy Other",)

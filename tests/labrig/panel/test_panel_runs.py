@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from labrig.session import open_session
+from protocols.execution.operator import EXPIRES_S
 from tests.labrig.panel.page import TOO_BUSY, TRIES, Page, jobs_of, panel
 
 pytestmark = [
@@ -87,8 +88,21 @@ def gone_after(folder, pressed_s):
 
 
 def ended(page):
-    """The job's end."""
-    return page.until(lambda m: m["type"] == "job" and m["state"] != "going")
+    """The job's end; a busy computer may have lost readings, which are not measured again."""
+    answered = set()
+
+    def fits(message):
+        offered = is_offer(message) and message["prompt"] not in answered
+        return offered or (message["type"] == "job" and message["state"] != "going")
+
+    while is_offer(found := page.until(fits)):
+        answered.add(found["prompt"])
+        page.ask("POST", "/api/answer", {"prompt": found["prompt"], "done": True})
+    return found
+
+
+def is_offer(message):
+    return message["type"] == "prompt" and message["kind"] == "repeat"
 
 
 def test_a_run_goes_on_when_its_panel_is_killed_and_when_the_next_one_gets_ctrl_c(rig):
@@ -109,7 +123,7 @@ def test_a_run_goes_on_when_its_panel_is_killed_and_when_the_next_one_gets_ctrl_
         second.end(signal.SIGINT)
         assert second.process.returncode == 0
     os.kill(job, 0)
-    end_s = time.monotonic() + 60
+    end_s = time.monotonic() + 60 + EXPIRES_S  # nobody answers an offer to measure a run again
     while jobs_of(rig):
         assert time.monotonic() < end_s
         time.sleep(0.1)  # noqa: TID251 - another process is watched
@@ -201,7 +215,7 @@ def test_pages_see_the_same_though_others_read_nothing_and_only_one_acts(rig, se
     bob.do("/api/mark", **mark)
     assert ann.ask("POST", "/api/mark", mark)[0] == 403
     assert bob.ask("POST", "/api/mark", {**mark, "reading": 999})[0] == 409
-    for each in (ann, bob, late):
+    for each in (bob, ann, late):  # Bob first, who may answer
         assert each.until("marked")["who"] == "Bob (127.0.0.1)"
         assert ended(each)["code"] == 0
     wanted = ("run_started", "voltage", "reading", "marked", "run_stopped", "ended")

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import http.client
 import os
+import threading
+import time
+from contextlib import suppress
 
 import pytest
 
@@ -69,6 +73,25 @@ def test_a_result_is_kept_until_one_of_its_files_changes(server, folder):
         assert get(other, "?session=a.h5") == whole
     finally:
         other.end()
+
+
+def test_the_panel_ends_at_once_while_a_result_is_computed(folder):
+    other = Server(None, "--data", str(folder))
+    session(folder / "slow.h5", measure())
+    asking = threading.Thread(target=lambda: _ignored(other, "?session=slow.h5"))
+    asking.start()
+    asking.join(1.0)  # it takes longer
+    assert asking.is_alive()
+    before_s = time.monotonic()
+    other.end()
+    assert time.monotonic() - before_s < 10.0
+    asking.join(10.0)
+    (folder / "slow.h5").unlink()
+
+
+def _ignored(server, path):
+    with suppress(OSError, http.client.HTTPException):
+        server.ask("GET", f"/api/result{path}")
 
 
 def test_a_model_file_of_other_data_is_out_of_date(server, folder):

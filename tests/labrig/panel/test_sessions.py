@@ -84,6 +84,30 @@ def test_the_tables_of_an_analysed_session_come_as_a_zip(library, rig_folder):
     assert "analysed/forces.csv" in names
 
 
+def test_who_holds_control_marks_a_reading_of_a_closed_session_and_takes_it_back(
+    library, rig_folder
+):
+    record(rig_folder / "marked.h5", small_schedule(2))
+    page = Page(library)
+    body = {"name": "marked.h5", "run": 0, "reading": 1, "why": "a bubble"}
+    assert page.ask("POST", "/api/library/mark", body)[0] == 403
+    page.take_control()
+    status, answer = page.ask("POST", "/api/library/mark", body)
+    assert (status, answer) == (200, {"ok": True})
+    found = get(library, "/api/library/session?name=marked.h5")
+    assert (found["invalid"], found["marks"], found["runs_table"][0]["invalid"]) == (1, 1, 1)
+    (mark,) = found["marks_table"]
+    assert (mark["run"], mark["reading"], mark["why"], mark["invalid"]) == (1, 2, "a bubble", True)
+    assert page.ask("POST", "/api/library/mark", body)[0] == 400  # it is marked already
+    undo = body | {"why": "none", "undo": True}
+    assert page.ask("POST", "/api/library/mark", undo)[0] == 200
+    assert get(library, "/api/library/session?name=marked.h5")["invalid"] == 0
+    assert page.ask("POST", "/api/library/mark", body | {"run": 99})[0] == 400
+    page.close()
+    actions = get(library, "/api/log")["actions"]
+    assert any("marked reading 2 of run 1 invalid in marked.h5" in one["what"] for one in actions)
+
+
 def test_a_watcher_may_look_and_export(library):
     page = Page(library)
     assert page.ask("GET", "/api/library")[0] == 200

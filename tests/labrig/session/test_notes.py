@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import shutil
 import signal
 import subprocess
@@ -13,12 +14,21 @@ import h5py
 import numpy as np
 import pytest
 
-from labrig.errors import BadInputError
-from labrig.session import Note, SessionWriter, add_note, open_session, recover, verify
+from labrig.errors import BadInputError, LabrigError
+from labrig.session import (
+    Note,
+    SessionWriter,
+    add_note,
+    open_session,
+    recover,
+    store_measurements,
+    verify,
+)
 from labrig.session.notes import waiting as waiting_module
 from labrig.session.notes.note import PHOTOGRAPH_BYTES_MAX
 from labrig.session.notes.waiting import open_waiting, waiting_path
 from labrig.session.recording.journal import journal_path
+from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 
 
@@ -97,7 +107,8 @@ def test_nothing_is_added_to_notes_that_another_program_has_changed(closed):
         file["session/notes/note_0001/author"][()] = b"forged"
     with pytest.raises(BadInputError, match="changed by another program"):
         add_note(closed, note("after"))
-    assert texts_of(closed) == ["before", "after"]  # it waits beside the file
+    assert texts_of(closed) == ["before"]
+    assert not waiting_path(closed).exists()
     assert failed(closed) == ["notes"]
 
 
@@ -155,6 +166,35 @@ def test_a_kill_between_file_and_clearing_doubles_no_note(closed, monkeypatch):
     assert texts_of(closed) == ["once"]
     add_note(closed, note("twice"))
     assert texts_of(closed) == ["once", "twice"]
+    assert not failed(closed)
+
+
+def test_a_note_that_the_file_does_not_take_is_kept_beside_it_and_added_later(
+    closed, monkeypatch, tmp_path
+):
+    def full(*_args: object, **_more: object) -> None:
+        raise LabrigError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("labrig.session.notes.add.replaced", full)
+        assert not add_note(closed, note("first"))
+    assert texts_of(closed) == ["first"]
+    assert add_note(closed, note("second"))
+    assert texts_of(closed) == ["first", "second"]
+    assert not waiting_path(closed).exists()
+
+
+def test_a_note_and_an_analysis_at_the_same_time_are_both_in_the_file(closed):
+    threads = [
+        threading.Thread(target=add_note, args=(closed, note(f"note {k}"))) for k in range(3)
+    ] + [threading.Thread(target=store_measurements, args=(closed, measurements()))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(texts_of(closed)) == 3
+    with open_session(closed) as session:
+        assert session.has_measurements
     assert not failed(closed)
 
 
@@ -229,3 +269,20 @@ def test_notes_of_a_session_of_an_older_format_have_a_checksum_too(tmp_path):
     with h5py.File(path, "r+") as file:
         file["session/notes/note_0001/description"][()] = b"forged"
     assert failed(path) == ["notes"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_damage_of_what_waits_costs_no_note_before_it_and_raises_nothing(closed, seed):
+    with open_session(closed) as session:
+        identifier = session.identifier
+    texts = [f"note {k}" for k in range(5)]
+    with open_waiting(closed, make=True) as waiting:
+        for text in texts:
+            waiting.append(note(text), identifier)
+    raw = bytearray(waiting_path(closed).read_bytes())
+    at = random.Random(seed).randrange(len(raw))
+    raw[at] ^= 1 << (seed % 8)
+    waiting_path(closed).write_bytes(raw)
+    found = texts_of(closed)
+    assert found == texts[: len(found)]
+    assert len(found) >= at * 6 // len(raw) - 1  # the record that names the session comes first

@@ -99,7 +99,7 @@ def test_the_discarded_pulses_tell_first_pulses_from_drifts():
     before, after = found.held_out.before, found.held_out.after
     assert after.drift_rmse_mm < 0.5 * before.drift_rmse_mm
     assert found.closed > 0.9
-    assert "along a run from" in found.sentence
+    assert "along a run 0." in found.sentence
 
 
 @pytest.mark.slow
@@ -235,7 +235,7 @@ def test_a_position_held_out_is_neither_fitted_nor_told():
 @pytest.mark.slow
 def test_the_same_data_give_the_same_answer_and_the_threshold_may_be_simulated():
     found = diagnose(session(NOTHING), DiagnoseOptions(calibrate=5))
-    assert found.threshold_from == "5 simulated sessions with nothing missing"
+    assert found.threshold_from == "5 simulated sessions of the base model"
     assert found.verdict == "nothing_missing"
     a, b = diagnose(session(NOTHING)), diagnosed(NOTHING)
     assert json.dumps(a.to_json()) == json.dumps(b.to_json())

@@ -136,7 +136,7 @@ def test_nulls_are_drawn_as_noise_and_scatter_are_and_repeat_with_their_seed():
     assert np.max(gains) < 10.0
     np.testing.assert_array_equal(gains, null_gains(base, pool, 3, 3))
     assert not np.array_equal(gains[:1], null_gains(base, pool, 1, 4))
-    assert told[-1] == ("simulating sessions with nothing missing", 1.0)
+    assert told[-1] == ("simulating sessions of the base model", 1.0)
 
 
 # ---------------------------------------------------------------------------- outliers

@@ -22,31 +22,31 @@ def gap(force_mN: float, curve_mm: float, chi2: float, **further: float) -> Gap:
     ("before", "after", "wanted"),
     [
         (gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0),
-         "goes from 0.200 to 0.030 mN and from 1.500 to 0.040 mm."),
-        (gap(0.2, NAN, 9.0), gap(0.03, NAN, 1.0), "goes from 0.200 to 0.030 mN."),
-        (gap(NAN, 1.5, 9.0), gap(NAN, 0.04, 1.0), "goes from 1.500 to 0.040 mm."),
-        (gap(NAN, NAN, NAN), gap(NAN, NAN, NAN), "the gap cannot be told."),
+         "force 0.200 → 0.030 mN, neutral curve 1.500 → 0.040 mm."),
+        (gap(0.2, NAN, 9.0), gap(0.03, NAN, 1.0), "force 0.200 → 0.030 mN."),
+        (gap(NAN, 1.5, 9.0), gap(NAN, 0.04, 1.0), "neutral curve 1.500 → 0.040 mm."),
+        (gap(NAN, NAN, NAN), gap(NAN, NAN, NAN), "the prediction error is not known."),
         # fine shapes are little in mm, where coarse ones scatter
         (gap(0.026, 0.045, 15.3), gap(0.026, 0.044, 1.08),
-         "from 0.026 to 0.026 mN, from 0.045 to 0.044 mm and from 3.91 to 1.04 times the noise."),
+         "force 0.026 → 0.026 mN, neutral curve 0.045 → 0.044 mm, 3.91 → 1.04 times the noise."),
     ],
 )  # fmt: skip
 def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
     said = sentence("effect_named", [NAMED], None, BeforeAfter(before, after), 14)
-    assert said.startswith("gravity is missing: with it ")
+    assert said.startswith("gravity is not in the model. ")
     assert said.endswith(wanted)
     assert "nan" not in said
 
 
-def test_several_are_missing():
+def test_several_are_listed_with_the_change_of_each_error():
     before, after = (
         gap(0.2, 1.5, 9.0, drift_rmse_mN=0.02, pulse_rmse_mN=0.114, drift_rmse_mm=0.013),
         gap(0.03, 0.04, 1.0, drift_rmse_mN=0.02, pulse_rmse_mN=0.008, drift_rmse_mm=0.0004),
     )
     both = BeforeAfter(before, after)
-    said = sentence("effect_named", [NAMED, NAMED], None, both, "")
+    said = sentence("effect_named", [NAMED, NAMED, NAMED], None, both, "")
     assert said == (
-        "gravity and gravity are missing: with them the gap on left-out positions goes from 0.200"
-        " to 0.030 mN, from 1.500 to 0.040 mm, along a run from 0.0130 to 0.0004 mm and within a"
-        " pulse from 0.114 to 0.008 mN."
+        "gravity, gravity and gravity are not in the model. Prediction error on left-out positions"
+        " (RMS), before → after: force 0.200 → 0.030 mN, neutral curve 1.500 → 0.040 mm, neutral"
+        " curve along a run 0.0130 → 0.0004 mm, force within a pulse 0.114 → 0.008 mN."
     )

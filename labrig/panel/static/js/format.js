@@ -49,6 +49,15 @@ export function about(seconds) {
   return `about ${plain(Math.round(seconds / 360) / 10)} h`;
 }
 
+/** '20 s ago', '3 min ago', 'about 1.5 h ago'; empty when the time is not known. */
+export function ago(wall, now_ms = Date.now()) {
+  const seconds = (now_ms - new Date(wall).getTime()) / 1000;
+  if (!wall || !Number.isFinite(seconds)) return "";
+  if (seconds < 60) return `${Math.max(0, Math.round(seconds))} s ago`;
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min ago`;
+  return `${about(seconds)} ago`;
+}
+
 /** A wall time, in the reader's own zone, as 2026-11-21 14:05. */
 export function when(wall) {
   if (!wall) return "\u2013";
@@ -57,6 +66,21 @@ export function when(wall) {
   const two = (n) => String(n).padStart(2, "0");
   const day = `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
   return `${day} ${two(date.getHours())}:${two(date.getMinutes())}`;
+}
+
+/** The same with the zone, for where a time of day stands once: 2026-11-21 14:05 (UTC+1). */
+export function whenInZone(wall) {
+  const minutes = -new Date(wall).getTimezoneOffset();
+  if (!wall || Number.isNaN(minutes)) return when(wall);
+  const [hours, rest] = [Math.floor(Math.abs(minutes) / 60), Math.abs(minutes) % 60];
+  const shift = minutes ? `${minutes < 0 ? MINUS : "+"}${hours}` : "";
+  return `${when(wall)} (UTC${shift}${rest ? `:${rest}` : ""})`;
+}
+
+/** What the times of a session count from, and by which clock. */
+export function timesOf(wall, clock_kind) {
+  const since = wall ? `times since the start, ${whenInZone(wall)}` : "times since the start";
+  return clock_kind === "virtual" ? `${since}, by the session\u2019s own, virtual clock` : since;
 }
 
 /** Size of a file. */

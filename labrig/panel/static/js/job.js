@@ -19,6 +19,7 @@ export class Job {
     this.alive = null;
     this.replay = null;
     this.model = null; // the panel's choice, not the job's
+    this.queue = null; // the panel's, too
     this.forget();
   }
 
@@ -32,13 +33,14 @@ export class Job {
       state: { state: "idle", run: null },
       output: null,
       prompt: null,
+      step: null, // of the beginning
+      pause: null, // whether one is asked for
       ended: null,
       curve: null,
       picture: null,
       preflight: null,
       weighing: null,
-      result: null, // of what was measured so far
-      analysis: null, // the job of analysis that was heard of last
+      result: null, // of what was measured so far: { session, configurations, convergence, ... }
       latest_s: null,
       now_run: null,
     });
@@ -120,7 +122,24 @@ export class Job {
 
   /** The plan's entry of a run. */
   planned(index) {
-    return this.plan?.runs.find((run) => run.run === index) ?? null;
+    const all = [...(this.plan?.runs ?? []), ...(this.plan?.repeats ?? [])];
+    return all.find((run) => run.run === index) ?? null;
+  }
+
+  /** All planned runs, and those that were measured again so far. */
+  begun() {
+    const again = (this.plan?.repeats ?? []).filter((run) => this.runs.has(run.run));
+    return [...(this.plan?.runs ?? []), ...again];
+  }
+
+  /** Readings of a run that do not count, and how many should: { lost: [reading], of }. */
+  losses(index) {
+    const planned = this.planned(index);
+    const run = this.runs.get(index);
+    if (!planned || !run) return { lost: [], of: 0 };
+    const counts = (kind) => kind !== "discarded";
+    const lost = [...run.readings.values()].filter((one) => !one.valid && counts(one.kind));
+    return { lost, of: planned.readings.filter(([, , , kind]) => counts(kind)).length };
   }
 
   /** Readings of a run that count, by voltage: [{ voltage, mean, scatter, count, values }]. */
@@ -139,6 +158,17 @@ export class Job {
   /** Whether a job is under way now. */
   get going() {
     return this.job != null && (this.job.state === "starting" || this.job.state === "going");
+  }
+
+  /** Whether the session is over, as far as anybody can know: then nothing of it is 'now'. */
+  get over() {
+    return this.ended != null || this.job?.state === "ended" || this.job?.state === "lost";
+  }
+
+  /** Whether signals are being acquired; else the newest that came are the last reading. */
+  get acquiring() {
+    const record = this.runs.get(this.signals.run ?? this.now_run);
+    return this.alive !== false && !this.over && Boolean(record?.started) && !record.stopped;
   }
 
   touch(type) {
@@ -161,6 +191,8 @@ const HANDLERS = {
   },
   plan: (job, m) => (job.plan = m),
   model: (job, m) => (job.model = m.name),
+  step: (job, m) => (job.step = m),
+  pause: (job, m) => (job.pause = m),
   started: (job, m) => (job.started = m),
   state: (job, m) => {
     job.state = m;
@@ -191,9 +223,9 @@ const HANDLERS = {
   },
   curve: (job, m) => (job.curve = m),
   preflight: (job, m) => (job.preflight = m),
+  queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
   result: (job, m) => (job.result = m),
-  analysis: (job, m) => (job.analysis = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

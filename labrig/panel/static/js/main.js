@@ -1,5 +1,6 @@
 // The page's beginning: the bar, the socket, and whichever page the address asks for.
 
+import { AnalysisJobs } from "./analysis.js";
 import { Control, controlView } from "./control.js";
 import { h, put, setText, svg } from "./dom.js";
 import { Job } from "./job.js";
@@ -10,7 +11,13 @@ import { outputOf, goingOf, SHAPES } from "./words.js";
 const CLIENT = "labrig-client";
 const at = (id) => document.getElementById(id);
 
-const app = { job: new Job(), control: new Control(), status: null, fault: netFault };
+const app = {
+  job: new Job(),
+  control: new Control(),
+  analyses: new AnalysisJobs(),
+  status: null,
+  fault: netFault,
+};
 window.labrig = app; // for whoever measures the page
 
 function netFault(text) {
@@ -23,6 +30,8 @@ function netFault(text) {
 // ------------------------------------------------------------------------------------ the socket
 
 function welcome(hello) {
+  // A panel that was started again: this page may only speak with the STOP process it was told of.
+  if (app.status && app.status.stop_url !== hello.stop_url) return again();
   app.status = hello.status;
   sessionStorage.setItem(CLIENT, hello.client);
   setClient(hello.client);
@@ -37,6 +46,12 @@ function welcome(hello) {
   dispatchEvent(new Event("labrig-hello"));
 }
 
+/** Load this page again; it hears nothing more, so that it still knows what it held. */
+function again() {
+  app.socket.close();
+  location.reload();
+}
+
 /** The address to begin with; a panel that was started with a session begins with that one. */
 function firstPage({ first, pages, session }) {
   const name = first ?? pages.find((page) => page.menu)?.name ?? "";
@@ -46,6 +61,7 @@ function firstPage({ first, pages, session }) {
 function receive(message) {
   if (message.type === "hello") welcome(message);
   else if (message.type === "control") app.control.set(message);
+  else if (message.type === "analysis") app.analyses.set(message.jobs);
   else app.job.apply(message);
 }
 
@@ -55,6 +71,11 @@ async function alive(is) {
   netFault(
     "The panel does not answer: what is shown may be old. The run goes on without it; STOP still works.",
   );
+  await askWhyNot();
+}
+
+/** A panel that was started again may know another token. */
+async function askWhyNot() {
   const status = await get("/api/status").catch((error) => error);
   if (status.status === 401)
     netFault(
@@ -170,6 +191,7 @@ app.socket = new Socket(known, {
   message: receive,
   binary: (...frame) => app.job.applyBinary(...frame),
   alive,
+  failed: askWhyNot,
 });
 app.job.clock = app.socket.clock;
 app.job.onSeen = (picture) => app.socket.seen(picture);

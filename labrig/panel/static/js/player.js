@@ -6,6 +6,7 @@ import { Job } from "./job.js";
 import { Socket } from "./socket.js";
 
 const SEEK_MS = 90; // the server takes at most 20 messages in a second
+const SHOWN_AFTER_S = 0.1; // a reading's image is there by then
 const SPEEDS = [0.1, 1, 10, 100];
 
 /** Plays `session`; `job` is what is to be shown. */
@@ -78,7 +79,24 @@ export class Player {
   }
 }
 
-/** Play, pause, speed and a slider for one or more players at once. */
+/** Readings of a player's session: { at_s, key }, equal keys where place and voltage are equal. */
+function readingsOf({ job }) {
+  const seen = new Map();
+  return (job.replay?.marks ?? [])
+    .filter((mark) => mark.kind === "reading")
+    .map((mark) => {
+      const run = job.planned(mark.run);
+      const place = [run?.configuration, run?.position_mm, run?.purpose, mark.voltage_V].join();
+      const count = seen.get(place) ?? 0; // the first there beside the first there
+      seen.set(place, count + 1);
+      return { at_s: mark.at_s + SHOWN_AFTER_S, key: `${place},${count}` };
+    });
+}
+
+/**
+ * Play, pause, speed and a slider for one or more players at once. Several stand side by side at
+ * the same position and voltage, whenever that was measured in each.
+ */
 export class Transport {
   constructor(players) {
     this.players = players;
@@ -166,20 +184,41 @@ export class Transport {
     this.seek(Number(this.slider.value));
   }
 
+  /** The first goes there; the others to where they measured what it measured there last. */
   seek(at_s) {
-    this.players.forEach((one) => one.seek(Math.min(at_s, one.duration_s)));
+    const [first, ...others] = this.players;
+    first.seek(Math.min(at_s, first.duration_s));
+    const reading = readingsOf(first).findLast((one) => one.at_s <= at_s + 0.02);
+    for (const one of others) {
+      const same = readingsOf(one).find(({ key }) => key === reading?.key);
+      if (same) one.seek(same.at_s + (at_s - reading.at_s));
+      else if (!reading) one.seek(Math.min(at_s, one.duration_s));
+    }
   }
 
-  /** To the reading before or after. */
+  /** To the reading before or after, of those that every session has. */
   toReading(way) {
     const [first] = this.players;
-    const times = (first.job.replay?.marks ?? [])
-      .filter((mark) => mark.kind === "reading")
-      .map((mark) => mark.at_s);
+    const times = this.common().map((reading) => reading.at_s);
     const at = first.at_s;
     const found =
       way > 0 ? times.find((time) => time > at + 0.02) : times.findLast((time) => time < at - 0.02);
     if (found !== undefined) this.seek(found);
+  }
+
+  common() {
+    const [mine, ...others] = this.players.map(readingsOf);
+    const keys = others.map((readings) => new Set(readings.map((one) => one.key)));
+    return mine.filter((one) => keys.every((each) => each.has(one.key)));
+  }
+
+  /** Several begin together at the first reading that all of them have. */
+  align() {
+    const ready = this.players.every((one) => one.job.replay?.marks?.length && one.job.plan);
+    if (this.aligned || this.players.length < 2 || !ready) return;
+    this.aligned = true;
+    const [reading] = this.common();
+    if (reading) this.seek(reading.at_s);
   }
 
   update() {
@@ -193,6 +232,7 @@ export class Transport {
     const [first] = this.players;
     const { replay } = first.job;
     if (!replay) return;
+    this.align();
     setText(this.play, this.playing ? "Pause" : "Play");
     this.slider.max = this.longest;
     if (!this.dragging) this.slider.value = replay.at_s;

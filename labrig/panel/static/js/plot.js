@@ -254,6 +254,7 @@ export class Chart {
     const point = one?.points[this.at[1]];
     if (this.mark) this.mark.hidden = !point;
     const known = point && point[0] != null && point[1] != null;
+    this.read.classList.toggle("hint", !known);
     if (!known) return setText(this.read, this.options.hint ?? HINT);
     Object.assign(this.mark.style, {
       left: `${this.uplot.valToPos(point[0], "x")}px`,

@@ -13,7 +13,10 @@ export function unpack(buffer) {
   return { header, start: 4 + length };
 }
 
-/** Keeps `path` open. Calls `on.message`, `on.binary(header, buffer, start)`, `on.alive(true|false)`. */
+/**
+ * Keeps `path` open. Calls `on.message`, `on.binary(header, buffer, start)`, `on.alive(true|false)`,
+ * and `on.failed()`, where there is one, each time that it could not be opened again.
+ */
 export class Socket {
   constructor(path, on) {
     this.path = path;
@@ -39,6 +42,7 @@ export class Socket {
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = () => {
       if (this.socket !== socket || this.closed) return;
+      if (this.alive === false) this.on.failed?.();
       this.tell(false);
       const wait = AGAIN_MS[Math.min(this.tries, AGAIN_MS.length - 1)];
       this.tries += 1;

@@ -42,6 +42,7 @@ const PHASES = {
   leading_in: "LEADING IN",
   running: "RUNNING",
   tailing: "FINISHING",
+  paused: "PAUSED",
   stopping: "STOPPING",
   finished: "FINISHED",
   unknown: "UNKNOWN",
@@ -62,7 +63,7 @@ export function goingOf(job) {
     job.job.state === "starting" ||
     (job.going && job.job.kind === "run" && job.state.state === "idle")
   )
-    return { word: "STARTING", why: KINDS[job.job.kind] };
+    return { word: "STARTING", why: job.step?.text ?? KINDS[job.job.kind] };
   if (job.ended) return { word: job.ended.outcome.toUpperCase(), why: job.ended.reason };
   if (job.job.state === "ended") return { word: "ENDED", why: job.job.text ?? "" };
   if (job.job.kind !== "run")
@@ -74,7 +75,8 @@ export function goingOf(job) {
 export function runName(job) {
   const run = job.planned(job.now_run);
   if (!run) return "";
-  return `${run.run + 1} of ${job.plan.runs.length} \u00B7 ${placeOf(run)}`;
+  const which = run.repeats == null ? `${run.run + 1}` : `${run.repeats + 1} again,`;
+  return `${which} of ${job.plan.runs.length} \u00B7 ${placeOf(run)}`;
 }
 
 const PURPOSES = { no_touch_zero: "zero", free_shape: "free shape", dead_weight: "dead weight" };
@@ -84,7 +86,8 @@ export function placeOf(run) {
   const where = run.position_mm == null ? "free" : `${run.position_mm} mm`.replace("-", "\u2212");
   const again = run.mounting ? `, set anew ${run.mounting}` : "";
   const purpose = PURPOSES[run.purpose] ? `, ${PURPOSES[run.purpose]}` : "";
-  return `${run.configuration}, ${where}${again}${purpose}`;
+  const repeat = run.repeats == null ? "" : `, run ${run.repeats + 1} again`;
+  return `${run.configuration}, ${where}${again}${purpose}${repeat}`;
 }
 
 /** Session time for the log's left column. */

@@ -9,6 +9,7 @@ export class PromptBar {
     this.may = may;
     this.text = h("p", { class: "prompt-text" });
     this.why = h("p", { class: "prompt-why" });
+    this.goWord = h("span", {}, "Go");
     this.go = h(
       "button",
       {
@@ -17,7 +18,7 @@ export class PromptBar {
         onclick: () => this.send(true),
         "aria-keyshortcuts": "Control+Enter",
       },
-      "Go",
+      this.goWord,
       h("kbd", {}, "Ctrl Enter"),
     );
     this.stop = h(
@@ -51,10 +52,13 @@ export class PromptBar {
       return;
     }
     setText(this.text, prompt.text);
+    const repeat = prompt.kind === "repeat";
+    setText(this.goWord, repeat ? "Go on" : "Go");
+    setText(this.stop, repeat ? "Measure it again" : "Stop the session");
     const why = this.may();
     const busy = this.sent === prompt.prompt;
     this.go.disabled = this.stop.disabled = Boolean(why) || busy;
-    setText(this.why, why || (busy ? "answer sent" : (this.fault ?? "Check the rig, then press Go.")));
+    setText(this.why, why || (busy ? "answer sent" : (this.fault ?? (repeat ? "" : "Check the rig, then press Go."))));
   }
 
   async send(done) {

@@ -116,7 +116,7 @@ export class Readings {
   showTable() {
     const { job } = this;
     const columns = this.voltages();
-    const begun = (job.plan?.runs ?? []).filter((run) => job.runs.get(run.run)?.readings.size);
+    const begun = job.begun().filter((run) => job.runs.get(run.run)?.readings.size);
     if (!begun.length) {
       put(this.table, h("p", { class: "muted" }, "no readings yet"));
       return;
@@ -183,9 +183,21 @@ export class Readings {
                 h("span", { class: "muted" }, ` \u00B1 ${number(mean.scatter, 3)}`),
               ]
             : "\u2013",
+          this.lostOf(record, voltage),
         );
       }),
     );
+  }
+
+  /** '2 of 3' where readings at a voltage do not count. */
+  lostOf(record, voltage) {
+    const taken = [...record.readings.values()].filter(
+      (one) => one.voltage_V === voltage && one.kind !== "discarded",
+    );
+    const count = taken.filter((one) => one.valid).length;
+    if (record.invalid || count === taken.length) return null;
+    const name = `${count} of ${taken.length} readings count`;
+    return h("span", { class: "lost", title: name }, `${count} of ${taken.length}`);
   }
 
   showSingle() {

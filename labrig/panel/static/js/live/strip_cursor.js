@@ -13,7 +13,7 @@ export class StripCursor {
     this.at_s = null; // the time that is read
     this.marks = [];
     this.navigations = [];
-    this.read = h("output", { class: "chart-read" }, HINT);
+    this.read = h("output", { class: "chart-read hint" }, HINT);
     this.zoom = zoomButtons(() => this.navigations[0]);
     this.zoom.show(false);
     this.element = h("div", { class: "chart-foot" }, this.read, this.zoom.element);
@@ -77,6 +77,7 @@ export class StripCursor {
       mark.hidden = !known;
       if (known) mark.style.left = `${line.plot.valToPos(times[at], "x")}px`;
     }
+    this.read.classList.toggle("hint", !known);
     if (!known) return setText(this.read, HINT);
     const values = this.strips.lines.map(({ row }) => {
       const middle =

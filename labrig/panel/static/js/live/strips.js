@@ -1,17 +1,25 @@
 // Drive voltage, force and current over the run's time, with every sampling point marked.
 
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
-import { colourOf, h, newId, setText } from "../dom.js";
-import { number, plain, signed } from "../format.js";
+import { colourOf, h, newId } from "../dom.js";
+import { plain } from "../format.js";
 import { drawEnvelope } from "./envelope.js";
 import { drawMark } from "./marks.js";
+import { Numerals } from "./numerals.js";
 import { KEYS, StripCursor } from "./strip_cursor.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
-const NUMERAL_MS = 180; // numerals that change faster cannot be read
 const ROWS = [
-  { key: "drive_V", name: "Drive", unit: "V", decimals: 2, least: 0.5, colour: "--trace-drive" },
+  {
+    key: "drive_V",
+    name: "Drive",
+    unit: "V",
+    decimals: 2,
+    sign: true,
+    least: 0.5,
+    colour: "--trace-drive",
+  },
   { key: "force_mN", name: "Force", unit: "mN", decimals: 3, least: 0.2, colour: "--trace-force" },
   {
     key: "current_mA",
@@ -23,11 +31,25 @@ const ROWS = [
   },
 ];
 
+const REDRAWN_BY = [
+  "signals",
+  "reading",
+  "marked",
+  "plan",
+  "story",
+  "run_started",
+  "run_stopped",
+  "ended",
+  "job",
+  "alive",
+];
+
 /** Three charts under one another on one time axis. */
 export class Strips {
   constructor(job) {
     this.job = job;
     this.points = 0; // moments that have reached the charts
+    this.numerals = new Numerals(job, ROWS);
     this.view = { x: null, y: null };
     this.keys = newId("strip-keys");
     this.lines = ROWS.map((row, index) => this.line(row, index));
@@ -37,6 +59,7 @@ export class Strips {
       { class: "strips card", role: "group", "aria-label": "strip charts" },
       this.lines.map((line) => line.element),
       this.cursor.element,
+      this.numerals.age,
       h("p", { class: "visually-hidden", id: this.keys }, KEYS),
     );
     this.seen = new ResizeObserver(() => this.resize());
@@ -47,13 +70,12 @@ export class Strips {
 
   destroy() {
     this.seen.disconnect();
-    clearTimeout(this.timer);
+    this.numerals.destroy();
     removeEventListener("labrig-theme", this.themed);
     this.lines.forEach((line) => line.plot?.destroy());
   }
 
   line(row, index) {
-    const value = h("strong", { class: "numeral-value" }, "\u2013");
     const plot = h("div", {
       class: "strip-plot",
       tabindex: 0,
@@ -65,16 +87,10 @@ export class Strips {
     const element = h(
       "div",
       { class: "strip", data: { row: row.key } },
-      h(
-        "div",
-        { class: "numeral" },
-        h("span", { class: "numeral-name" }, row.name),
-        value,
-        h("span", { class: "numeral-unit" }, row.unit),
-      ),
+      this.numerals.elements[index],
       plot,
     );
-    return { row, value, place: plot, element, last: index === ROWS.length - 1, plot: null };
+    return { row, place: plot, element, last: index === ROWS.length - 1, plot: null };
   }
 
   resize() {
@@ -177,10 +193,7 @@ export class Strips {
   }
 
   update(dirty) {
-    const asked = ["signals", "reading", "marked", "plan", "story", "run_started"].some((type) =>
-      dirty.has(type),
-    );
-    if (asked) this.show();
+    if (REDRAWN_BY.some((type) => dirty.has(type))) this.show();
   }
 
   show() {
@@ -195,25 +208,7 @@ export class Strips {
     }
     this.points = signals.count;
     this.cursor.show();
-    // The first change shows at once, those after it together, the last one always.
-    if (this.timer && signals.count) return;
-    clearTimeout(this.timer);
-    this.showNumerals();
-    this.timer = setTimeout(() => {
-      this.timer = null;
-      this.showNumerals();
-    }, NUMERAL_MS);
-  }
-
-  showNumerals() {
-    const { signals } = this.job;
-    for (const { row, value } of this.lines) {
-      const newest = signals.newest(row.key);
-      setText(
-        value,
-        row.key === "drive_V" ? signed(newest, row.decimals) : number(newest, row.decimals),
-      );
-    }
+    this.numerals.update();
   }
 
   drawSignal(plot, line) {

@@ -42,6 +42,7 @@ export class Timeline {
       "reading",
       "marked",
       "ended",
+      "job",
       "state",
     ];
     if (anew.some((type) => dirty.has(type))) this.build();
@@ -135,8 +136,8 @@ export class Timeline {
     const record = this.job.runs.get(run.run);
     if (this.job.plan.done?.includes(run.run)) return "done";
     if (record?.stopped) return record.stopped.completed ? "done" : "broken";
-    if (record?.started) return "now";
-    return "to come";
+    if (record?.started) return this.job.over ? "broken" : "now";
+    return this.job.over ? "not done" : "to come";
   }
 
   shownRun() {
@@ -190,10 +191,11 @@ export class Timeline {
     const run = this.shownRun();
     if (!run || !this.x) return;
     const record = job.runs.get(run.run);
-    const going = record?.started && !record.stopped;
+    const going = record?.started && !record.stopped && !job.over;
     const run_s = going ? this.runTime(run) : record?.stopped ? run.duration_s : 0;
-    const begun = job.started || job.job;
-    const at = this.x(record?.started ? run.starts_s + run_s : this.waiting(run));
+    const begun = (job.started || job.job) && !job.over;
+    const planned = run.repeats == null ? run : job.planned(run.repeats);
+    const at = this.x(record?.started ? planned.starts_s + run_s : this.waiting(planned));
     this.now.setAttribute("d", begun ? `M${at} 28V58M${at - 5} 28H${at + 5}L${at} 34Z` : "");
     const wave = this.waveX(run_s);
     this.waveNow.setAttribute("d", going ? `M${wave} 0V${WAVE_HIGH}` : "");
@@ -220,8 +222,22 @@ export class Timeline {
     const runs = plan.runs.length === 1 ? "run" : "runs";
     const count = `${plan.runs.length} ${runs}, ${about(plan.estimate_s)}`;
     if (!this.job.started) return `${count}; not begun`;
+    if (this.job.over) return `${this.end()} \u00B7 ${this.complete()}`;
     const where = `run ${run.run + 1}: ${placeOf(run)}`;
     const within = run_s == null ? "" : `, ${number(run_s, 1)} s of ${number(run.duration_s, 1)} s`;
     return `now ${clock(latest_s)} of ${count} \u00B7 ${where}${within}`;
+  }
+
+  /** 'ended after 5:14', by the session's own clock; 'lost' when nobody has reported the end. */
+  end() {
+    const { ended, job, latest_s } = this.job;
+    const word = !ended && job?.state === "lost" ? "lost" : "ended";
+    return `${word} after ${clock(ended?.time_s ?? latest_s)}`;
+  }
+
+  complete() {
+    const { runs } = this.job.plan;
+    const done = runs.filter((run) => this.stateOf(run) === "done").length;
+    return `${done} of ${runs.length} ${runs.length === 1 ? "run" : "runs"} complete`;
   }
 }

@@ -2,6 +2,7 @@
 
 import { h } from "../dom.js";
 import { Log } from "./log.js";
+import { LostReadings } from "./lost.js";
 import { Picture } from "./picture.js";
 import { Preflight, PromptBar } from "./prompt.js";
 import { Readings } from "./readings.js";
@@ -20,7 +21,8 @@ export class LiveView {
     this.timeline = new Timeline(job);
     const readings = new Readings(job, acts ? { mark: acts.mark, may: acts.may } : {});
     const side = [new Preflight(job), new Log(job)];
-    const main = [this.picture, this.strips, this.timeline, readings];
+    const lost = new LostReadings(job);
+    const main = [lost, this.picture, this.strips, this.timeline, readings];
     if (acts) main.unshift(new PromptBar(job, acts));
     this.parts = [...main, ...side];
     const elements = (parts) => parts.map((part) => part.element);

@@ -1,8 +1,9 @@
 // The sessions of the data folder: found, sorted, opened, compared, exported.
 
 import { h, newId, put, setText } from "../dom.js";
-import { bytes, clock, digits, number, when } from "../format.js";
+import { bytes, clock, digits, number, volts, when } from "../format.js";
 import { get, query } from "../net.js";
+import { recoverButton, recoveredPlace } from "../recover.js";
 
 const PAGE = 100;
 const TYPED_MS = 250;
@@ -41,12 +42,7 @@ const COLUMNS = [
     key: "EIBM",
     name: "EIBM, \u00B5N\u00B7m",
     num: true,
-    show: (s) =>
-      fitted(s, (fit) =>
-        Object.entries(fit.EIBM_Nm ?? {})
-          .map(([, value]) => digits(1e6 * value, 4))
-          .join(" / "),
-      ),
+    show: (s) => [fitted(s, moments), source(s)],
   },
   { key: "bytes", name: "size", num: true, show: (s) => bytes(s.bytes) },
 ];
@@ -54,6 +50,8 @@ const OUTCOMES = ["completed", "aborted", "failed", "crashed", "running"];
 
 /** The outcome as a word with a mark of its own. */
 export function outcome(session) {
+  if (session.recoverable)
+    return h("span", { class: "verdict bad", title: session.error }, "\u2715 cut short");
   if (session.error)
     return h("span", { class: "verdict bad", title: session.error }, "\u2715 DAMAGED");
   const mark =
@@ -84,16 +82,30 @@ function fitted(session, show) {
     : "\u2013";
 }
 
+/** The EIBM at each voltage. */
+const moments = (fit) =>
+  Object.entries(fit.EIBM_Nm ?? {})
+    .map(([voltage, value]) => `${digits(1e6 * value, 4)} at ${volts(Number(voltage))}`)
+    .join(", ");
+
+/** The kind of EIBM, and the model file that B and EIBM are from. */
+function source(session) {
+  const fit = Object.values(session.fit ?? {})[0];
+  return fit?.model ? h("span", { class: "fit-source" }, `${fit.EIBM_quantity}; ${fit.model}`) : "";
+}
+
 /** Show the library. */
-export function mount(place) {
-  const page = new Library();
+export function mount(place, app) {
+  const page = new Library(app);
   place.append(page.element);
   page.load();
   return page;
 }
 
 class Library {
-  constructor() {
+  constructor(app) {
+    this.app = app;
+    this.recovered = recoveredPlace();
     this.asked = {
       sort: "started",
       down: 1,
@@ -149,6 +161,7 @@ class Library {
         this.compare,
         this.said,
       ),
+      this.recovered,
       h("section", { class: "card" }, this.body, this.pages),
     );
     this.showChosen();
@@ -249,8 +262,19 @@ class Library {
           "aria-label": `choose ${session.name}`,
         }),
       ),
-      COLUMNS.map((column) => h("td", { class: column.num ? "num" : "" }, column.show(session))),
+      COLUMNS.map((column) =>
+        h(
+          "td",
+          { class: column.num ? "num" : "" },
+          column.show(session),
+          column.key === "outcome" && session.recoverable && this.recover(session.name),
+        ),
+      ),
     );
+  }
+
+  recover(name) {
+    return [" ", recoverButton(this.app, name, this.recovered, () => this.load())];
   }
 
   showChosen() {

@@ -40,12 +40,7 @@ class NewRun {
       h("label", { for: this.keep.id }, "save the changed protocol as"),
       this.keep,
     );
-    this.clock = h(
-      "select",
-      { id: newId("clock") },
-      h("option", { value: "real" }, "real time"),
-      h("option", { value: "virtual" }, "as fast as it can"),
-    );
+    this.clock = new ClockChoice();
     this.check = h(
       "button",
       { type: "button", onclick: () => this.act(() => this.tryRig()) },
@@ -55,6 +50,11 @@ class NewRun {
       "button",
       { type: "button", class: "main", onclick: () => this.act(() => this.run()) },
       "Start the run",
+    );
+    this.later = h(
+      "button",
+      { type: "button", onclick: () => this.act(() => this.enqueue()) },
+      "Add to the queue",
     );
     this.element = h(
       "div",
@@ -81,13 +81,8 @@ class NewRun {
             ),
             this.keepRow,
             app.status?.simulated &&
-              h(
-                "div",
-                { class: "field" },
-                h("label", { for: this.clock.id }, "simulated rig\u2019s clock"),
-                this.clock,
-              ),
-            h("div", { class: "buttons" }, this.check, this.start),
+              this.clock.element,
+            h("div", { class: "buttons" }, this.check, this.later, this.start),
           ),
           this.preflight.element,
         ),
@@ -132,6 +127,7 @@ class NewRun {
     if (asked !== this.asked) return;
     this.planned = plan instanceof Error ? null : plan;
     setText(this.fault, plan instanceof Error ? plan.message : "");
+    this.clock.offer(this.planned?.not_on_real_clock);
     if (this.planned) this.preview.apply({ type: "story", messages: [{ ...plan, type: "plan" }] });
     this.show();
   }
@@ -147,6 +143,7 @@ class NewRun {
     const why = job.going ? "Something is going on already." : control.why();
     this.check.disabled = this.start.disabled = !ready || Boolean(why);
     this.start.title = why;
+    this.later.disabled = !ready || Boolean(control.why());
     this.keepRow.hidden = !this.protocol?.touched;
     if (this.protocol?.touched && !this.keep.value) this.keep.value = this.protocol.name;
     put(this.facts, this.factsOf(this.planned), why && fact("not now", why));
@@ -194,11 +191,55 @@ class NewRun {
   }
 
   async run() {
+    await post("/api/run", await this.wanted());
+    location.hash = "#/run";
+  }
+
+  async enqueue() {
+    await post("/api/queue/add", await this.wanted());
+    location.hash = "#/queue";
+  }
+
+  async wanted() {
     const body = { ...(await this.saved()), session: this.session.value.trim() };
     if (this.about.values) body.about = this.about.values;
     if (this.app.status?.simulated) body.clock = this.clock.value;
-    await post("/api/run", body);
-    location.hash = "#/run";
+    return body;
+  }
+}
+
+/** Real time, unless the protocol wants what only the simulated operator can do, at once. */
+class ClockChoice {
+  constructor() {
+    this.real = h("option", { value: "real" }, "real time");
+    this.select = h(
+      "select",
+      { id: newId("clock"), onchange: () => (this.chosen = this.select.value) },
+      this.real,
+      h("option", { value: "virtual" }, "as fast as it can"),
+    );
+    this.why = h("p", { class: "field-hint", id: newId("why") });
+    this.select.setAttribute("aria-describedby", this.why.id);
+    this.element = h(
+      "div",
+      { class: "field" },
+      h("label", { for: this.select.id }, "simulated rig\u2019s clock"),
+      this.select,
+      this.why,
+    );
+    this.offer(null);
+  }
+
+  /** `whyNot`: why this protocol cannot run in real time, or nothing. */
+  offer(whyNot) {
+    this.real.disabled = Boolean(whyNot);
+    this.select.value = whyNot ? "virtual" : (this.chosen ?? "real");
+    setText(this.why, whyNot ?? "");
+    this.why.hidden = !whyNot;
+  }
+
+  get value() {
+    return this.select.value;
   }
 }
 

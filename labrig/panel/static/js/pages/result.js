@@ -1,5 +1,6 @@
 // The result of a session: curves, forces, models, B and EIBM; growing while the session is measured.
 
+import { mountAnalysis } from "../analysis.js";
 import { h, put, setText } from "../dom.js";
 import { get, query } from "../net.js";
 import { ForceChart, Settling, SheetChart } from "../result/charts.js";
@@ -52,20 +53,14 @@ class ResultPage {
     );
     this.readings = new Map(); // "condition/index" -> curve
     this.stop = app.job.watch((dirty) => this.heard(dirty));
-    this.mountAnalysis();
+    this.analysed = mountAnalysis(this.analysis, app, session, () => this.load());
   }
 
   destroy() {
     this.gone = true;
     this.stop();
-    this.analysed?.destroy?.();
+    this.analysed.destroy();
     this.charts.forEach((one) => one.destroy());
-  }
-
-  async mountAnalysis() {
-    const { mountAnalysis } = await import("../analysis.js").catch(() => ({}));
-    if (mountAnalysis && !this.gone)
-      this.analysed = mountAnalysis(this.analysis, this.app, this.session);
   }
 
   get live() {
@@ -76,9 +71,6 @@ class ResultPage {
   heard(dirty) {
     const { job } = this.app;
     if (dirty.has("result") && job.result?.session === this.session && this.live) this.grow(job.result);
-    const { analysis } = job;
-    if (dirty.has("analysis") && analysis?.session === this.session && analysis.state === "done")
-      this.load();
     if (dirty.has("ended") && job.plan?.session === this.session) this.load();
   }
 

@@ -50,6 +50,13 @@ function endOf({ job, ended, output }) {
   return `Ended: ${told}${job.text ?? ""}${code}`;
 }
 
+/** Whether nothing follows the present run, before which a pause could be. */
+function lastRun(job) {
+  const done = new Set(job.plan?.done ?? []);
+  const left = (job.plan?.runs ?? []).filter(({ run }) => !done.has(run));
+  return left.length === 0 || left[left.length - 1].run === job.now_run;
+}
+
 /** What is running, the gentle stop, whose model is drawn; or the way to a new run. */
 function runBar({ job, control }) {
   const name = h("strong", { class: "runbar-name" });
@@ -59,6 +66,10 @@ function runBar({ job, control }) {
     { type: "button", onclick: () => act(() => post("/api/stop_after_pulse")) },
     "Stop after this pulse",
   );
+  const pause = h("button", {
+    type: "button",
+    onclick: () => act(() => post("/api/pause", { on: !job.pause?.on })),
+  });
   const model = h(
     "select",
     { onchange: () => act(() => post("/api/model", { name: model.value || null })) },
@@ -86,6 +97,7 @@ function runBar({ job, control }) {
     h("span", { class: "runbar-gap" }),
     fault,
     h("label", {}, "Model drawn ", model),
+    pause,
     gentle,
     begin,
     replay,
@@ -107,6 +119,15 @@ function runBar({ job, control }) {
             .join(" \u00B7 "),
     );
     gentle.hidden = !(job.going && job.job.kind === "run");
+    pause.hidden = gentle.hidden || !job.started || (lastRun(job) && !job.pause?.on);
+    setText(
+      pause,
+      job.state.state === "paused"
+        ? "Continue"
+        : job.pause?.on
+          ? "Do not pause"
+          : "Pause after this position",
+    );
     begin.hidden = job.going;
     replay.hidden = job.going || !session || !job.started;
     result.hidden = !session || !job.started || job.job?.kind !== "run";

@@ -12,7 +12,7 @@ export function parameters(choice) {
   if (!found)
     return put(place, h("h2", {}, "Parameters"), h("p", { class: "muted" }, "No model is fitted yet."));
   const model = result.models.find((one) => one.id === chosen.model);
-  const meaning = chosen.model === "constant" ? "constant EIBM" : "EIBM, mean along the sheet";
+  const meaning = chosen.model === "constant" ? "constant EIBM" : "EIBM along the sheet, mean over [0, l],";
   const rows = [
     row("bending stiffness B", found.B_uNm2, "\u00B5N\u00B7m\u00B2"),
     row("Young\u2019s modulus E", found.E_MPa, "MPa"),
@@ -48,15 +48,15 @@ export function verdict({ diagnosis }) {
   if (!diagnosis)
     return put(
       place,
-      h("h2", {}, "What the model is missing"),
+      h("h2", {}, "Model discrepancy"),
       h("p", { class: "muted" }, "No diagnosis yet."),
     );
   return put(
     place,
-    h("h2", {}, "What the model is missing"),
+    h("h2", {}, "Model discrepancy"),
     h("p", { class: "verdict result-verdict" }, sentence(diagnosis.title)),
     diagnosis.sentences.map((text) => h("p", {}, text)),
-    h("h2", {}, "What to measure next"),
+    h("h2", {}, "Next measurement"),
     diagnosis.next.length
       ? diagnosis.next.map((text) => h("p", {}, text))
       : h("p", { class: "muted" }, "Nothing further is proposed."),

@@ -1,0 +1,56 @@
+"""Declare a run or reading of a closed session invalid, or take that back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+
+
+def mark(
+    session: Annotated[Path, typer.Argument(help="a session that is closed")],
+    run: Annotated[int, typer.Option(min=1, help="number of the run, as labrig show lists it")],
+    why: Annotated[str, typer.Option(help="the reason, in a line")],
+    reading: Annotated[
+        int | None,
+        typer.Option(min=1, help="its number in the run; none: the whole run"),
+    ] = None,
+    who: Annotated[str, typer.Option(help="who marks; by default the user of this computer")] = "",
+    undo: Annotated[bool, typer.Option("--undo", help="take a mark back")] = False,
+) -> None:
+    """Mark a run or reading of a closed session invalid, with who, when and why.
+
+    Marks are kept beside what was recorded, which stays as it is; none is ever removed, --undo adds
+    a line that takes one back. What was analysed before is out of date then.
+    """
+    from labrig.session import Mark, add_mark, open_session
+
+    made = Mark(
+        run=run - 1,
+        reading=None if reading is None else reading - 1,
+        why=" ".join(why.split()),
+        who=" ".join(who.split()) or _user(),
+        invalid=not undo,
+    )
+    add_mark(session, made)
+    what = f"run {run}" if reading is None else f"reading {reading} of run {run}"
+    say(f"{session}: the mark of {what} is taken back" if undo else f"{session}: {what} is invalid")
+    with open_session(session) as opened:
+        if opened.outdated:
+            say(opened.outdated)
+
+
+def _user() -> str:
+    import getpass
+
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError, ImportError):  # the system knows no name of this user
+        return "not known"
+
+
+COMMAND = Command("mark", mark, order=85)

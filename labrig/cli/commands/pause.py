@@ -1,0 +1,54 @@
+"""A pause of a running session: pause."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.screen import say
+from labrig.errors import BadInputError
+
+
+def pause(
+    session: Annotated[Path, typer.Argument(help="the session file that is being written")],
+    end: Annotated[bool, typer.Option("--end", help="let the session continue")] = False,
+) -> None:
+    """Pause a running session after the present position, at 0 V; with --end let it continue.
+
+    For another terminal than the one in which the session runs. The output is read back; the
+    pause is recorded in the session's log. Ctrl-C and STOP end a paused session as any other.
+    """
+    from labrig.experiment.pause import PauseFile
+
+    _require_running(session)
+    file = PauseFile(session)
+    if end:
+        file.end()
+        say(f"{session}: continues.")
+    else:
+        file.ask(_operator())
+        say(f"{session}: pauses after this position; labrig pause --end {session} continues it.")
+
+
+def _require_running(path: Path) -> None:
+    from labrig.session import open_session
+    from protocols.execution.events import Outcome
+
+    with open_session(path, live=True) as session:
+        if session.outcome is not Outcome.RUNNING:
+            raise BadInputError(f"{path}: is not running ({session.outcome}); nothing can pause.")
+
+
+def _operator() -> str:
+    import getpass
+
+    try:
+        return getpass.getuser()
+    except (OSError, KeyError, ImportError):
+        return "somebody"
+
+
+COMMAND = Command("pause", pause, order=56)

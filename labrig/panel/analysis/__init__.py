@@ -1,0 +1,1 @@
+"""Analysis as jobs of the panel: `python -m labrig.panel.analysis`, with an order on its input."""

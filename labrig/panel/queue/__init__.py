@@ -1,0 +1,1 @@
+"""The panel's queue: sessions that begin by themselves, one after the other."""

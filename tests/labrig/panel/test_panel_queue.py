@@ -1,0 +1,223 @@
+"""The queue of a panel: checked, ordered, stopped by anything but a completed session."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import time
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+import pytest
+
+from labrig.config.templates import write_templates
+from labrig.session import open_session
+from tests.labrig.panel.page import Page, Server, jobs_of
+from tests.labrig.test_hooks import KEEP, told
+
+pytestmark = pytest.mark.slow
+PROTOCOL = """
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = {readings}
+[[places]]
+configuration = "long"
+positions_mm = [{positions}]
+[extras]
+mode = "paper"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = tmp_path / "rig"
+    write_templates(folder, simulated=True)
+    (folder / "short.toml").write_text(PROTOCOL.format(readings=2, positions="10"))
+    (folder / "long.toml").write_text(PROTOCOL.format(readings=18, positions="0, 10, 20, 30"))
+    yield folder
+    for pid in jobs_of(folder):
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGTERM)
+
+
+@pytest.fixture
+def server(folder):
+    found = Server(folder / "rig.toml")
+    yield found
+    found.end()
+
+
+@pytest.fixture
+def page(server):
+    found = Page(server)
+    found.take_control(force=True)
+    yield found
+    found.close()
+
+
+def add(page, protocol, session, **more):
+    return page.do("/api/queue/add", protocol=protocol, session=session, **more)
+
+
+def states(queue):
+    return [(entry["session"], entry["state"]) for entry in queue["entries"]]
+
+
+def held(page):
+    """The queue once it does not go on any more and nothing of it runs."""
+    end_s = time.monotonic() + 90
+    while True:
+        _, queue = page.ask("GET", "/api/queue")
+        if not queue["going"] and "running" not in dict(states(queue)).values():
+            return queue
+        assert time.monotonic() < end_s, queue
+        time.sleep(0.1)  # noqa: TID251 - another process is watched
+
+
+def test_sessions_run_one_after_the_other_in_their_order(page, folder):
+    add(page, "short.toml", "a.h5")
+    last = add(page, "short.toml", "b.h5")["entries"][-1]
+    page.do("/api/queue/move", id=last["id"], by=-1)
+    page.do("/api/queue/start")
+    assert states(held(page)) == [("b.h5", "completed"), ("a.h5", "completed")]
+    times = {}
+    for name in ("a.h5", "b.h5"):
+        with open_session(folder / name) as session:
+            assert session.outcome == "completed"
+            times[name] = session.started
+    assert times["b.h5"] < times["a.h5"]
+    assert page.until("queue")["going"] is False
+
+
+def test_the_queue_stops_at_a_session_that_is_stopped(page, folder):
+    add(page, "long.toml", "stopped.h5")
+    add(page, "short.toml", "never.h5")
+    page.do("/api/queue/start")
+    page.until("run_started")
+    page.do("/api/stop", why="enough")
+    queue = held(page)
+    assert states(queue) == [("stopped.h5", "stopped"), ("never.h5", "waiting")]
+    assert "nothing more was begun" in queue["text"]
+    assert not (folder / "never.h5").exists()
+
+
+def test_a_protocol_beyond_the_limits_is_refused_when_it_is_added(page, folder):
+    text = (folder / "short.toml").read_text()
+    (folder / "hot.toml").write_text(
+        text.replace("[pulse_train]", "[pulse_train]\nvoltages_V=[9, -9]")
+    )
+    status, answer = page.ask("POST", "/api/queue/add", {"protocol": "hot.toml", "session": "h.h5"})
+    assert status == 400
+    assert "limits" in answer["error"]
+
+
+def test_all_are_checked_again_before_the_first_begins(page, folder):
+    add(page, "short.toml", "first.h5")
+    add(page, "long.toml", "second.h5")
+    (folder / "long.toml").write_text("nonsense = 1\n")
+    status, answer = page.ask("POST", "/api/queue/start", {})
+    assert status == 400
+    assert "long.toml" in answer["error"]
+    assert not (folder / "first.h5").exists()
+
+
+def test_entries_can_be_removed_and_get_names_of_their_own(page):
+    first = page.do("/api/queue/add", protocol="short.toml")["entries"][0]
+    second = page.do("/api/queue/add", protocol="short.toml")["entries"][1]
+    assert first["session"].startswith("short-")
+    assert first["session"] != second["session"]
+    queue = page.do("/api/queue/remove", id=first["id"])
+    assert [entry["id"] for entry in queue["entries"]] == [second["id"]]
+
+
+def test_without_control_the_queue_cannot_be_changed(page, server):
+    other = Page(server)
+    try:
+        for path in ("add", "start", "hold"):
+            body = {"protocol": "short.toml"} if path == "add" else {}
+            assert other.ask("POST", f"/api/queue/{path}", body)[0] == 403
+    finally:
+        other.close()
+
+
+def test_a_held_queue_ends_its_session_and_begins_no_further_one(page):
+    add(page, "long.toml", "this.h5")
+    add(page, "short.toml", "next.h5")
+    page.do("/api/queue/start")
+    page.until("run_started")
+    page.do("/api/queue/hold")
+    assert states(held(page)) == [("this.h5", "completed"), ("next.h5", "waiting")]
+
+
+def test_a_restarted_panel_goes_on_only_with_a_run_that_lives(folder):
+    server = Server(folder / "rig.toml")
+    page = Page(server)
+    page.take_control(force=True)
+    add(page, "long.toml", "lives.h5")
+    add(page, "short.toml", "follows.h5")
+    page.do("/api/queue/start")
+    page.until("run_started")
+    server.end(signal.SIGKILL)
+    again = Server(folder / "rig.toml", "--port", str(urlsplit(server.origin).port))
+    try:
+        page = Page(again)
+        found = states(held(page))
+    finally:
+        again.end()
+    # The second one follows by itself only where the panel was back before the first one's end.
+    assert found[0] == ("lives.h5", "completed")
+
+
+def test_a_panel_that_comes_back_later_begins_nothing_by_itself(folder):
+    hidden = folder / ".labrig"
+    hidden.mkdir()
+    entry = {"id": "e", "protocol": "short.toml", "sheet": "sheet.toml", "session": "x.h5"}
+    more = {"clock": "virtual", "estimate_s": None, "job": None, "text": ""}
+    queue = {
+        "entries": [{**entry, **more, "state": "waiting"}],
+        "going": True,
+        "by": "",
+        "text": "",
+    }
+    (hidden / "queue.json").write_text(json.dumps(queue))
+    server = Server(folder / "rig.toml")
+    try:
+        found = Page(server).ask("GET", "/api/queue")[1]
+        assert found["going"] is False
+        assert "started again" in found["text"]
+        assert states(found) == [("x.h5", "waiting")]
+    finally:
+        server.end()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs a pseudo-terminal")
+def test_a_session_that_needs_hands_waits_and_the_hook_is_told(folder, tmp_path):
+    told_in = tmp_path / "told"
+    hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])
+    with (folder / "rig.toml").open("a") as text:
+        text.write(f"\n[hooks]\ncommand = {hook}\nwaiting_after_s = 0.2\n")
+    (folder / "hands.toml").write_text("moisten = true\n" + (folder / "short.toml").read_text())
+    server = Server(folder / "rig.toml")
+    page = Page(server)
+    try:
+        page.take_control(force=True)
+        add(page, "hands.toml", "hands.h5", clock="real")
+        page.do("/api/queue/start")
+        prompt = page.until("prompt")
+        end_s = time.monotonic() + 30
+        while not told_in.exists() or not told(told_in):
+            assert time.monotonic() < end_s
+            time.sleep(0.1)  # noqa: TID251 - another process is watched
+        message = told(told_in)[0]
+        assert (message["event"], message["session"]) == ("waiting", "hands.h5")
+        assert message["text"] == prompt["text"]
+        page.do("/api/answer", prompt=prompt["prompt"], done=False)
+        assert states(held(page)) == [("hands.h5", "stopped")]
+        while told(told_in)[-1]["event"] != "stopped":
+            assert time.monotonic() < end_s + 30
+            time.sleep(0.1)  # noqa: TID251 - another process is watched
+    finally:
+        page.close()
+        server.end()

@@ -1,0 +1,62 @@
+"""Figures as files: PDF with embedded fonts, SVG with real text, where and as they are wanted."""
+
+from __future__ import annotations
+
+import re
+import zlib
+
+import pytest
+
+from labrig.cli.main import run
+from tests.labrig.report_data import measure, session
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    return session(tmp_path_factory.mktemp("figures") / "made.h5", measure("long"))
+
+
+def names(folder):
+    return {path.name for path in folder.iterdir()}
+
+
+@pytest.mark.slow
+def test_figures_are_written_as_pdf_and_svg_into_a_folder(recorded, tmp_path):
+    figures = tmp_path / "for the thesis"
+    out = ["-o", str(tmp_path / "out"), "--figures", str(figures)]
+    assert run(["report", str(recorded), *out, "--format", "pdf", "--format", "svg"]) == 0
+    assert {"figure-9.pdf", "figure-9.svg"} <= names(figures)
+    assert not any(name.endswith((".png", ".part")) for name in names(figures))
+    svg = (figures / "figure-9.svg").read_text(encoding="utf-8")
+    assert re.search(r"<text[^>]*>position p \(mm\)</text>", svg)
+    pdf = (figures / "figure-9.pdf").read_bytes()
+    assert b"/FontFile2" in pdf  # TrueType, embedded
+    assert b"/Type3" not in pdf
+    page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    assert "as PDF and SVG" in page
+    # another choice leaves no older files of the same figures behind
+    assert run(["report", str(recorded), *out]) == 0
+    assert {"figure-9.png", "figure-9.svg"} <= names(figures)
+    assert "figure-9.pdf" not in names(figures)
+
+
+@pytest.mark.slow
+def test_the_text_of_a_pdf_is_text(recorded, tmp_path):
+    assert run(["fit", str(recorded), "--figures", str(tmp_path), "--format", "pdf"]) == 0
+    assert names(tmp_path) == {"figure-8.pdf", "figure-9.pdf"}
+    data = (tmp_path / "figure-9.pdf").read_bytes()
+    streams = re.findall(rb"stream\r?\n(.*?)endstream", data, re.DOTALL)
+    texts = b""
+    for one in streams:
+        try:
+            texts += zlib.decompress(one)
+        except zlib.error:
+            continue
+    assert b"] TJ" in texts  # shown by the operators of text
+    assert b"/ToUnicode" in data  # and found by a search
+
+
+def test_an_unknown_format_is_refused_before_anything_is_drawn(recorded, tmp_path, capsys):
+    assert run(["report", str(recorded), "-o", str(tmp_path / "out"), "--format", "jpg"]) == 2
+    assert "--format jpg: give png, svg or pdf." in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
