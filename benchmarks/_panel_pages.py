@@ -18,7 +18,8 @@ PROTOCOL = """
 moisten = false
 [pulse_train]
 zero_readings = 2
-readings_per_voltage = 150
+pulse_s = 3.0
+readings_per_voltage = 25
 [[places]]
 configuration = "long"
 positions_mm = [10]

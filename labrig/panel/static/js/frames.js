@@ -2,6 +2,7 @@
 
 const TICK_MS = 33; // 30 times a second: two frames of a usual screen
 const SLACK_MS = 8; // a screen's frames do not come when we would like them
+const URGENT_MS = 10; // after a tick: an image need not wait for the next one
 const HIDDEN_MS = 300; // a hidden page gets no frames
 
 let waiting = new Set();
@@ -10,14 +11,17 @@ let done = null;
 const evenHidden = new WeakSet();
 let last = -Infinity;
 let asked = false;
+let urgent = false; // whether something that waits is
 let fallback = null;
 
 /**
  * Run `work` with the next tick, together with all others, once. Asked for within a tick it runs in
- * that one. A hidden page has no ticks; there `whenHidden` works run by a timer.
+ * that one. `isUrgent` brings the tick forward. A hidden page has no ticks; there `whenHidden` works
+ * run by a timer.
  */
-export function nextFrame(work, whenHidden = false) {
+export function nextFrame(work, { whenHidden = false, isUrgent = false } = {}) {
   if (whenHidden) evenHidden.add(work);
+  urgent ||= isUrgent;
   if (done?.has(work)) later.add(work);
   else waiting.add(work);
   if (!done) ask();
@@ -32,16 +36,20 @@ export function forgetFrame(work) {
 function ask() {
   if (asked) return;
   asked = true;
-  const wait = last + TICK_MS - SLACK_MS - performance.now();
-  if (wait > 0) setTimeout(() => requestAnimationFrame(tick), wait);
-  else requestAnimationFrame(tick);
+  requestAnimationFrame(tick);
   fallback = setTimeout(tickHidden, HIDDEN_MS);
 }
 
+/** At each frame of the screen, while something waits: a timer would miss every other one. */
 function tick() {
+  const now = performance.now();
+  if (now - last < (urgent ? URGENT_MS : TICK_MS - SLACK_MS)) {
+    requestAnimationFrame(tick);
+    return;
+  }
   clearTimeout(fallback);
-  asked = false;
-  last = performance.now();
+  asked = urgent = false;
+  last = now;
   run(() => true);
 }
 

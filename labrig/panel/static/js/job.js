@@ -173,7 +173,7 @@ export class Job {
 
   touch(type) {
     this.dirty.add(type);
-    nextFrame(this.flush, true); // the title of a hidden page must stay true
+    nextFrame(this.flush, { whenHidden: true }); // the title of a hidden page must stay true
   }
 
   /** Call the watchers. */

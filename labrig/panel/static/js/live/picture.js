@@ -79,7 +79,7 @@ export class Picture {
       this.bitmap?.close();
       this.bitmap = bitmap;
       this.header = picture;
-      this.drawSoon();
+      nextFrame(this.show, { isUrgent: true });
     } catch {
       setText(this.caption, `image ${picture.frame} cannot be read`);
       this.job.seen(picture);

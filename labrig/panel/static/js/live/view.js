@@ -9,6 +9,9 @@ import { Readings } from "./readings.js";
 import { Strips } from "./strips.js";
 import { Timeline } from "./timeline.js";
 
+const STREAM = new Set(["picture", "signals", "curve"]);
+const SLOW_MS = 200; // the mark in the schedule moves by less than a pixel meanwhile
+
 /** `acts`: { answer, mark, may }; null where nothing can be done (a replay). `beside`: elements. */
 export class LiveView {
   constructor(job, acts = null, beside = []) {
@@ -33,12 +36,20 @@ export class LiveView {
     this.update(new Set(["story", "picture"]));
   }
 
+  /** All parts, but with images and signals alone those around them follow at a slower pace. */
   update(dirty) {
-    for (const part of this.parts) part.update(dirty);
+    const streamed = [...dirty].every((type) => STREAM.has(type));
+    const due = !streamed || performance.now() - this.moved >= SLOW_MS;
+    for (const part of this.parts)
+      if (due || part === this.picture || part === this.strips) part.update(dirty);
+    clearTimeout(this.timer);
+    if (due) this.moved = performance.now();
+    else this.timer = setTimeout(() => this.update(new Set(STREAM)), SLOW_MS);
   }
 
   destroy() {
     this.stop();
+    clearTimeout(this.timer);
     for (const part of this.parts) part.destroy?.();
   }
 }
