@@ -41,7 +41,7 @@ class Conditions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Predicted:
+class PredictedErrors:
     """Curve (n, 2) in m and force; empty and None where there is none, and why."""
 
     points_m: Floats
@@ -56,17 +56,17 @@ class Predictions:
         """Read a model file; a fault in it is what each prediction says."""
         self._model: SheetModel | None = None
         self._fault = ""
-        self._known: dict[Conditions, Predicted] = {}
+        self._known: dict[Conditions, PredictedErrors] = {}
         if path is not None:
             try:
                 self._model = load_model(Path(path))
             except LabrigError as error:
                 self._fault = str(error)
 
-    def at(self, conditions: Conditions) -> Predicted | None:
+    def at(self, conditions: Conditions) -> PredictedErrors | None:
         """Return the prediction; None when no model was chosen."""
         if self._fault:
-            return Predicted(points_m=np.empty((0, 2)), force_mN=None, why=self._fault)
+            return PredictedErrors(points_m=np.empty((0, 2)), force_mN=None, why=self._fault)
         if self._model is None:
             return None
         if conditions not in self._known:
@@ -74,7 +74,7 @@ class Predictions:
         return self._known[conditions]
 
 
-def _predicted(model: SheetModel, conditions: Conditions) -> Predicted:
+def _predicted(model: SheetModel, conditions: Conditions) -> PredictedErrors:
     name, volts = conditions.configuration, conditions.voltage_V
     force_mN, why = None, ""
     try:
@@ -87,11 +87,11 @@ def _predicted(model: SheetModel, conditions: Conditions) -> Predicted:
     except ModelError as error:
         x_m = y_m = np.empty(0)
         why = f"{error}."
-    return Predicted(points_m=np.column_stack([x_m, y_m]), force_mN=force_mN, why=why)
+    return PredictedErrors(points_m=np.column_stack([x_m, y_m]), force_mN=force_mN, why=why)
 
 
 def prediction_message(
-    predicted: Predicted,
+    predicted: PredictedErrors,
     found: NeutralCurve,
     optics: Optics,
     *,

@@ -50,7 +50,7 @@ def one(panel: Here, name: Session) -> Any:
     }
 
 
-class MarkBody(RequestModel):
+class MarkAfterEndBody(RequestModel):
     """A reading, or a whole run, of a closed session that is invalid; or that taken back."""
 
     name: Name
@@ -61,7 +61,7 @@ class MarkBody(RequestModel):
 
 
 @router.post("/mark")
-def add(request: Request, body: MarkBody, panel: Here) -> Any:
+def add(request: Request, body: MarkAfterEndBody, panel: Here) -> Any:
     """Mark a reading or run invalid, or take that back; the recording stays as it is."""
     who = panel.acting(request)
     path = existing(panel.settings.data, body.name, SUFFIX)
