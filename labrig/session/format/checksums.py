@@ -1,4 +1,4 @@
-"""What a session's checksums cover: the content of datasets and, since version 3, attributes."""
+"""What a session's checksums cover: content and, since version 3, types, shapes and attributes."""
 
 from __future__ import annotations
 
@@ -54,9 +54,21 @@ def finished(item: Any, version: int, content: Any = None) -> str:
     """Return the sha256 (hex) of an object whose content is in the hash `content` already."""
     total = hashlib.sha256() if content is None else content.copy()
     if version >= ATTRIBUTES_SINCE:
+        if isinstance(item, h5py.Dataset):  # one without rows has no content to tell it by
+            total.update(f"\n{_type_of(item.dtype)} {item.shape}\n".encode())
         for name in sorted(item.attrs):
             total.update(_attribute(item, name))
     return str(total.hexdigest())
+
+
+def _type_of(dtype: Any) -> str:
+    """Return a type in words that do not depend on the version of NumPy."""
+    if dtype.names is None:
+        return str(dtype.str)
+    fields = (dtype[name] for name in dtype.names)
+    return ", ".join(
+        f"{name} {one.base.str} {one.shape}" for name, one in zip(dtype.names, fields, strict=True)
+    )
 
 
 def supplement_digest(group: Any, version: int) -> str:

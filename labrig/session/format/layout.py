@@ -23,7 +23,7 @@ Supplements, groups that are added to a closed session; each has a checksum of i
   notes/              the operator's notes and photographs
   marks/entries       runs and readings declared invalid after the end, or that taken back; a row
                       each, with a checksum that covers the one of the row before
-A checksum covers the content of a dataset and the attributes of a group or dataset; that of a
+A checksum covers content, type and shape of a dataset and attributes of both; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
 Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds

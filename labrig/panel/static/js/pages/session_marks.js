@@ -93,7 +93,9 @@ function runsTable(runs, ask) {
       h(
         "tr",
         {},
-        ["run", "sheet", "at mm", "state", "readings", "invalid", ""].map((name) => h("th", {}, name)),
+        ["run", "sheet", "at mm", "state", "readings", "invalid", ""].map((name) =>
+          h("th", { scope: "col" }, name || h("span", { class: "visually-hidden" }, "mark")),
+        ),
       ),
     ),
     h(
@@ -127,7 +129,13 @@ function marksTable(marks, takeBack) {
   return h(
     "table",
     {},
-    h("thead", {}, h("tr", {}, columns.map((name) => h("th", {}, name)))),
+    h("thead", {}, h(
+        "tr",
+        {},
+        columns.map((name) =>
+          h("th", { scope: "col" }, name || h("span", { class: "visually-hidden" }, "take back")),
+        ),
+      )),
     h(
       "tbody",
       {},
