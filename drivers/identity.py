@@ -14,3 +14,8 @@ def identities_of(device: object) -> tuple[DeviceIdentity, ...]:
     except Exception:  # noqa: BLE001 - who a device is must never keep it from being used
         return ()
     return tuple(each for each in found if isinstance(each, DeviceIdentity))
+
+
+def says_simulated(text: str) -> bool | None:
+    """Return True where a device calls itself simulated; None: what else it says proves nothing."""
+    return True if "simulated" in text.lower() else None

@@ -103,13 +103,21 @@ class LoadCheck:
 
 
 class LoadCell:
-    """A calibrated load cell with a tare. `input_range_V`: the actual range of its input."""
+    """A calibrated load cell with a tare. `input_range`: the actual range of its input.
+
+    `raw_unit` is the unit of that range and of all samples: N where a meter reads the cell, with a
+    calibration `in_newtons`.
+    """
 
     def __init__(
-        self, calibration: LoadCellCalibration, input_range_V: float | None = None
+        self,
+        calibration: LoadCellCalibration,
+        input_range: float | None = None,
+        raw_unit: str = "V",
     ) -> None:
         self.calibration = calibration
-        self._range_V = calibration.input_range_V if input_range_V is None else input_range_V
+        self._range = calibration.input_range_V if input_range is None else input_range
+        self._end = f"the end of its range of ±{self._range:g} {raw_unit}"
         self._tare_N = 0.0
 
     @property
@@ -143,7 +151,7 @@ class LoadCell:
         trip_N = TRIP_AT * self.calibration.capacity_N
         if not np.isfinite(peak_V):
             return LoadCheck(LoadState.OVERLOAD, peak_N, "the force input delivers no numbers")
-        if abs(peak_V) >= _AT_THE_RAIL * self._range_V and abs(peak_N) < trip_N:
+        if abs(peak_V) >= _AT_THE_RAIL * self._range and abs(peak_N) < trip_N:
             return LoadCheck(LoadState.SATURATED, peak_N, self._saturated(peak_N))
         if abs(peak_N) >= trip_N:
             return LoadCheck(LoadState.OVERLOAD, peak_N, self._overloaded(peak_N, peak_V))
@@ -167,17 +175,17 @@ class LoadCell:
 
     def _saturated(self, peak_N: float) -> str:
         return (
-            f"the force input is at the end of its range of ±{self._range_V:g} V, which is "
+            f"the force input is at {self._end}, which is "
             f"{abs(peak_N) * 1e3:.1f} mN: the reading is not valid; choose a larger range or a "
             "lower gain"
         )
 
     def _overloaded(self, peak_N: float, peak_V: float) -> str:
         text = f"the load cell carries {self._of_capacity(peak_N)}: unload it at once"
-        if abs(peak_V) >= _AT_THE_RAIL * self._range_V:
+        if abs(peak_V) >= _AT_THE_RAIL * self._range:
             text += (
-                f"; the input is at the end of its range of ±{self._range_V:g} V, so that a broken "
-                "wire or missing excitation looks the same"
+                f"; the input is at {self._end}, so that a broken wire or missing excitation "
+                "looks the same"
             )
         return text
 

@@ -6,14 +6,18 @@ import os
 import re
 import stat
 import sys
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit, urlunsplit
 
+from drivers.identity import says_simulated
 from drivers.interfaces import DeviceIdentity
 
 _VIDEO_DEVICE = re.compile(r"/dev/video(\d+)")
 _V4L = Path("/sys/class/video4linux")
+_ANSWER_S = 0.4  # to connect, and to answer
+_SHOWN = 80  # characters of a server's name
 
 
 def is_url(source: int | str) -> bool:
@@ -33,11 +37,17 @@ def identity_of_source(source: int | str, capture: Any, v4l: Path = _V4L) -> Dev
     """Return what is known of the camera behind a capture of OpenCV.
 
     OpenCV itself knows its backend only; on Linux the kernel knows model and serial of a camera
-    with a number.
+    with a number; a camera on the network names its server.
     """
     product, serial = _by_kernel(source, v4l)
-    name = without_password(str(source))
-    return DeviceIdentity(name=name, product=product, serial=serial, driver=_driver(capture))
+    product = product or _by_server(source)
+    return DeviceIdentity(
+        name=without_password(str(source)),
+        product=product,
+        serial=serial,
+        driver=_driver(capture),
+        is_simulated=says_simulated(product),
+    )
 
 
 def without_password(source: str) -> str:
@@ -67,6 +77,24 @@ def _by_kernel(source: int | str, v4l: Path) -> tuple[str, str]:
         return "", ""
     device = v4l / f"video{number}"
     return _line(device / "name"), _line(device / "device" / ".." / "serial")
+
+
+def _by_server(source: int | str) -> str:
+    """Return what an HTTP server calls itself; empty for other sources, and where it does not.
+
+    The name stands in the header of any answer, a refusal included: no password is sent.
+    """
+    if not (isinstance(source, str) and source.startswith(("http://", "https://"))):
+        return ""
+    from http.client import HTTPConnection, HTTPException, HTTPSConnection  # slow to import
+
+    with suppress(OSError, HTTPException, ValueError):
+        address = urlsplit(source)
+        kind = HTTPSConnection if address.scheme == "https" else HTTPConnection
+        with closing(kind(address.hostname or "", address.port, timeout=_ANSWER_S)) as connection:
+            connection.request("HEAD", urlunsplit(("", "", address.path or "/", address.query, "")))
+            return (connection.getresponse().headers["Server"] or "").strip()[:_SHOWN]
+    return ""
 
 
 def _line(path: Path) -> str:

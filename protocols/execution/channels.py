@@ -25,11 +25,12 @@ class Channel:
     name: str  # of the input, of its raw samples in a session: force, temperature
     quantity: str  # force, electric current, temperature
     unit: str  # of its values; letters, digits and _: N, A, degC, m_per_s
-    range_V: float  # of the board's input, either sign
+    range_V: float  # of the input, either sign; in `raw_unit`
     terminal: str = ""  # PCI6034E/ai3
     gain: float | None = 1.0  # unit per V
     offset: float = 0.0  # in the unit, at 0 V
     conversion: Conversion | None = None
+    raw_unit: str = "V"  # of the samples as recorded; N where a meter reads the force
 
     @property
     def column(self) -> str:
@@ -64,7 +65,9 @@ def drive_channel(*, range_V: float, terminal: str = "") -> Channel:
     return Channel(name=DRIVE, quantity="voltage", unit="V", range_V=range_V, terminal=terminal)
 
 
-def force_channel(*, range_V: float, conversion: Conversion, terminal: str = "") -> Channel:
+def force_channel(
+    *, range_V: float, conversion: Conversion, terminal: str = "", raw_unit: str = "V"
+) -> Channel:
     """Return the channel of the load cell, which has a calibration of its own."""
     return Channel(
         name=FORCE,
@@ -74,6 +77,7 @@ def force_channel(*, range_V: float, conversion: Conversion, terminal: str = "")
         terminal=terminal,
         gain=None,
         conversion=conversion,
+        raw_unit=raw_unit,
     )
 
 

@@ -68,6 +68,7 @@ class OperatorAnswered(Event):
 
     prompt: Prompt
     done: bool
+    expired: bool = False  # nobody has answered in the prompt's time, which counts as `done`
 
 
 @dataclass(frozen=True)

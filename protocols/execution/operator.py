@@ -24,6 +24,7 @@ class RecordedOperator:
     """An `Operator` that tells of what is asked. A manual stage is given the same one.
 
     `is_present`: whether there is an operator who can answer. One without the attribute is.
+    `expired` of an operator: whether nobody answered the last question in its time.
     """
 
     def __init__(self, operator: Operator, clock: Clock, emit: Callable[[Event], None]) -> None:
@@ -39,7 +40,8 @@ class RecordedOperator:
             return self._operator.ask(prompt)
         self._emit(OperatorAsked(self._clock.now(), prompt))
         done = self._operator.ask(prompt)
-        self._emit(OperatorAnswered(self._clock.now(), prompt, done))
+        expired = getattr(self._operator, "expired", False)
+        self._emit(OperatorAnswered(self._clock.now(), prompt, done, expired))
         return done
 
 

@@ -153,10 +153,9 @@ class ReadingMaker:
         values = self._rows.values(symmetric_mean(signals, centre, pending.half_window).value)
         frame = self._nearest_frame(pending.sample_s)
         inner = volts[:, 1:-1]
-        inputs = self._devices.signals
         why = [
             *late_edge(lateness_s(pending.edge), self._rules),
-            *bad_samples(inner, inputs.ranges_V, inputs.channels),
+            *bad_samples(inner, self._rows.channels),
             *wrong_drive(values[DRIVE_V], pending.edge.write.sheet_V, self._rules),
         ]
         if frame is not None:

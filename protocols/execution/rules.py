@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drivers.interfaces import FloatArray, Frame
+from protocols.execution.channels import Channel
 
 _COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether there is a picture
 AT_THE_RAIL = 0.999  # of the input's range: the last counts of the converter
@@ -45,15 +46,14 @@ def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:
         )
 
 
-def bad_samples(
-    volts: FloatArray, ranges_V: Sequence[float], channels: Sequence[str]
-) -> Iterator[str]:
+def bad_samples(raw: FloatArray, channels: Sequence[Channel]) -> Iterator[str]:
     """Reasons in the raw samples (channels, samples) of a window: lost ones, or a channel's end."""
-    if np.isnan(volts).any():
+    if np.isnan(raw).any():
         yield "samples were lost in its window"
-    for row, range_V, name in zip(volts, ranges_V, channels, strict=True):
-        if np.nanmax(np.abs(row), initial=0.0) >= AT_THE_RAIL * range_V:
-            yield f"the {name} input is at the end of its range (±{range_V:g} V)"
+    for row, channel in zip(raw, channels, strict=True):
+        if np.nanmax(np.abs(row), initial=0.0) >= AT_THE_RAIL * channel.range_V:
+            end = f"±{channel.range_V:g} {channel.raw_unit}"
+            yield f"the {channel.name} input is at the end of its range ({end})"
 
 
 def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]:

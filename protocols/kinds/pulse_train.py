@@ -16,9 +16,9 @@ from protocols.planning.pulses import Pulses
 class PulseTrain(ProtocolKind):
     """Readings at 0 V, then pulses of alternating voltages, as in the paper.
 
-    Zero readings come first, one in each `pulse_s`; then one reading in each pulse. The first
-    `pulses_discarded` pulses are recorded and marked; every voltage is read
-    `readings_per_voltage` times after them.
+    The readings at 0 V come first, as far apart as pulses are long; then one reading in each
+    pulse. The first pulses are recorded and marked as discarded; after them every voltage is read
+    the stated number of times.
     """
 
     name: ClassVar[str] = "pulse_train"

@@ -18,6 +18,10 @@ from sim_hardware.simulated_rig import OpticalSide
 
 _POLL_S = 0.05
 _BUFFERED = 4  # frames kept for a client that is busy for a moment
+_HEADER = (
+    b"HTTP/1.0 200 OK\r\nServer: labrig simulated camera\r\n"
+    b"Content-Type: video/x-yuv4mpeg\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n"
+)
 
 
 class _Client:
@@ -139,11 +143,10 @@ class CameraServer:
     def _serve(self, client: _Client) -> None:
         # A client may leave at any moment; that ends its connection and nothing else.
         with client.connection, contextlib.suppress(OSError):
-            if client.receive_request() == "GET":
-                client.connection.sendall(
-                    b"HTTP/1.0 200 OK\r\nContent-Type: video/x-yuv4mpeg\r\n"
-                    b"Cache-Control: no-store\r\nConnection: close\r\n\r\n"
-                )
+            method = client.receive_request()
+            if method in ("GET", "HEAD"):
+                client.connection.sendall(_HEADER)
+            if method == "GET":
                 self._send_frames(client)
         with self._change:
             self._clients.discard(client)

@@ -10,7 +10,7 @@ from sim_hardware.world.reduced import (
 from sim_hardware.world.settings import FaultSettings, WorldSettings
 from sim_hardware.world.setup import Scatter
 from sim_hardware.world.signals.load_cell import CellFault
-from sim_hardware.world.timed import TimedReading, TimedRun, Train, Visit, timed_session
+from sim_hardware.world.timed import TimedReading, TimedRun, Train, Visit, each_after, timed_session
 from sim_hardware.world.world import World
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "World",
     "WorldError",
     "WorldSettings",
+    "each_after",
     "load_world",
     "reduced_session",
     "timed_session",

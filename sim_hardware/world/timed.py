@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -126,11 +127,33 @@ def timed_session(
     )
 
 
+def each_after(
+    settings: WorldSettings,
+    before: Sequence[Visit],
+    wanted: Sequence[tuple[Visit, Train]],
+    *,
+    train: Train | None = None,
+    free_train: Train | None = None,
+    errors: CurveErrors | None = None,
+) -> list[TimedRun | None]:
+    """Make each of the wanted visits as if it came next after the others; None: it cannot be held.
+
+    What a prediction of one condition amid a session is compared with.
+    """
+    from sim_hardware.world import state_kernels
+
+    runner = _Runner(settings, train or Train(), errors or CurveErrors(), FINE_HZ)
+    past = list(runner.runs(before, free_train or train or Train()))
+    start_s = past[-1].start_s - past[-1].wet_s + runner.train.run_s if past else 0.0
+    shared = {id(one): one for one in (settings, state_kernels)}
+    return [deepcopy(runner, dict(shared)).next_run(len(before), *one, start_s) for one in wanted]
+
+
 class _Runner:
     def __init__(
         self, settings: WorldSettings, train: Train, errors: CurveErrors, series_hz: float
     ) -> None:
-        self._settings, self._train, self._errors = settings, train, errors
+        self._settings, self.train, self._errors = settings, train, errors
         self._block = round(FINE_HZ / series_hz)
         if self._block < 1 or abs(self._block * series_hz - FINE_HZ) > 1e-6:
             raise ValueError(f"series_hz = {series_hz:g} must divide {FINE_HZ:g}")
@@ -153,20 +176,26 @@ class _Runner:
     def runs(self, visits: Sequence[Visit], free_train: Train) -> Iterator[TimedRun]:
         start_s = 0.0
         for number, visit in enumerate(visits):
-            train = free_train if visit.position_m is None else self._train
+            train = free_train if visit.position_m is None else self.train
             if visit.load_cell_alone:
-                train = replace(self._train, discarded=0, kept=0)
-            scatter = visit.odd or Scatter.draw(self._settings, number)
-            setup = MountedSheet(
-                settings=self._settings,
-                configuration=visit.configuration,
-                position_m=visit.position_m,
-                scatter=scatter,
-                turned_over=visit.turned_over,
-            )
-            if setup.uncrept.reachable:
-                yield self._run(number, visit, train, setup, start_s)
+                train = replace(self.train, discarded=0, kept=0)
+            found = self.next_run(number, visit, train, start_s)
+            if found is not None:
+                yield found
             start_s += train.run_s
+
+    def next_run(self, number: int, visit: Visit, train: Train, start_s: float) -> TimedRun | None:
+        """Make a visit; None: the sheet cannot be held there."""
+        setup = MountedSheet(
+            settings=self._settings,
+            configuration=visit.configuration,
+            position_m=visit.position_m,
+            scatter=visit.odd or Scatter.draw(self._settings, number),
+            turned_over=visit.turned_over,
+        )
+        if not setup.uncrept.reachable:
+            return None
+        return self._run(number, visit, train, setup, start_s)
 
     def _run(
         self, number: int, visit: Visit, train: Train, setup: MountedSheet, placed_s: float

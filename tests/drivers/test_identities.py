@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import socket
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
 import cv2
 import pytest
 
@@ -85,6 +90,60 @@ def test_a_camera_that_only_opencv_knows_is_known_by_its_backend(monkeypatch):
 
 def test_a_password_in_a_camera_address_is_not_part_of_its_name():
     assert without_password("rtsp://me:secret@cam/1") == "rtsp://cam/1"
+
+
+class Named(BaseHTTPRequestHandler):
+    """A camera's server that wants a password."""
+
+    def do_HEAD(self):
+        self.server.asked.append((self.path, self.headers["Authorization"]))
+        self.send_response(401)
+        self.end_headers()
+
+    def version_string(self):
+        return self.server.name
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def camera_server():
+    """An HTTP server; `name` is what it calls itself."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Named)
+    server.asked, server.name = [], "MJPG-Streamer/0.2"
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+    thread.start()
+    yield server
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+@pytest.mark.parametrize(
+    ("name", "product", "is_simulated"),
+    [
+        ("MJPG-Streamer/0.2", "MJPG-Streamer/0.2", None),
+        ("labrig simulated camera", "labrig simulated camera", True),
+        ("", "", None),
+    ],
+)
+def test_a_camera_on_the_network_is_known_by_its_server(camera_server, name, product, is_simulated):
+    camera_server.name = name
+    source = f"http://me:secret@127.0.0.1:{camera_server.server_port}/video?size=1"
+    found = identity_of_source(source, Backend())
+    assert (found.product, found.is_simulated) == (product, is_simulated)
+    assert camera_server.asked == [("/video?size=1", None)]  # no password to tell who it is
+
+
+def test_a_camera_on_the_network_that_does_not_tell_is_not_waited_for():
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        began_s = time.monotonic()
+        found = identity_of_source(f"http://127.0.0.1:{silent.getsockname()[1]}/", Backend())
+        assert time.monotonic() - began_s < 1.0
+    assert (found.product, found.is_simulated) == ("", None)
+    for source in ("http://127.0.0.1:9/", "http://[", "http://a:b/", "rtsp://127.0.0.1:9/1"):
+        assert identity_of_source(source, Backend()).product == ""
 
 
 @needs_compiler

@@ -89,7 +89,7 @@ def test_the_end_of_a_small_input_range_is_told_apart_from_an_overload():
         offset_V=0.5,
         gain=667.0,
     )
-    check = LoadCell(amplified, input_range_V=10.0).protect(np.full(50, 10.0))
+    check = LoadCell(amplified, input_range=10.0).protect(np.full(50, 10.0))
     assert check.state is LoadState.SATURATED
     assert "±10 V" in check.text
     assert "larger range" in check.text
