@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from model.discrepancy.data_checks import DataCheck, Suspicion
+from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.diagnose import diagnose, next_measurement
 from model.discrepancy.prepare import Options as DiagnoseOptions
 from model.discrepancy.verdict.result import Diagnosis, Named, Next, Unknown
 
 __all__ = [
+    "CheckedData",
+    "DataCheck",
     "DiagnoseOptions",
     "Diagnosis",
     "Named",
     "Next",
+    "Suspicion",
     "Unknown",
+    "check_data",
     "diagnose",
     "next_measurement",
 ]

@@ -8,15 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.next_measurement.candidate_measurements import next_measurement as from_menu
+from model.discrepancy.data_checks.check import check_data
+from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
 from model.discrepancy.prepare import Options, prepare, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import null_gains, threshold
-from model.discrepancy.search.signatures import forms, signatures
 from model.discrepancy.thresholds import (
-    COMPARISON_SIGMA,
     EVIDENCE_THRESHOLD_LN,
     FEWEST_SETUPS,
     LEAST_IMPROVEMENT,
@@ -38,7 +37,37 @@ def diagnose(
     began = time.perf_counter()
     options = options or Options()
     say = progress or (lambda *_: None)
-    say("fitting the base model", 0.0)
+    say("checking the data", 0.0)
+    checked = check_data(measurements)
+    measurements = checked.measurements
+    if checked.stops:
+        return replace(stopped(checked), seconds=time.perf_counter() - began)
+    finding = _searched(measurements, options, say)
+    result = with_checks(finding.diagnosis, checked)
+    say("done", 1.0)
+    return replace(result, seconds=time.perf_counter() - began)
+
+
+def next_measurement(
+    measurements: Measurements, between: tuple[str, ...], options: Options | None = None
+) -> Next:
+    """Return which measurement separates effects best; raise `ModelError` where none does."""
+    checked = check_data(measurements)
+    if checked.stops:
+        raise ModelError(contradiction(checked))
+    chosen = [effect(name) for name in between]
+    if len(chosen) < 2:
+        raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
+    finding = _searched(checked.measurements, options or Options(), lambda *_: None)
+    found = finding.separating(chosen)
+    if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
+        raise ModelError(f"nothing on the menu would tell {' from '.join(between)}")
+    return found
+
+
+def _searched(measurements: Measurements, options: Options, say: Progress) -> Finding:
+    """Return the finished search of measurements that passed the data checks."""
+    say("fitting the base model", 0.01)
     ready = prepare(measurements, options)
     effects = _effects(options)
 
@@ -54,14 +83,14 @@ def diagnose(
     )
     if options.calibrate and enough:
         pool = [*candidates(outcome.base, effects), *unknowns(outcome.base)]
-        gains = null_gains(outcome.base, pool, options.calibrate, options.seed, progress)
+        gains = null_gains(outcome.base, pool, options.calibrate, options.seed, say)
         limit = threshold(gains)
         limit_from = f"{options.calibrate} simulated sessions of the base model"
         outcome = search(
             ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
         )
     say("comparing with other explanations", _SEARCH_TO)
-    finding = Finding(
+    return Finding(
         measurements=measurements,
         options=options,
         ready=ready,
@@ -70,27 +99,6 @@ def diagnose(
         threshold=limit,
         threshold_from=limit_from,
     )
-    result = finding.diagnosis
-    say("done", 1.0)
-    return replace(result, seconds=time.perf_counter() - began)
-
-
-def next_measurement(
-    measurements: Measurements, between: tuple[str, ...], options: Options | None = None
-) -> Next:
-    """Return which measurement separates effects best; raise `ModelError` where none does."""
-    ready = prepare(measurements, options or Options())
-    chosen = [effect(name) for name in between]
-    if len(chosen) < 2:
-        raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
-    fitted = search(ready.problem, ready.theta, [], np.inf).base
-    pool = forms(candidates(fitted, chosen), {})
-    lengths = signatures(fitted, pool, {}).detectability
-    sizes = [min(1.0, COMPARISON_SIGMA / max(x, 1e-9)) for x in lengths]
-    found = from_menu(fitted, chosen, [dict(c.values) for c in pool], sizes)
-    if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
-        raise ModelError(f"nothing on the menu would tell {' from '.join(between)}")
-    return found
 
 
 def _effects(options: Options) -> list[Effect]:

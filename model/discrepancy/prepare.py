@@ -11,17 +11,18 @@ from model.discrepancy.thresholds import (
     SHORTEST_CURVE_RATIO,
     STIFFNESS_PRIOR_LN,
 )
-from model.effects.catalogue import effect as effect_of
+from model.discrepancy.verdict.result import Next
 from model.identification.base_model import BaseOptions, bases_of
 from model.identification.data.data_vector import DataVector, look
-from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases
 from model.identification.likelihood.mixed_model_fit import FitProblem
+from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.row_noise import noise_of
 from model.identification.observations import Observed, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
+from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
 
 
@@ -37,6 +38,7 @@ class Options:
     exclude: tuple[str, ...] = ()  # effects that are not to be considered
     model: SheetModel | None = None  # whose effects are taken as known
     most_effects: int = 3
+    promised: tuple[Next, ...] = ()  # proposals whose measurements the data hold
 
 
 @dataclass(frozen=True)
@@ -158,17 +160,14 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
         return ()
     result = []
     for one in model.effects:
-        if one.name == "unknown":
-            continue
-        entry = effect_of(one.name)
+        entry = effect_of(one)
+        acts = [name for name in names if one.values(name) is not None]
         shared = {k.name: k.prior_scale for k in entry.parameters}
-        shared |= {k: p.value for k, p in one.parameters.items() if k in shared}
-        own = getattr(one, "by_configuration", None) or {}
         values = {
-            name: {**shared, **{k: p.value for k, p in own.get(name, {}).items() if k in shared}}
-            for name in names
+            name: {**shared, **{k: v for k, v in (one.values(name) or {}).items() if k in shared}}
+            for name in acts
         }
-        result.append(Found(entry, values))
+        result.append(Found(effect=entry, values=values, given=one.terms))
     return tuple(result)
 
 

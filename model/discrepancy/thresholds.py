@@ -24,6 +24,19 @@ SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA = 1e6, 1e11
 # Contact's distance along the sheet over its length: beyond it the sheet has slipped out.
 SLIP_LENGTH_RATIO = 1.02
 
+# -- Data as they are stated (moves: benchmarks/data_mistakes; false alarms with strong effects)
+
+# Mean square misfit of a configuration's mean forces and curves, in units of 3 % of the spread of
+# the forces and of 1/1000 of the length, from which on other values of single data are tried. With
+# nothing hidden it stays below 9, with effects of d up to 120 below 26, a wrong datum makes 100 and
+# more.
+SUSPICIOUS_MISFIT = 15.0
+# Share of the squares that a changed datum may leave to be told; wrong data leave 1/1000.
+LEFT_BY_CHANGED_DATUM = 0.1
+# Error of the base model over the spread of the forces, and over the length, beyond which no effect
+# is looked for.
+FAILED_FORCE_SHARE, FAILED_CURVE_SHARE = 0.7, 0.05
+
 # -- Naming an effect (moves: false names with nothing hidden, and names right at d = 10 to 15)
 
 # Log Bayes factor that the first effect needs. Of 362 sessions with nothing hidden one reached 5.6.

@@ -39,6 +39,14 @@ def catalogue() -> dict[str, Effect]:
     return {name: part.part for name, part in _found(tuple(sys.path)).items()}
 
 
+def title(name: str) -> str:
+    """Return what readers are shown of an effect or candidate: its title, or its name in words."""
+    known = catalogue().get(name)
+    own = "" if known is None else known.title
+    words = name.replace("unknown:", "unknown, ").replace("_", " ").split(" ")
+    return own or " ".join("EIBM" if word == "eibm" else word for word in words)
+
+
 def effect(name: str) -> Effect:
     """Return the effect of this name; a `ModelError` lists those there are."""
     known = catalogue()

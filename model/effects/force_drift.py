@@ -4,30 +4,42 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from model.effects._drift import SETTLES, settled
 from model.effects._values import MILLI
 from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
+TARED_AT = EffectParameter(
+    name="tared_at",
+    meaning="0: at the session's start; 0.5: in its middle; 1: at its end",
+    unit="",
+    prior_scale=0.0,
+    low=0.0,
+    high=1.0,
+    starting_values=(0.0, 0.5, 1.0),
+)
+
 
 @dataclass(frozen=True)
 class ForceDrift(Effect):
-    """A straight line over the session, 0 when it begins: the cell was set to zero then."""
+    """A straight line over the session, 0 when the cell was set to zero."""
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        done = weighed.session
+        done, tared = weighed.session, np.array(p.get(TARED_AT.name, 0.0))
         if p[SETTLES.name] > 0.5:
-            done = settled(done)
-        return p["force_mN"] * MILLI * done
+            done, tared = settled(done), settled(tared)
+        return np.asarray(p["force_mN"] * MILLI * (done - tared))
 
 
 EFFECT = ForceDrift(
     name="force_drift",
     meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
     form=(
-        "F measured = F + c tau, tau = 0 to 1 over the session; or settling exponentially, with a"
-        " third of it as its time constant"
+        "F measured = F + c (tau - tau0), tau = 0 to 1 over the session, tau0 when the cell was"
+        " tared; or settling exponentially, with a third of the session as its time constant"
     ),
     location="load_cell",
     signature=(
@@ -47,6 +59,7 @@ EFFECT = ForceDrift(
             high=20,
         ),
         SETTLES,
+        TARED_AT,
     ),
     form_error_along=("time",),
     of_the_rig=True,

@@ -92,6 +92,7 @@ class Effect:
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     # whether the base model has it as a parameter, unless it is asked to be symmetric
     in_base_model: bool = False
+    title: str = ""  # what readers are shown; empty: the name, in words
     needs_session: bool = False  # says nothing of a single run, whose session has no course
 
     @property

@@ -37,6 +37,7 @@ def falling(s_m: FloatArray, decay_m: float, length_m: float) -> FloatArray:
 
 EFFECT = NonuniformEibm(
     name="nonuniform_eibm",
+    title="EIBM along the sheet",
     meaning=(
         "The EIBM falls from the clamp to the end of the sheet, because the resistance of the thin"
         " electrodes leaves less voltage across the sheet farther from the contacts."

@@ -8,6 +8,7 @@ curve. Interpolating noisy points exactly would put errors of tens per metre int
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def smooth(curve: Curve, sheet: SheetGeometry, where: str, terms: int | None = N
     grid = _Grid(basis, np.minimum(curve.s_m, length + sheet.elongation_m))
     c = np.zeros(count)
     c[0] = _mean_curvature(curve, length)
-    penalty = PENALTY * 1e-16 * np.array([[_slopes(a, b, length) for b in basis] for a in basis])
+    penalty = _penalty(count, length)
     for _ in range(25):
         distance, J = grid.distance(c, curve.x_m, curve.y_m)
         A = J.T @ J + penalty
@@ -139,6 +140,13 @@ def _mean_curvature(curve: Curve, length_m: float) -> float:
     if beyond.sum() >= 3:
         return float(np.median(angles[beyond])) / length_m
     return float(np.polyfit(middle, angles, 1)[0])
+
+
+@lru_cache(maxsize=32)
+def _penalty(count: int, length_m: float) -> FloatArray:
+    """Return what squares of dk/ds cost, for the coefficients of Legendre polynomials."""
+    basis = [legendre_field(i, length_m) for i in range(count)]
+    return PENALTY * 1e-16 * np.array([[_slopes(a, b, length_m) for b in basis] for a in basis])
 
 
 def _slopes(a: Field, b: Field, length_m: float) -> float:

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from model.identification.data.outlier_readings import without_outliers
 from model.identification.joint import Joint, joint_fit
 from model.identification.observations import Observed, observe
 from model.identification.options import FitOptions
@@ -68,6 +69,8 @@ class Fit:
 def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     """Identify every configuration; `ModelError` names the missing data."""
     options = options or FitOptions()
+    cleaned = without_outliers(measurements)
+    measurements = cleaned.measurements
     used, held_out = _without(measurements, options)
     names = options.configurations or tuple(
         n for n in used.sheets if any(c.configuration == n for c in used.conditions)
@@ -102,7 +105,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     for model, kind in zip(models, kinds, strict=True):
         own = {name: _merit(one.rmse[kind]) for name, one in configurations.items()}
         done.append(replace(model, merit=_merit(errors[kind]), own_merit=own))
-    notes = _notes(measurements, parts, configurations, rows, ratio)
+    notes = (*cleaned.sentences(), *_notes(measurements, parts, configurations, rows, ratio))
     return Fit(
         model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
         rmse={"constant": errors["constant"], "varying": errors["varying"]},

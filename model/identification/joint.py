@@ -28,8 +28,8 @@ from model.identification.likelihood.random_effects import WIDE
 from model.identification.likelihood.row_noise import noise_of
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
-from model.identification.starting_values import rest_field, start
-from model.measurements import FloatArray, Measurements
+from model.identification.starting_values import Earlier, are_known, rest_field, start
+from model.measurements import FloatArray, Measurements, ModelError
 from model.mechanics.field import Field, legendre_field
 from model.parameter import Parameter
 
@@ -159,6 +159,19 @@ class Joint:
             field = field + f * float(self.fitted.theta[i])
         return field
 
+    # -- where a later fit begins
+
+    def carried(self) -> Earlier:
+        """Return the parameters of each configuration."""
+        parts = self.fitted.problem.bases.parts
+        names = self.forward.names
+        return {name: (part, self.fitted.theta) for name, part in zip(names, parts, strict=True)}
+
+    def noise_found(self) -> dict[str, float]:
+        """Return the logarithms of all standard deviations: scatters, then noises."""
+        names, values = self.fitted.problem.noise_names(), self.fitted.solution.log_sigma
+        return dict(zip(names, values.tolist(), strict=True))
+
     # -- rows whose products with the parameters are quantities
 
     def _part(self, n: int) -> BaseParameters:
@@ -220,9 +233,16 @@ class Joint:
 
 
 def joint_fit(
-    measurements: Measurements, observed: Sequence[Observed], options: FitOptions
+    measurements: Measurements,
+    observed: Sequence[Observed],
+    options: FitOptions,
+    earlier: Joint | None = None,
 ) -> Joint:
-    """Fit all configurations that were observed together."""
+    """Fit all configurations that were observed together.
+
+    An `earlier` fit with the same options, of somewhat fewer or more data, is where this one
+    begins: it is several times as quick, and its outcome is the same.
+    """
     rests, known = [], []
     for one in observed:
         rest, stated = rest_field(one.sheet, one)
@@ -237,10 +257,30 @@ def joint_fit(
     )
     bases = bases_of(forward, known, base)
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))
-    theta = least_squares(forward, bases, start(observed, forward, bases, known))
-    fitted = fit_at_set_ups(problem, theta)
+    fitted = None if earlier is None else _fitted_from(earlier, problem, observed, known)
+    if fitted is None:
+        rough = start(observed, forward, bases, known)
+        fitted = fit_at_set_ups(problem, least_squares(forward, bases, rough))
     loaded = [
         np.minimum(scene.solve(bases.beam(forward, n, fitted.theta)).contact.s_hat_m, scene.length)
         for n, scene in enumerate(forward.scenes)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)
+
+
+def _fitted_from(
+    earlier: Joint, problem: FitProblem, observed: Sequence[Observed], known: Sequence[bool]
+) -> MixedModelFit | None:
+    """Fit from where an earlier fit ended; None where that is too far away."""
+    forward, bases = problem.forward, problem.bases
+    before = earlier.carried()
+    theta = start(observed, forward, bases, known, before)
+    if not are_known(forward.names, bases, before):
+        theta = least_squares(forward, bases, theta)
+    names, found = problem.noise_names(), earlier.noise_found()
+    pairs = zip(names, problem.guess.tolist(), strict=True)
+    noise = np.array([found.get(name, guess) for name, guess in pairs])
+    try:
+        return fit_at_set_ups(problem, theta, noise)
+    except ModelError:
+        return None

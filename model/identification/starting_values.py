@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -19,6 +19,8 @@ from model.mechanics.field import Field
 
 LOOP_RAD = 2.0 * np.pi
 USUAL_BEND_PER_M = 20.0  # Me/B, to begin with where there are no curves
+# by configuration: places of its parameters in the vector of an earlier fit, and that vector
+Earlier = Mapping[str, tuple[BaseParameters, FloatArray]]
 
 
 def rest_field(sheet: SheetGeometry, observed: Observed) -> tuple[Field, bool]:
@@ -51,20 +53,54 @@ def _measured_curvature(observed: Observed, voltage_V: float) -> float:
 
 
 def start(
-    observed: Sequence[Observed], forward: ForwardModel, bases: Bases, known: Sequence[bool]
+    observed: Sequence[Observed],
+    forward: ForwardModel,
+    bases: Bases,
+    known: Sequence[bool],
+    earlier: Earlier | None = None,
 ) -> FloatArray:
-    """Rough base parameters; a `ModelError` where the data are too few for them."""
+    """Return base parameters to begin with; a `ModelError` where the data are too few for them.
+
+    A configuration's are those of an earlier fit, where it had them all, else rough.
+    """
     theta = np.zeros(bases.size)
     for one, scene, part, stated in zip(observed, forward.scenes, bases.parts, known, strict=True):
         for i, (mean, _) in part.prior.items():
             theta[i] = mean
         _check_forces(one, part, stated=stated)
-        _first_guess(theta, one, scene, part, stated=stated)
+        before = (earlier or {}).get(one.sheet.configuration)
+        if before is not None and _has_all(part, before[0]):
+            _carry_over(theta, part, *before)
+        else:
+            _first_guess(theta, one, scene, part, stated=stated)
     if bases.rise is not None:
         theta[bases.rise :] = [mean for mean, _ in RISE]
     if not np.all(np.isfinite(theta)):
         raise ModelError("no rough values of B and EIBM could be found; check forces and curves")
     return theta
+
+
+def are_known(names: Sequence[str], bases: Bases, earlier: Earlier) -> bool:
+    """Whether an earlier fit had all parameters of all configurations."""
+    parts = zip(names, bases.parts, strict=True)
+    return all(name in earlier and _has_all(part, earlier[name][0]) for name, part in parts)
+
+
+def _has_all(part: BaseParameters, before: BaseParameters) -> bool:
+    same = len(part.forms) == len(before.forms) and len(part.rest) == len(before.rest)
+    return same and part.eibm.keys() <= before.eibm.keys()
+
+
+def _carry_over(
+    theta: FloatArray, part: BaseParameters, before: BaseParameters, values: FloatArray
+) -> None:
+    """Set a configuration's parameters as an earlier fit has them."""
+    terms = len(part.forms)
+    theta[part.stiffness] = values[before.stiffness]
+    for voltage, (first, _) in part.eibm.items():
+        own = before.eibm[voltage][0]
+        theta[first : first + terms] = values[own : own + terms]
+    theta[list(part.rest)] = values[list(before.rest)]
 
 
 def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> None:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import BeamProblem, Perturbation
 from model.measurements import FloatArray
 
@@ -19,29 +18,6 @@ SPANS_S = {
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
 }  # fmt: skip
 FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
-
-
-@dataclass(frozen=True, kw_only=True)
-class BasisTerm:
-    """A basis function as a term: of a coordinate `low` .. `high`."""
-
-    along: str
-    function: Function
-    low: float
-    high: float
-    under: str = ""
-
-    def __call__(self, at: FloatArray) -> FloatArray:
-        """Return its values; in the middle where there is no coordinate."""
-        span = self.high - self.low
-        if span <= 0.0:
-            return self.function(np.full_like(at, 0.5))
-        return self.function(np.nan_to_num((at - self.low) / span, nan=0.5))
-
-    def share(self, voltage_V: FloatArray) -> FloatArray:
-        """Return 1, 0 or -1: in which sense it acts at these voltages."""
-        sign = np.sign(voltage_V)
-        return {"": np.ones_like(sign), "voltage": np.abs(sign), "polarity": sign}[self.under]
 
 
 def cosine_wave(j: int, amplitude: float = 1.0) -> Function:
@@ -109,7 +85,7 @@ def bases_of(
         yield Basis(
             part=part, along=along, function=function, unit=location.unit,
             span=(factor * low, factor * high, unit),
-            step=perturbation(location, at, term), shared=shared,
+            step=perturbation(location, at, term), shared=shared, term=term,
         )  # fmt: skip
 
 
@@ -128,7 +104,7 @@ def _range(at: Linearised, along: str) -> tuple[float, float]:
 
 def perturbation(location: Location, at: Linearised, term: Term) -> Perturbation:
     """Return what a term changes, to first order."""
-    step = beam_step(at, location.beam(at.beam, term))
+    step = beam_step(at, location.bent(at.beam, at.contact, term))
     force = location.force(at.weighed, term)
     if force is not None:
         step.force_N = force

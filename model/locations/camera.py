@@ -7,13 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave
-from model.locations.contract import Basis, Linearised, Location, Term
+from model.locations.basis import bases_of, cosine_wave, perturbation
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import AcquisitionTimes, ImagePoints
 from model.measurements import FloatArray
 
 AMPLITUDE_M = 5e-4  # of a distortion of the image
 DEGREE = 4  # waves across the image: those with i + j < DEGREE
+COUNT = DEGREE * (DEGREE + 1) // 2
+IMAGE = ("image_x", "image_y")  # coordinates of terms that move points one way
 IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
@@ -25,6 +27,12 @@ class Camera(Location):
 
     def curve(self, points: ImagePoints, term: Term) -> tuple[FloatArray, FloatArray] | None:
         """See `Location.curve`."""
+        if term.along in IMAGE:
+            sizes = term(np.arange(COUNT, dtype=float))
+            waves = zip(sizes, _waves(points), strict=True)
+            off = 1e-3 * np.sum([size * wave for size, wave in waves], axis=0)
+            none = np.zeros_like(off)
+            return (off, none) if term.along == "image_x" else (none, off)
         if term.along != "s":
             return None
         off = 1e-3 * term(points.s_m)
@@ -40,20 +48,38 @@ class Camera(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        x, y = at.points.x_m / IMAGE_X_M, (at.points.y_m + BELOW_M) / IMAGE_Y_M
-        for i in range(DEGREE):
-            for j in range(DEGREE - i):
-                wave = np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
-                for normal in (at.points.normal_x, at.points.normal_y):
-                    step = at.nothing()
-                    step.points_m = AMPLITUDE_M * wave * normal * at.has_curve[:, None]
-                    yield Basis(
-                        part="place", along="place", function=None, unit="mm",
-                        span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True,
-                    )  # fmt: skip
+        for number in range(COUNT):
+            for along in IMAGE:
+                term = BasisTerm(
+                    along=along, function=_only(number), low=0.0, high=COUNT - 1.0, nodes=COUNT
+                )
+                step = perturbation(self, at, term)
+                step.points_m = step.points_m * at.has_curve[:, None]
+                yield Basis(
+                    part="place", along="place", function=None, unit="mm",
+                    span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True,
+                    term=term,
+                )  # fmt: skip
         waves = (cosine_wave(j, AMPLITUDE_OF_AGE) for j in range(WAVES_OF_AGE))
         for one in bases_of(self, at, waves, along="position", part="age"):
             yield replace(one, unit="relative")
+
+
+def _waves(points: ImagePoints) -> Iterator[FloatArray]:
+    """Yield the waves across the image at points, each of their shape."""
+    x, y = points.x_m / IMAGE_X_M, (points.y_m + BELOW_M) / IMAGE_Y_M
+    for i in range(DEGREE):
+        for j in range(DEGREE - i):
+            yield np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
+
+
+def _only(number: int) -> Function:
+    """Return the function of 0 .. 1 that is one wave's amplitude in mm, and nothing elsewhere."""
+
+    def value(t: FloatArray) -> FloatArray:
+        return np.where(np.rint(t * (COUNT - 1)) == number, 1e3 * AMPLITUDE_M, 0.0)
+
+    return value
 
 
 LOCATION = Camera(

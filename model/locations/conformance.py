@@ -11,8 +11,8 @@ from dataclasses import fields
 
 import numpy as np
 
-from model.locations.basis import BasisTerm, perturbation
-from model.locations.contract import Basis, Linearised, Location
+from model.locations.basis import perturbation
+from model.locations.contract import Basis, BasisTerm, Linearised, Location
 from model.locations.examples import example_linearised
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray

@@ -4,6 +4,8 @@ A location says how a nonparametric term acts there, and which terms are looked 
 function of one coordinate (`Term`), in the location's unit. The same methods act for prediction,
 where a model file brings a term with numbers, and for inference, where the terms are basis shapes:
     `beam`      change the beam problem
+    `bent`      change it, given a solution: where a term goes with the bending
+    `course`    change EIBM and stiffness in the course of time, relative
     `force`     add to the force that the load cell reads, N
     `curve`     add to the points of the curve that the camera sees, m
     `pictured`  change the EIBM in the image of a reading, relative
@@ -43,13 +45,49 @@ class Term(Protocol):
 
     @property
     def along(self) -> str:
-        """s: m from the clamp; position: m on the arc; force: N; time: s."""
+        """Return the coordinate; `model.sheet.beam_problem.Profile` says which there are."""
+
+    @property
+    def adds(self) -> str:
+        """Return to what it is added; empty: that follows from the coordinate."""
 
     def __call__(self, at: FloatArray) -> FloatArray:
         """Return its values there."""
 
     def share(self, voltage_V: FloatArray) -> FloatArray:
+        """Return 1, 0 or -1, or between: in which sense it acts at these voltages."""
+
+    def part(self, voltage_V: FloatArray) -> FloatArray:
+        """Return the share of the voltage at which it was inferred, at most 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BasisTerm:
+    """A basis function as a term: of a coordinate `low` .. `high`."""
+
+    along: str
+    function: Function
+    low: float
+    high: float
+    under: str = ""
+    adds: str = ""
+    nodes: int = 51  # of straight lines that are near enough
+
+    def __call__(self, at: FloatArray) -> FloatArray:
+        """Return its values; in the middle where there is no coordinate."""
+        span = self.high - self.low
+        if span <= 0.0:
+            return self.function(np.full_like(at, 0.5))
+        return self.function(np.nan_to_num((at - self.low) / span, nan=0.5))
+
+    def share(self, voltage_V: FloatArray) -> FloatArray:
         """Return 1, 0 or -1: in which sense it acts at these voltages."""
+        sign = np.sign(voltage_V)
+        return {"": np.ones_like(sign), "voltage": np.abs(sign), "polarity": sign}[self.under]
+
+    def part(self, voltage_V: FloatArray) -> FloatArray:
+        """Return 1: it is a function of what was measured."""
+        return np.ones_like(voltage_V)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +102,8 @@ class Basis:
     span: tuple[float, float, str]  # of the coordinate, with its unit
     step: Perturbation
     shared: bool = False  # whether the rig does it to all configurations alike
+    # what a model file has of it; None: nothing that a prediction of means could show
+    term: BasisTerm | None = None
 
 
 class Periodic(Protocol):
@@ -123,6 +163,14 @@ class Location:
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """Return the beam problem with the term in it."""
         return beam
+
+    def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
+        """Return the beam problem with the term in it, given a solution."""
+        return self.beam(beam, term)
+
+    def course(self, clock: AcquisitionTimes, term: Term) -> tuple[FloatArray, FloatArray] | None:
+        """Return the relative change of EIBM and of stiffness at each time."""
+        return None
 
     def force(self, weighed: LoadCellInput, term: Term) -> FloatArray | None:
         """Return what is added to the force of each reading, N."""

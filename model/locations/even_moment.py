@@ -24,7 +24,8 @@ class EvenMoment(Location):
             return beam
         driven = beam.voltage_V != 0.0
         typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
-        share = typical * driven * term.share(beam.voltage_V)
+        # the size of the EIBM goes with the voltage, what is even in it with its square
+        share = typical * driven * term.share(beam.voltage_V) * term.part(beam.voltage_V)
         return replace(beam, bend=beam.bend + share[:, None] * term(beam.s_m))
 
     def bases(self, at: Linearised) -> Iterator[Basis]:

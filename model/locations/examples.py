@@ -64,7 +64,7 @@ def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]
         force_N=normal * np.cos(gamma), normal_N=normal, gamma_rad=gamma,
         s_hat_m=np.where(held_at, s_hat, np.nan), lever=np.where(before, dx * cos + dy * sin, 0.0),
         offset=np.where(before, dy * cos - dx * sin, 0.0), x_m=x, y_m=y, phi_rad=phi,
-        curvature=curvature, end_phi_rad=end_phi,
+        curvature=curvature, end_phi_rad=end_phi, at_rest=np.full(NODES, 20.0),
     )  # fmt: skip
     return beam, contact
 

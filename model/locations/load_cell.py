@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.locations.basis import bases_of, cosine_wave, polynomial, sinusoids, time_span
-from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import LoadCellInput
 from model.measurements import FloatArray
 
@@ -24,7 +24,12 @@ class LoadCell(Location):
 
     def force(self, weighed: LoadCellInput, term: Term) -> FloatArray | None:
         """See `Location.force`."""
-        at = {"position": weighed.position_m, "force": weighed.force_N}.get(term.along)
+        places = {
+            "position": weighed.position_m, "force": weighed.force_N, "session": weighed.session
+        }  # fmt: skip
+        if term.along == "configuration":
+            return np.asarray(1e-3 * term(np.zeros_like(weighed.force_N)))
+        at = places.get(term.along)
         if at is None:
             return None
         acting = term.share(weighed.voltage_V) * weighed.touching
@@ -41,7 +46,8 @@ class LoadCell(Location):
                 self, at, waves[:count], along="position", part=part, under=under, shared=shared
             )
         zero = np.full_like(at.weighed.force_N, waves[0](np.array(0.0)))
-        yield self._added(at, waves[0], zero, part="zero", along="position")
+        constant = BasisTerm(along="configuration", function=waves[0], low=0.0, high=1.0, nodes=1)
+        yield self._added(at, waves[0], zero, part="zero", along="position", term=constant)
         powers = (polynomial(degree, AMPLITUDE_MN) for degree in DEGREES)
         yield from bases_of(self, at, powers, along="force", part="force", shared=True)
         yield from self._in_time(at)
@@ -50,15 +56,19 @@ class LoadCell(Location):
         session = at.clock.session
         for j in range(1, WAVES_IN_SESSION + 1 if np.ptp(session) > 0.0 else 0):
             wave = cosine_wave(j, AMPLITUDE_MN)
-            yield self._added(at, wave, wave(session), part="zero, session", along="time")
+            yield self._added(
+                at, wave, wave(session), part="zero, session", along="time",
+                term=BasisTerm(along="session", function=wave, low=0.0, high=1.0),
+            )  # fmt: skip
         if at.periodic is not None and at.periodic.what == "force":
             phase = at.periodic.phase(at.clock)
             for wave in sinusoids(PERIODIC_MN):
                 yield self._added(at, wave, wave(phase), part="force, period", along="time")
 
     def _added(
-        self, at: Linearised, function: Function, added_mN: FloatArray, *, part: str, along: str
-    ) -> Basis:
+        self, at: Linearised, function: Function, added_mN: FloatArray, *, part: str, along: str,
+        term: BasisTerm | None = None,
+    ) -> Basis:  # fmt: skip
         """Return a force that is added to every reading, without contact, too."""
         step = at.nothing()
         step.force_N = 1e-3 * added_mN
@@ -66,7 +76,7 @@ class LoadCell(Location):
         span = (1e3 * low, 1e3 * high, "mm") if along == "position" else time_span(at, part)
         return Basis(
             part=part, along=along, function=function, unit=self.unit, span=span, step=step,
-            shared=True,
+            shared=True, term=term,
         )  # fmt: skip
 
 

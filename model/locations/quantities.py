@@ -31,6 +31,7 @@ class AcquisitionTimes:
     opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
     worked_s: FloatArray | float = 0.0  # under voltage in the whole session
+    position_m: FloatArray | float = np.nan  # on the arc as stated; NaN: free
 
     def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
         """Return some of these times."""
@@ -94,6 +95,7 @@ class ContactSolution:
     phi_rad: FloatArray  # (K, G)
     curvature: FloatArray  # (K, G) 1/m
     end_phi_rad: FloatArray  # (K,) at the end of the free length
+    at_rest: FloatArray | float = 0.0  # (K, G) or (G,) initial curvature of the base model, 1/m
 
 
 @dataclass(kw_only=True)
@@ -109,6 +111,8 @@ class LoadCellInput:
     touching: FloatArray  # 1, or 0 without contact
     wetted_s: FloatArray | float = 0.0  # since the sheet was last wetted
     slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
+    run_s: FloatArray | float = 0.0  # since the run began
+    pulse_s: FloatArray | float = 0.0  # since this voltage was set
 
 
 @dataclass(kw_only=True)

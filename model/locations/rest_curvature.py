@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, beam_step, cosine_wave, waves_along_sheet
-from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.basis import bases_of, cosine_wave, perturbation, waves_along_sheet
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import BeamProblem
 from model.measurements import FloatArray
 
@@ -23,6 +23,8 @@ class RestCurvature(Location):
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
+        if term.along == "clamp":
+            return replace(beam, tilt_rad=beam.tilt_rad + term(np.zeros_like(beam.tilt_rad)))
         if term.along != "s":
             return beam
         return replace(beam, rest=beam.rest + term.share(beam.voltage_V)[:, None] * term(beam.s_m))
@@ -32,11 +34,14 @@ class RestCurvature(Location):
         waves = (cosine_wave(j, AMPLITUDE_PER_M) for j in range(waves_along_sheet(at)))
         yield from bases_of(self, at, waves, along="s", part="s")
         length_m = at.beam.sheet.free_length_m
-        turned = replace(at.beam, tilt_rad=at.beam.tilt_rad + KINK_RAD)
+        turned = BasisTerm(
+            along="clamp", function=lambda t: np.full_like(t, KINK_RAD), low=0.0, high=1.0, nodes=1
+        )
         for part in ("s", "clamp"):
             yield Basis(
                 part=part, along="s", function=_kink(length_m), unit=self.unit,
-                span=(0.0, 1e3 * length_m, "mm"), step=beam_step(at, turned),
+                span=(0.0, 1e3 * length_m, "mm"), step=perturbation(self, at, turned),
+                term=turned,
             )  # fmt: skip
 
 

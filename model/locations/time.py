@@ -7,9 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import SPANS_S, beam_step, cosine_wave, decay, sinusoids, time_span
-from model.locations.contract import Basis, Function, Linearised, Location
-from model.locations.quantities import Perturbation
+from model.locations.basis import (
+    SPANS_S,
+    beam_step,
+    cosine_wave,
+    decay,
+    sinusoids,
+    time_span,
+)
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
+from model.locations.quantities import (
+    AcquisitionTimes,
+    BeamProblem,
+    LoadCellInput,
+    Perturbation,
+)
 from model.measurements import FloatArray
 
 AMPLITUDE = 0.1  # relative
@@ -17,15 +29,41 @@ FORCE_MN, TURN_RAD = 2.0, 0.3  # times AMPLITUDE
 WAVES = {"session": 8, "run": 3}
 DECAYS_PULSES, PULSES = (1.0, 3.0), 22.0  # to 1/e, of the train's
 WAVES_IN_PULSE = 3
+# coordinates of terms; what goes with the pulse or a period is in no mean
+ALONG = {"session": "session", "run": "run", "train": "driven"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Time(Location):
     """Courses of EIBM, stiffness, force or clamp.
 
-    They concern single readings, which a prediction of their mean does not have: so a term of a
-    model file changes nothing.
+    They concern single readings; a prediction of a condition has their mean, amid a session.
     """
+
+    def course(self, clock: AcquisitionTimes, term: Term) -> tuple[FloatArray, FloatArray] | None:
+        """See `Location.course`."""
+        times = {"session": clock.session, "run": clock.run_s, "driven": clock.driven_s}
+        if term.along not in times or term.adds not in ("EIBM", "stiffness"):
+            return None
+        values, none = term(np.asarray(times[term.along])), np.zeros(clock.voltage_V.shape)
+        return (values, none) if term.adds == "EIBM" else (none, values)
+
+    def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
+        """See `Location.beam`."""
+        if term.adds != "clamp":
+            return beam
+        count, session = len(beam.voltage_V), beam.share * beam.clock.session
+        at = np.asarray(np.bincount(beam.reading_of, session, count), dtype=float)
+        return replace(beam, tilt_rad=beam.tilt_rad + term(at))
+
+    def force(self, weighed: LoadCellInput, term: Term) -> FloatArray | None:
+        """See `Location.force`."""
+        if term.along != "run" or term.adds not in ("force", "stress"):
+            return None
+        values = term(np.broadcast_to(weighed.run_s, weighed.force_N.shape))
+        if term.adds == "force":
+            return np.asarray(1e-3 * values)
+        return np.asarray(_force_at_0V_N(weighed) * values)
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
@@ -79,10 +117,23 @@ class Time(Location):
     def _basis(
         self, at: Linearised, function: Function, part: str, step: Perturbation, unit: str = ""
     ) -> Basis:
+        adds, _, during = part.partition(", ")
+        span, along = time_span(at, part), ALONG.get(during)
+        term = along and BasisTerm(along=along, function=function, low=0.0, high=span[1], adds=adds)
         return Basis(
-            part=part, along="time", function=function, unit=unit or self.unit,
-            span=time_span(at, part), step=step, shared=True,
+            part=part, along="time", function=function, unit=unit or self.unit, span=span,
+            step=step, shared=True, term=term or None,
         )  # fmt: skip
+
+
+def _force_at_0V_N(weighed: LoadCellInput) -> FloatArray:
+    """Return the mean force at 0 V at the position of each reading."""
+    result = np.zeros_like(weighed.force_N)
+    for at in np.unique(weighed.position_m):
+        own = weighed.position_m == at
+        at_rest = weighed.force_N[own & (weighed.voltage_V == 0.0)]
+        result[own] = np.mean(at_rest) if len(at_rest) else 0.0
+    return result
 
 
 def _on(at: Linearised) -> FloatArray:

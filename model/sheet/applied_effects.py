@@ -1,7 +1,6 @@
 """Apply the catalogue's effects to the beam problem of a `SheetModel`.
 
-What they do to it is in `effect_hooks`; here are a model's own conditions, and the terms of a model
-that are in no catalogue.
+What they do to it is in `effect_hooks`; here are a model's own conditions.
 """
 
 from __future__ import annotations
@@ -13,42 +12,42 @@ import numpy as np
 
 from model.effects import Effect, catalogue
 from model.effects.interface import BeamProblem, ContactSolution
-from model.locations import Location, location
+from model.locations import location
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
-from model.sheet.beam_problem import ActiveEffect, ConditionProblem, Profile
+from model.sheet.beam_problem import UNKNOWN, ActiveEffect, ConditionProblem
 from model.sheet.effect_hooks import Acting, applied, in_course, mean_course, self_consistent
+from model.sheet.form import form_in
+from model.sheet.free_effect import acting_with, free_effect
 from model.sheet.solution import SolvedProblems, solved
 from model.sheet.typical_run import kept_readings, typical_run
 
 NODES = 14  # along the free length, where effects are worked out
 MOST_ROUNDS = 60
 SETTLED = 1e-9
-UNKNOWN = "unknown"
 
 
 def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
     """Return the effects that act in a configuration; raise `ModelError` for unusable ones."""
-    known, result = catalogue(), []
+    result = []
     for one in effects:
-        if one.name == UNKNOWN:
-            continue
-        if one.name not in known:
-            raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
         values = one.values(configuration)
         if values is not None:
-            numbers = _numbers(known[one.name], values)
-            result.append(Acting(known[one.name], numbers, one.profile))
+            effect = effect_of(one)
+            form = form_in(one.terms, configuration)
+            result.append(acting_with(effect, _numbers(effect, values), form))
     return result
 
 
-def terms(effects: Sequence[ActiveEffect], configuration: str) -> list[tuple[Location, Profile]]:
-    """Return the nonparametric terms of a configuration, each with its location."""
-    return [
-        (location(one.location), one.profile) for one in effects
-        if one.name == UNKNOWN and one.values(configuration) is not None and one.profile is not None
-    ]  # fmt: skip
+def effect_of(one: ActiveEffect) -> Effect:
+    """Return the catalogue's effect, or that of a location; raise `ModelError` without one."""
+    if one.name == UNKNOWN:
+        return free_effect(location(one.location))
+    known = catalogue()
+    if one.name not in known:
+        raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
+    return known[one.name]
 
 
 def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
@@ -77,16 +76,12 @@ def with_effects(
     Friction and the like look at the other voltages of the same position among the setups.
     """
     name = setups[0].sheet.configuration
-    named, free = acting(effects, name), terms(effects, name)
+    named = acting(effects, name)
     plain = beam_problem(setups, positions_m)
-    # an unknown course in time is a matter of single readings, not of their mean
     course = mean_course(named, plain.clock, plain.reading_of, plain.share, len(setups))
 
     def change(base: BeamProblem, contact: ContactSolution) -> BeamProblem:
-        beam = applied(base, contact, named)
-        for where, term in free:
-            beam = where.beam(beam, term)
-        return beam
+        return applied(base, contact, named)
 
     def solve(beam: BeamProblem) -> _Solved:
         found = solved(_setups(setups, plain, beam))
@@ -121,7 +116,10 @@ def beam_problem(
     sheet = setups[0].sheet
     s = sheet.free_length_m * np.asarray(rule(NODES).c)
     B = np.array([one.B_Nm2 for one in setups])
-    runs = [typical_run(v, -v, sheet.rise_time_s) for v in (float(o.voltage_V) for o in setups)]
+    runs = [
+        typical_run(v, -v, sheet.rise_time_s, np.nan if at is None else at)
+        for v, at in zip((float(o.voltage_V) for o in setups), positions_m, strict=True)
+    ]
     clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
     none = np.zeros(len(setups))
     ones = np.ones((len(setups), NODES))
@@ -197,4 +195,5 @@ def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolutio
         offset=np.where(before, dy * cos - dx * sin, 0.0), x_m=own_x, y_m=own_y,
         phi_rad=phi - tilt, curvature=shapes.curvature_per_m[:, :-1],
         end_phi_rad=shapes.phi_rad[:, -1] - beam.tilt_rad,
+        at_rest=np.stack([s.rest(beam.s_m) for s in found.setups]) - beam.rest,
     )  # fmt: skip

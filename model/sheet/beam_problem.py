@@ -6,7 +6,7 @@ Effects of a model change a `ConditionProblem` before it is solved: see `applied
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -15,8 +15,13 @@ from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 
-Coordinate = Literal["s", "position", "force", "time"]
+Coordinate = Literal[
+    "s", "curvature", "position", "voltage", "configuration", "force", "pulse", "run", "session",
+    "driven", "time", "clamp", "image_x", "image_y",
+]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
+Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp"]
+UNKNOWN = "unknown"  # the name of what is in no catalogue
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,32 +47,57 @@ class ConditionProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """Numbers along a coordinate: straight lines between nodes, constant beyond the outer ones."""
+    """Numbers along a coordinate: straight lines between nodes, constant beyond the outer ones.
 
-    along: Coordinate  # s: m from the clamp; position: m on the arc; force: N; time: s
+    Coordinates: s, m from the clamp; curvature, 1/m by which the sheet is bent; position, m on the
+    arc; voltage, V; force, N; pulse, run, s since the voltage was set, since the run began; driven,
+    s under voltage since the sheet was wetted; session, 0 .. 1; image_x, image_y, the number of a
+    wave across the image; configuration and clamp have one node. What goes with `time`, as older
+    files have it, is in no mean.
+    """
+
+    along: Coordinate
     at: tuple[float, ...]
     values: tuple[float, ...]
     sigma: tuple[float, ...]
     unit: str  # of the values; empty: factors
     under: Under = ""  # voltage: not at 0 V; polarity: the other way at the other polarity
+    adds: Adds = ""  # to what it is added, where that does not follow from the coordinate
+    configurations: tuple[str, ...] = ()  # in which it acts; empty: all
+    # the least voltage at which it was inferred; what is odd in the voltage goes in proportion to
+    # it below that, what is even with its square; 0: it is the same at all
+    full_V: float = 0.0
 
     def __call__(self, at: FloatArray) -> FloatArray:
-        """Values there."""
-        result: FloatArray = np.interp(at, self.at, self.values)
+        """Values there; in the middle where there is no coordinate."""
+        middle = 0.5 * (self.at[0] + self.at[-1])
+        result: FloatArray = np.interp(np.nan_to_num(at, nan=middle), self.at, self.values)
         return result
 
     def share(self, voltage_V: FloatArray) -> FloatArray:
         """1, 0 or -1: which way it acts at these voltages."""
-        sign = np.sign(voltage_V)
-        return {"": np.ones_like(sign), "voltage": np.abs(sign), "polarity": sign}[self.under]
+        sign, part = np.sign(voltage_V), self.part(voltage_V)
+        some = {"": np.ones_like(sign), "voltage": np.abs(sign) * part**2, "polarity": sign * part}
+        return some[self.under]
+
+    def part(self, voltage_V: FloatArray) -> FloatArray:
+        """Share of the least voltage at which it was inferred, 1 from there on."""
+        if not self.full_V:
+            return np.ones_like(voltage_V)
+        return np.minimum(np.abs(voltage_V) / self.full_V, 1.0)
 
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
-        result = {
+        result: dict[str, Any] = {
             "along": self.along, "at": list(self.at), "value": list(self.values),
             "sigma": list(self.sigma), "unit": self.unit,
         }  # fmt: skip
-        return {**result, "under": self.under} if self.under else result
+        for key in ("under", "adds", "full_V"):
+            if getattr(self, key):
+                result[key] = getattr(self, key)
+        if self.configurations:
+            result["configurations"] = list(self.configurations)
+        return result
 
     @staticmethod
     def from_dict(data: object, where: str) -> Profile:
@@ -87,12 +117,17 @@ class Profile:
             raise ModelError(f"{where}: at, value and sigma must be equally long")
         if any(b <= a for a, b in zip(rows["at"], rows["at"][1:], strict=False)):
             raise ModelError(f"{where}.at: the places must ascend")
-        under = data.get("under", "")
-        if under not in get_args(Under):
-            raise ModelError(f"{where}.under: one of voltage, polarity is wanted, or none")
+        words = {}
+        for key, choices in (("under", get_args(Under)), ("adds", get_args(Adds))):
+            words[key] = data.get(key, "")
+            if words[key] not in choices:
+                some = ", ".join(choices[1:])
+                raise ModelError(f"{where}.{key}: one of {some} is wanted, or none")
         return Profile(
             along=data["along"], at=rows["at"], values=rows["value"], sigma=rows["sigma"],
-            unit=str(data.get("unit", "")), under=under,
+            unit=str(data.get("unit", "")), under=words["under"], adds=words["adds"],
+            configurations=_names(data, where),
+            full_V=finite(data.get("full_V", 0.0), f"{where}.full_V"),
         )  # fmt: skip
 
 
@@ -101,14 +136,17 @@ class ActiveEffect:
     """An effect that a model includes, by its name in the catalogue.
 
     The name `unknown` stands for something that is in no catalogue: it has a location, and its
-    profile says what is added there.
+    form says what is added there.
     """
 
     name: str
     parameters: Mapping[str, Parameter] = field(default_factory=dict)  # of all configurations
     # where a configuration has values of its own
     by_configuration: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)
-    # factors on the catalogue's form (named effects), or the term itself (`unknown`)
+    # Where its form differs from the catalogue's: it is that times 1 + the sum of these terms, but
+    # for those that add to something. Of `unknown`: the terms themselves.
+    form: tuple[Profile, ...] = ()
+    # as older files have it: factors on the catalogue's form, or the term itself (`unknown`)
     profile: Profile | None = None
     location: str = ""  # of `unknown`
     configurations: tuple[str, ...] = ()  # in which it acts; empty: all
@@ -137,7 +175,19 @@ class ActiveEffect:
             }
         if self.profile is not None:
             result["profile"] = self.profile.to_dict()
+        if self.form:
+            result["form"] = [term.to_dict() for term in self.form]
         return result
+
+    @property
+    def terms(self) -> tuple[Profile, ...]:
+        """All terms of its form, those of older files among them."""
+        old = self.profile
+        if old is None:
+            return self.form
+        if self.name != UNKNOWN:
+            old = replace(old, values=tuple(v - 1.0 for v in old.values))
+        return (*self.form, old)
 
     @staticmethod
     def from_dict(data: object, where: str) -> ActiveEffect:
@@ -145,12 +195,11 @@ class ActiveEffect:
         if not isinstance(data, dict) or not isinstance(data.get("name"), str):
             raise ModelError(f"{where}: a table with a name is wanted")
         own = data.get("by_configuration", {})
-        names = data.get("configurations", [])
         if not isinstance(own, dict):
             raise ModelError(f"{where}.by_configuration: a table is wanted")
-        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-            raise ModelError(f"{where}.configurations: a list of names is wanted")
-        profile = data.get("profile")
+        profile, form = data.get("profile"), data.get("form", [])
+        if not isinstance(form, list):
+            raise ModelError(f"{where}.form: a list of tables is wanted")
         return ActiveEffect(
             name=data["name"],
             parameters=_parameters(data.get("parameters", {}), f"{where}.parameters"),
@@ -158,10 +207,20 @@ class ActiveEffect:
                 name: _parameters(one, f"{where}.by_configuration.{name}")
                 for name, one in own.items()
             },
+            form=tuple(
+                Profile.from_dict(term, f"{where}.form[{i}]") for i, term in enumerate(form)
+            ),
             profile=None if profile is None else Profile.from_dict(profile, f"{where}.profile"),
             location=str(data.get("slot", "")),
-            configurations=tuple(names),
+            configurations=_names(data, where),
         )
+
+
+def _names(data: dict[str, Any], where: str) -> tuple[str, ...]:
+    names = data.get("configurations", [])
+    if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
+        raise ModelError(f"{where}.configurations: a list of names is wanted")
+    return tuple(names)
 
 
 def _parameters(data: object, where: str) -> dict[str, Parameter]:

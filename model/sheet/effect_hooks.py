@@ -6,9 +6,9 @@ second for those that were taken. A further hook is read here, and nowhere else.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -24,12 +24,14 @@ from model.effects.interface import (
 )
 from model.effects.sliding import slid
 from model.measurements import FloatArray
-from model.sheet.beam_problem import Profile
+from model.sheet.form import Form
 
 MOST_LOST = 0.95  # of EIBM and stiffness
+LEAST_SOFT = 0.05  # of the compliance, that an inferred form may leave
 DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
 ALONG_SHEET = ("rest", "eibm", "bend", "soft")
-ALL_FIELDS = (*ALONG_SHEET, "stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
+OF_CONDITIONS = ("stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
+ALL_FIELDS = (*ALONG_SHEET, *OF_CONDITIONS)
 LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2}  # the size that matters; else 1
 Index = npt.NDArray[np.int64]
 
@@ -40,7 +42,7 @@ class Acting:
 
     effect: Effect
     values: Values
-    profile: Profile | None = None  # factors on its form, where one was inferred
+    form: Form | None = None  # where it differs from the catalogue's
 
 
 class Solved(Protocol):
@@ -65,7 +67,15 @@ def course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray, FloatArray
     found = one.effect.course(clock, one.values)
     if found is None:
         return None
-    return np.where(clock.voltage_V != 0.0, found[0], 0.0), np.asarray(found[1], dtype=float)
+    eibm, stiffness = found
+    if one.form is not None:
+        factor, times = (
+            one.form.of_readings(clock),
+            {"session": clock.session, "run_s": clock.run_s},
+        )
+        eibm = factor * eibm + one.form.added("EIBM", **times)
+        stiffness = factor * stiffness + one.form.added("stiffness", **times)
+    return np.where(clock.voltage_V != 0.0, eibm, 0.0), np.asarray(stiffness, dtype=float)
 
 
 def mean_course(
@@ -96,9 +106,20 @@ def in_course(beam: BeamProblem, eibm: FloatArray, stiffness: FloatArray) -> Bea
 
 def image_change(acting: Sequence[Acting], clock: AcquisitionTimes) -> FloatArray | None:
     """Return the relative change of the EIBM in the image of a reading; None: it is no older."""
-    found = [one.effect.pictured(clock, one.values) for one in acting]
-    seen = [change for change in found if change is not None]
+    seen = []
+    for one in acting:
+        change = one.effect.pictured(clock, one.values)
+        if change is not None:
+            seen.append(change if one.form is None else change * one.form.of_readings(clock))
     return np.asarray(np.sum(seen, axis=0)) if seen else None
+
+
+def lagging(
+    one: Acting, beam: BeamProblem, contact: ContactSolution
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield shapes that lag (K, G), 1/m, each with how much of it there is at each reading (n,)."""
+    for shape, much in one.effect.lagging(beam, contact, one.values):
+        yield shape, much if one.form is None else much * one.form.of_readings(beam.clock)
 
 
 # -- the beam problem
@@ -108,22 +129,30 @@ def applied(beam: BeamProblem, contact: ContactSolution, acting: Sequence[Acting
     """Return the problem with the effects in it, given a solution."""
     for one in acting:
         changed = one.effect.beam(beam, contact, one.values)
-        beam = changed if one.profile is None else _formed(beam, changed, one.profile)
+        beam = changed if one.form is None else _formed(beam, changed, contact, one.form)
     return beam
 
 
-def _formed(before: BeamProblem, after: BeamProblem, profile: Profile) -> BeamProblem:
-    """Return an effect's change times the factors of the inferred form."""
-    if profile.along in ("force", "time"):
-        return after
-    by_place = profile.along == "s"
-    factor = profile(before.s_m) if by_place else profile(np.nan_to_num(before.stated_m))
-    changed = {}
-    for name in ALONG_SHEET if by_place else ALL_FIELDS:
-        old, new = getattr(before, name), getattr(after, name)
-        wide = factor if by_place or old.ndim == 1 else factor[:, None]
-        changed[name] = old + (new - old) * wide
-    return replace(after, **changed)
+def _formed(
+    before: BeamProblem, after: BeamProblem, contact: ContactSolution, form: Form
+) -> BeamProblem:
+    """Return an effect's change times the factors of the inferred form.
+
+    Along the sheet these are factors on compliance and curvature without load. The moment follows
+    from them: as a product with the compliance it would not be in proportion to the factor.
+    """
+    factor, whole = form.along_sheet(before, contact), form.of_conditions(before)
+    changed: dict[str, Any] = {name: _between(before, after, name, whole) for name in OF_CONDITIONS}
+    changed |= {name: _between(before, after, name, factor) for name in ("rest", "eibm", "soft")}
+    changed["soft"] = np.maximum(changed["soft"], LEAST_SOFT * before.soft)
+    free, other = ((one.eibm + one.bend) * one.soft for one in (before, after))
+    bend = (free + (other - free) * factor) / changed["soft"] - changed["eibm"]
+    return replace(after, bend=bend, **changed)
+
+
+def _between(before: BeamProblem, after: BeamProblem, name: str, factor: FloatArray) -> FloatArray:
+    old, new = getattr(before, name), getattr(after, name)
+    return np.asarray(old if new is old else old + (new - old) * factor)
 
 
 def self_consistent(
@@ -180,6 +209,8 @@ def load_cell_input(
         voltage_V=clock.voltage_V, session=clock.session,
         touching=np.isfinite(contact.force_N[of]).astype(float),
         wetted_s=np.broadcast_to(clock.wetted_s, of.shape), slid=slid(beam, contact)[of],
+        run_s=np.broadcast_to(clock.run_s, of.shape),
+        pulse_s=np.broadcast_to(clock.pulse_s, of.shape),
     )  # fmt: skip
 
 
@@ -192,10 +223,12 @@ def added_force_N(acting: Sequence[Acting], weighed: LoadCellInput, in_time: Ind
     ordered = LoadCellInput(**{f.name: getattr(weighed, f.name)[in_time] for f in fields(weighed)})
     for one in hooked:
         added = one.effect.force(ordered, one.values)
-        if added is not None:
-            along = one.profile if one.profile and one.profile.along == "position" else None
-            factor = 1.0 if along is None else along(np.nan_to_num(ordered.position_m))
-            result[in_time] += factor * np.asarray(added)
+        if added is None:
+            continue
+        if one.form is not None:
+            added = one.form.of_forces(ordered) * added
+            added = added + one.form.added("force", session=ordered.session, run_s=ordered.run_s)
+        result[in_time] += np.asarray(added)
     return result
 
 
@@ -207,7 +240,6 @@ def image_displacement_m(
     for one in acting:
         added = one.effect.curve(points, one.values)
         if added is not None:
-            along = one.profile if one.profile and one.profile.along == "s" else None
-            share = 1.0 if along is None else along(points.s_m)
+            share = 1.0 if one.form is None else one.form.of_points(points)
             dx, dy = dx + share * added[0], dy + share * added[1]
     return dx, dy

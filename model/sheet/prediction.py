@@ -104,13 +104,13 @@ def predict(
             F_N=gone, N_N=gone, s_hat_m=gone, phi_hat_rad=gone,
             s_m=nothing, x_m=nothing, y_m=nothing, curvature_per_m=nothing,
         )  # fmt: skip
-    s = sampled_s(setup)
-    F, (x, y, curvature) = float(found.force_N[0]), _shape(model, found, s, as_seen=as_seen)
+    s, F = sampled_s(setup), float(found.force_N[0])
+    x, y, curvature = _shape(model, found, s, position_m, as_seen=as_seen)
     if model.effects and as_seen:
         from model.sheet.instruments import load_cell_N
 
         places = {v: k for k, v in enumerate(volts)}
-        F += load_cell_N(model.effects, found, places, voltage_V, position_m)
+        F += load_cell_N(model.effects, found, [position_m] * len(volts), places, voltage_V)
     return Prediction(
         **asked,
         reachable=True,
@@ -132,12 +132,17 @@ def predict_free(
     """s, x, y of the sheet with nothing touching it."""
     found = solved(model.setups(configuration, [(None, voltage_V)]))
     s = sampled_s(found.setups[0])
-    x, y, _ = _shape(model, found, s, as_seen=as_seen)
+    x, y, _ = _shape(model, found, s, None, as_seen=as_seen)
     return s, x, y
 
 
 def _shape(
-    model: Predictable, found: SolvedProblems, s_m: FloatArray, *, as_seen: bool
+    model: Predictable,
+    found: SolvedProblems,
+    s_m: FloatArray,
+    position_m: float | None,
+    *,
+    as_seen: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x, y and curvature of the first of the solutions."""
     if not (model.effects and as_seen):
@@ -146,7 +151,7 @@ def _shape(
     from model.sheet.instruments import as_pictured, camera_m
 
     setup = found.setups[0]
-    then = as_pictured(setup, model.effects)
+    then = as_pictured(setup, model.effects, position_m)
     one = (found if then is setup else solved([then])).shapes(s_m)
     x, y = one.x_m[0], one.y_m[0]
     dx, dy = camera_m(model.effects, setup, one)

@@ -16,7 +16,7 @@ from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
 
-FORMAT = 1
+FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
 
 
 @dataclass(frozen=True)
@@ -169,10 +169,16 @@ class SheetModel:
         """Return the same model with these effects."""
         return replace(self, effects=effects)
 
+    def with_merit(
+        self, merit: Mapping[str, float], own: Mapping[str, Mapping[str, float]]
+    ) -> SheetModel:
+        """Return the same model with its errors, and those of each configuration."""
+        return replace(self, merit=merit, own_merit={n: one for n, one in own.items() if one})
+
     def to_dict(self) -> dict[str, Any]:
         """Plain tables for a model file."""
         return {
-            "labrig_model": FORMAT,
+            "labrig_model": WITH_FORMS if any(e.form for e in self.effects) else FORMAT,
             "fitted_to": {
                 "file": self.source, "sha256": self.checksum, "held_out": list(self.held_out)
             },
@@ -187,8 +193,10 @@ class SheetModel:
     @staticmethod
     def from_dict(data: object) -> SheetModel:
         """From the tables of a model file; errors name the key."""
-        if not isinstance(data, dict) or data.get("labrig_model") != FORMAT:
-            raise ModelError(f"this is not a model file of format {FORMAT} (key labrig_model)")
+        if not isinstance(data, dict) or data.get("labrig_model") not in (FORMAT, WITH_FORMS):
+            raise ModelError(
+                f"this is not a model file of format {FORMAT} or {WITH_FORMS} (key labrig_model)"
+            )
         sheets = _table(data, "configurations")
         fitted = data.get("fitted_to", {})
         if not isinstance(fitted, dict):

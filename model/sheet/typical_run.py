@@ -32,7 +32,9 @@ class TypicalRun:
         return result
 
 
-def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> TypicalRun:
+def typical_run(
+    first_V: float, second_V: float, rise_s: float = 0.0, position_m: float = np.nan
+) -> TypicalRun:
     """Return the run of a condition at `first_V`; with 0 V first, only its beginning is kept."""
     pulse = np.concatenate([np.full(ZEROS, -1.0), np.arange(PULSES, dtype=float)])
     turn = np.arange(PULSES) % 2
@@ -47,7 +49,7 @@ def typical_run(first_V: float, second_V: float, rise_s: float = 0.0) -> Typical
     clock = AcquisitionTimes(
         voltage_V=voltage, pulse_s=since_edge_s, pulse=pulse, run_s=run_s, session=middle,
         wetted_s=run_s, driven_s=driven_s, opposite=np.asarray(before, dtype=float),
-        rise_s=rise_s,
+        rise_s=rise_s, position_m=position_m,
     )  # fmt: skip
     return TypicalRun(clock, (pulse < 0.0) | (pulse >= DISCARDED))
 

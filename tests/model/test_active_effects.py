@@ -270,6 +270,54 @@ def test_a_model_with_everything_in_it_survives_being_written_and_read(truth: Sh
     assert forces[0] == pytest.approx(forces[1], rel=1e-12)
 
 
+def test_a_form_is_a_factor_on_what_the_effect_does_wherever_that_is(truth: SheetModel):
+    offset = active("force_offset", force_mN=0.4)
+    half = replace(along(0.5, 0.5, along="position"), under="polarity", configurations=("long",))
+    for name, voltage, factor in (
+        ("long", 2.0, 1.5), ("long", -2.0, 0.5), ("long", 0.0, 1.0), ("short", 2.0, 1.0),
+    ):  # fmt: skip
+        plain, formed = (
+            predict(truth.with_effects(*effects), name, POSITION_M, voltage).F_N
+            for effects in ((), (replace(offset, form=(half,)),))
+        )
+        assert 1e3 * (formed - plain) == pytest.approx(0.4 * factor, abs=1e-9)
+
+
+def test_a_form_along_the_sheet_may_take_an_effect_away_or_double_it(truth: SheetModel):
+    tapered = active("nonuniform_stiffness", relative_change=0.4)
+    less, gone = (
+        predict(truth.with_effects(*effects), "long", POSITION_M, 2.0)
+        for effects in ((), (replace(tapered, form=(along(-1.0, -1.0),)),))
+    )
+    assert pytest.approx(less.F_N, rel=1e-9) == gone.F_N
+    np.testing.assert_allclose(gone.y_m, less.y_m, atol=1e-12)
+    more = replace(tapered, form=(along(0.2, 0.2), along(-0.2, -0.2)))
+    same = [predict(truth.with_effects(e), "long", POSITION_M, 2.0).F_N for e in (tapered, more)]
+    assert same[0] == pytest.approx(same[1], rel=1e-9)
+
+
+def test_what_is_even_in_the_voltage_goes_with_its_square_between_those_measured(truth: SheetModel):
+    flat = replace(along(0.2, 0.2, along="position"), unit="mN", full_V=2.0)
+    for under, shares in (("voltage", (1.0, 0.25)), ("polarity", (1.0, 0.5)), ("", (1.0, 1.0))):
+        model = truth.with_effects(unknown("load_cell", replace(flat, under=under)))
+        for voltage, share in zip((2.0, 1.0), shares, strict=True):
+            forces = [predict(m, "long", POSITION_M, voltage).F_N for m in (model, truth)]
+            assert 1e3 * (forces[0] - forces[1]) == pytest.approx(0.2 * share, abs=1e-9)
+
+
+def test_a_file_says_the_version_that_it_needs_and_the_older_one_is_read(truth: SheetModel):
+    old = truth.with_effects(unknown("eibm", along(0.1, -0.1)))
+    terms = (replace(along(0.1, -0.1), configurations=("long",)), along(0.2, along="configuration"))
+    new = truth.with_effects(replace(active("clamp_angle", angle_rad=0.02), form=terms))
+    for model, version in ((truth, 1), (old, 1), (new, 2)):
+        data = json.loads(json.dumps(model.to_dict()))
+        assert data["labrig_model"] == version
+        assert SheetModel.from_dict(data).effects == model.effects
+    assert "form" not in old.to_dict()["effects"][0]
+    with pytest.raises(ModelError, match="format 1 or 2"):
+        SheetModel.from_dict({**new.to_dict(), "labrig_model": 3})
+
+
 def test_forces_over_positions_hold_the_effects_too(truth: SheetModel):
     model = truth.with_effects(active("nonuniform_eibm", decay_length_mm=15.0))
     found = force_map(model, "long", [0.0, POSITION_M], [-2.0, 0.0, 2.0])
@@ -293,7 +341,7 @@ def test_an_effect_that_makes_no_sense_is_refused_with_its_name(truth: SheetMode
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"profile": {"along": "up"}}, "one of s, position, force, time"),
+        ({"profile": {"along": "up"}}, "one of s, curvature, position"),
         ({"profile": {"along": "s", "at": [0.0, 0.0], "value": [1, 1], "sigma": [0, 0]}}, "ascend"),
         ({"profile": {"along": "s", "at": [0.0], "value": [1, 1], "sigma": [0]}}, "equally long"),
         ({"by_configuration": 3}, "by_configuration: a table"),

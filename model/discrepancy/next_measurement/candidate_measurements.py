@@ -11,6 +11,7 @@ import numpy as np
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.discrepancy.thresholds import COMPARISON_SIGMA
 from model.discrepancy.verdict.result import Next
+from model.effects import title
 from model.effects.interface import Effect
 from model.identification.data.acquisition_times import ReadingTimes
 from model.identification.data.data_vector import ConditionData, DataVector
@@ -60,7 +61,8 @@ def _again(
     """Return the same in another set-up, with a number that no session has."""
     at_m = seen.position_m if at_m is None else at_m
     key = (seen.configuration, at_m, mounting, 0, tilt_rad)
-    return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad)
+    clock = replace(seen.clock, position_m=at_m)
+    return replace(seen, run=key, position_m=at_m, up=up, tilt_rad=tilt_rad, clock=clock)
 
 
 def _places(one: DataVector) -> list[float]:
@@ -112,6 +114,7 @@ def _longer(seen: ConditionData) -> ConditionData:
         wetted_s=on(clock.wetted_s, seconds),
         driven_s=on(clock.driven_s, seconds),
         worked_s=on(np.asarray(clock.worked_s), seconds),
+        position_m=seen.position_m,
     )
     own = seen.own_curves[-len(seen.kept_N) :]
     curves = tuple(own[k % len(own)] for k in range(count)) if own else ()
@@ -201,7 +204,7 @@ def _load_cell_alone(like: ConditionData, mounting: int) -> ConditionData:
         run=(like.configuration, np.inf, mounting, 0, 0.0),
         position_m=np.nan,
         force_N=np.zeros(count),
-        clock=like.kept_clock,
+        clock=replace(like.kept_clock, position_m=np.nan),
         counts=np.ones(count, dtype=bool),
         curve=None,
         own_curves=(),
@@ -312,19 +315,30 @@ def separation(fitted: MixedModelFit, which: Sequence[Candidate], size: float) -
     return float(np.sqrt(max(rest, 0.0))) * size
 
 
-def next_measurement(
-    fitted: MixedModelFit,
-    between: Sequence[Effect],
-    values: Sequence[dict[str, float]],
-    sizes: Sequence[float],
-) -> Next | None:
-    """Return the entry that separates the first two best for its time; None: there is none.
+@dataclass(frozen=True)
+class Suspect:
+    """One of two effects that are indistinguishable so far."""
 
-    `values` are the form of each, `sizes` the multiples of it that the data speak of.
-    """
+    effect: Effect
+    values: dict[str, float]  # its form
+    size: float  # multiples of it that the data speak of
+
+    def forms(self, fitted: MixedModelFit) -> list[Candidate]:
+        """Return all its forms in a design, its own one first."""
+        pool = candidates(fitted, [self.effect], tolerant=False)
+        return sorted(pool, key=lambda c: dict(c.values) != self.values)
+
+
+def separated(fitted: MixedModelFit, between: Sequence[Suspect]) -> float:
+    """Return how many sigmas the first two of some effects are apart in these data."""
+    return _apart(fitted, _as_long(fitted, between[:2]))
+
+
+def next_measurement(fitted: MixedModelFit, between: Sequence[Suspect]) -> Next | None:
+    """Return the entry that separates the first two best for its time; None: there is none."""
     if len(between) < 2:
         return None
-    pair = _as_long(fitted, [Suspect(*s) for s in zip(between, values, sizes, strict=True)][:2])
+    pair = _as_long(fitted, between[:2])
     now = _apart(fitted, pair)
     best: tuple[float, CandidateMeasurement, float, float] | None = None
     for entry in MENU:
@@ -342,33 +356,16 @@ def next_measurement(
     if best is None:
         return None
     _, entry, then, minutes = best
-    first, second = (one.effect.name for one in pair)
-    why = (
-        f"{entry.what}: it would set {first} and {second} {then:.1f} sigma apart"
-        f" (now {now:.1f}), in about {minutes:.0f} minutes"
-    )
+    names = tuple(one.effect.name for one in pair)
     return Next(
-        why=why,
+        why=f"{entry.what}, to separate {' from '.join(map(title, names))}",
         extra=entry.name,
+        between=names,
         separation=now,
         expected=then,
         minutes=minutes,
         protocol=entry.protocol,
     )
-
-
-@dataclass(frozen=True)
-class Suspect:
-    """One of two effects that are indistinguishable so far."""
-
-    effect: Effect
-    values: dict[str, float]  # its form
-    size: float  # multiples of it
-
-    def forms(self, fitted: MixedModelFit) -> list[Candidate]:
-        """Return all its forms in a design, its own one first."""
-        pool = candidates(fitted, [self.effect], tolerant=False)
-        return sorted(pool, key=lambda c: dict(c.values) != self.values)
 
 
 def _as_long(fitted: MixedModelFit, pair: Sequence[Suspect]) -> tuple[Suspect, Suspect]:

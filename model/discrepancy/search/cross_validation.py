@@ -13,6 +13,7 @@ from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model import inverse_symmetric, weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
+from model.sheet.free_effect import FreeEffect
 
 
 def left_out(
@@ -27,7 +28,9 @@ def left_out(
     """
     before, after = refitted(base).copy(), refitted(final).copy()
     new = final.found[len(base.found) :]
-    own, chosen = {one.effect.name for one in new}, []
+    # what is in no catalogue is no choice among names
+    own = {one.effect.name for one in new if not isinstance(one.effect, FreeEffect)}
+    chosen = list[str]()
     # with the base model's own noise, scatter would pass for what an effect does in every set-up
     judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
     for runs in groups:

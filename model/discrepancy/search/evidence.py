@@ -14,7 +14,7 @@ import numpy as np
 
 from model.discrepancy.thresholds import BOUNDS_FACTOR, UNEXPECTED_SIGN_LN
 from model.effects.interface import Effect, Values
-from model.identification.likelihood.form_error import atoms
+from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation
 from model.identification.likelihood.mixed_model import Solution, deviance, estimate

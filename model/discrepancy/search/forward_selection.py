@@ -23,14 +23,16 @@ from model.discrepancy.thresholds import (
     ONE_POSITION_SHARE,
     OUTLIER_ROUNDS,
 )
+from model.effects import title
 from model.effects.interface import Effect
-from model.identification.likelihood.form_error import Found, whole_step
+from model.identification.likelihood.form_error import whole_step
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
     fit_mixed_model,
 )
+from model.identification.likelihood.model_state import Found
 from model.measurements import FloatArray
 
 Report = Callable[[str, float], None]  # what is being done, and the share that is done
@@ -130,7 +132,7 @@ def _forward(
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
         outcome.turns.append(turn)
-        report(f"{step}: {first.name}", share * (len(outcome.turns) - 0.5))
+        report(f"{step}: {title(first.name)}", share * (len(outcome.turns) - 0.5))
         turn.ranking = refine_best(fitted, turn.ranking)
         turn.chosen = _worth(turn, threshold) if len(outcome.turns) <= most else None
         if turn.chosen is None or turn.chosen.fitted is None:

@@ -7,7 +7,8 @@ catalogue does, something is not in the model that the catalogue does not know.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import ModelState
 from model.locations import location, locations
-from model.locations.contract import Function, Linearised
+from model.locations.contract import BasisTerm, Function, Linearised
 from model.measurements import FloatArray
 
 AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 1.0)  # of the basis shapes, to begin with
@@ -37,6 +38,8 @@ class BasisShape:
     unit: str
     span: tuple[float, float, str]
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
+    # by configuration, as a model file has it; none: no prediction of means could show it
+    terms: Mapping[str, BasisTerm] = field(default_factory=dict)
 
 
 def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
@@ -50,13 +53,16 @@ def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]
             number = counts[basis.part] = counts.get(basis.part, 0) + 1
             key = (basis.part, number, "" if basis.shared else configuration)
             rows = forward.rows_of(c, state, basis.step)
+            terms = {} if basis.term is None else {configuration: basis.term}
             if key in result:
-                result[key] = replace(result[key], rows=result[key].rows + rows)
+                both = {**result[key].terms, **terms}
+                result[key] = replace(result[key], rows=result[key].rows + rows, terms=both)
             else:
                 points = basis.step.points_m if np.any(basis.step.points_m) else None
                 result[key] = BasisShape(
                     rows=rows, configuration=configuration, part=basis.part, along=basis.along,
                     function=basis.function, unit=basis.unit, span=basis.span, points_m=points,
+                    terms=terms,
                 )  # fmt: skip
     return [shape for shape in result.values() if np.any(shape.rows)]
 

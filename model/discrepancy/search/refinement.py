@@ -21,8 +21,8 @@ from model.discrepancy.thresholds import (
     REFINED_EVIDENCE_SHARE,
 )
 from model.effects.interface import Effect
-from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
@@ -137,7 +137,8 @@ def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
     if effect is None:
         raise TypeError(f"{one.candidate.name} is no effect of the catalogue")
     width = max(one.scale, 2.0 * abs(one.amplitude), 2.0 * abs(amplitude))
-    return Found(effect, _begun(fitted, effect, one.candidate, amplitude), width)
+    values = _begun(fitted, effect, one.candidate, amplitude)
+    return Found(effect=effect, values=values, width=width)
 
 
 def _begun(

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from model.discrepancy.thresholds import SLIP_LENGTH_RATIO, SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA
-from model.discrepancy.verdict.fitted_model import base_parameters
+from model.discrepancy.thresholds import SLIP_LENGTH_RATIO
 from model.identification.data.acquisition_times import run_key
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
@@ -15,7 +14,6 @@ from model.measurements import Measurements
 
 def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
     """Yield one sentence for each oddity."""
-    yield from _moduli(base)
     yield from _out_of_reach(base)
     yield from _of_no_run(measurements)
     yield from _wetting(measurements)
@@ -30,21 +28,6 @@ def _wetting(measurements: Measurements) -> Iterator[str]:
             "it is not known when the sheet was moistened: what dries or drifts since the last"
             " wetting counts from the beginning of each run"
         )
-
-
-def _moduli(base: MixedModelFit) -> Iterator[str]:
-    for name, found in base_parameters(base).items():
-        forward = base.problem.forward
-        sheet = forward.scenes[forward.names.index(name)].sheet
-        area = sheet.width_m * sheet.thickness_m**3 / 12.0
-        if area <= 0.0:
-            continue
-        modulus = found["B_Nm2"].value / area
-        if not SOFTEST_MODULUS_PA < modulus < STIFFEST_MODULUS_PA:
-            yield (
-                f"the stiffness of '{name}' would mean a Young's modulus of {modulus:.1e} Pa, which"
-                " no sheet has; check that forces are in mN, lengths in mm"
-            )
 
 
 def _out_of_reach(base: MixedModelFit) -> Iterator[str]:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from model.discrepancy.next_measurement.candidate_measurements import next_measurement
+from model.discrepancy.next_measurement.candidate_measurements import (
+    Suspect,
+    next_measurement,
+    separated,
+)
 from model.discrepancy.prepare import Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
@@ -17,7 +22,7 @@ from model.discrepancy.search.outliers import condition_name
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
 from model.discrepancy.thresholds import (
-    CERTAIN_PROBABILITY,
+    COMPARISON_SIGMA,
     CROSS_VALIDATED_NAMES,
     EXCESSIVE_SCATTER_RATIO,
     FEWEST_SETUPS,
@@ -30,7 +35,15 @@ from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
 from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
 from model.discrepancy.verdict.localisation import places
-from model.discrepancy.verdict.messages import DIFFERS, notes, refused, scattered, sentence, too_few
+from model.discrepancy.verdict.messages import (
+    DIFFERS,
+    notes,
+    promise_note,
+    refused,
+    scattered,
+    sentence,
+    too_few,
+)
 from model.discrepancy.verdict.posterior import (
     Choice,
     Leftover,
@@ -41,26 +54,31 @@ from model.discrepancy.verdict.posterior import (
 )
 from model.discrepancy.verdict.result import (
     BeforeAfter,
+    ClosedGap,
     Diagnosis,
     ErrorRow,
     Gap,
     Named,
     Next,
+    Promise,
     Ranked,
     Signatures,
     Unknown,
     Verdict,
 )
-from model.effects import Effect
+from model.discrepancy.verdict.stated_errors import with_stated_errors
+from model.discrepancy.verdict.written_form import written
+from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
-from model.measurements import FloatArray, Measurements
+from model.measurements import Measurements, ModelError
+from model.sheet.sheet_model import SheetModel
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Decision:
     """The decision at the end of the search."""
 
@@ -68,6 +86,8 @@ class _Decision:
     known: MixedModelFit  # with the effects that are named
     unknown: Unknown | None
     final: MixedModelFit  # with the free form of what is unknown, too
+    written: MixedModelFit  # the same, solved with the inferred forms in the model
+    model: SheetModel  # as a file has it
 
 
 def _scatter(final: MixedModelFit) -> dict[str, float]:
@@ -75,12 +95,13 @@ def _scatter(final: MixedModelFit) -> dict[str, float]:
     return dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _LeftOut:
     """How base and final model do on positions that were left out."""
 
     gap: BeforeAfter
-    closed: float
+    closed: ClosedGap | None
+    floor: Gap
     chosen: list[str]  # with each position left out
     rows: tuple[ErrorRow, ...]
 
@@ -103,34 +124,29 @@ class Finding:
         base, decision = self.outcome.base, self._decision()
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
-        unseen = invisible(base, seen, {e.name: e for e in self.effects})
-        named = tuple(_named(c, decision.known, seen) for c in decision.named)
+        named = tuple(_named(c, decision, seen) for c in decision.named)
+        unseen = _not_reported(invisible(base, seen, {e.name: e for e in self.effects}), named)
+        promises = self._promises()
         doubt = self._doubt(decision)
         verdict = self._verdict(named, decision.unknown, doubt)
         apart = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
-        fitted = BeforeAfter(
-            *(gaps.gap(gaps.refitted(f), noise, where) for f in (base, decision.final))
-        )
+        told = decision.written
+        fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, told)))
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
-        model = sheet_model(
-            decision.known,
-            decision.unknown,
-            self.measurements,
-            self.options,
-            fitted.after,
-            self._gaps_of_configurations(decision.final, noise),
-        )
         return Diagnosis(
             verdict=verdict,
-            sentence=sentence(verdict, named, decision.unknown, apart.gap, doubt),
+            sentence=sentence(verdict, named, decision.unknown, apart.gap, doubt, apart.closed),
             effects=named,
             invisible=unseen,
             unknown=decision.unknown,
             where=places(base, noise),
             fitted=fitted,
             held_out=apart.gap,
-            closed=apart.closed,
+            closed=np.nan if apart.closed is None else apart.closed.share,
+            closed_gap=apart.closed,
+            floor=apart.floor,
+            promises=promises,
             next_measurement=self._next(named),
             ranking=self._ranking(seen),
             threshold=self.threshold,
@@ -143,20 +159,13 @@ class Finding:
             notes=(
                 *self.ready.notes,
                 *remarks(self.measurements, base),
+                *map(promise_note, promises),
                 *notes(named, outliers, apart.chosen),
             ),
-            model=model,
+            model=decision.model,
             plugins={**origins_of_locations(), **origins_of_effects()},
-            base=base_parameters(decision.known),
+            base=base_parameters(told),
         )
-
-    def _gaps_of_configurations(self, final: MixedModelFit, noise: FloatArray) -> dict[str, Gap]:
-        """Return the gap that is left in each configuration."""
-        residual, out = gaps.refitted(final), self.outcome.outliers
-        return {
-            name: gaps.gap(residual, noise, gaps.cells(final, out, name))
-            for name in final.problem.forward.names
-        }
 
     @property
     def _enough(self) -> bool:
@@ -174,13 +183,34 @@ class Finding:
                 named, known, rest = more, full, None
         if rest is None:
             known = with_shapes(known, named)
-            return _Decision(named, known, None, known)
+            told, model = self._written(known, known, None)
+            return _Decision(
+                named=named, known=known, unknown=None, final=known, written=told, model=model
+            )
         if _alone(rest, base, known):
             named, known = [], base
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
-        final = with_free_form(known, free)
-        return _Decision(named, with_shapes(known, named), unknown_of(at, free), final)
+        final, known = with_free_form(known, free), with_shapes(known, named)
+        told, model = self._written(known, final, free)
+        unknown = unknown_of(at, free)
+        return _Decision(
+            named=named, known=known, unknown=unknown, final=final, written=told, model=model
+        )
+
+    def _written(
+        self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
+    ) -> tuple[MixedModelFit, SheetModel]:
+        """Return the fit with forms and what is unknown in the model, and the model it makes.
+
+        The first that predicts every condition that was measured.
+        """
+        forward, out = known.problem.forward, self.outcome.outliers
+        for told in written(known, final, free):
+            model = sheet_model(told, self.measurements, self.options)
+            with suppress(ModelError):
+                return told, with_stated_errors(model, forward, out)
+        return told, model
 
     def _unexplained(self, known: MixedModelFit) -> Leftover | None:
         """Return the nonparametric remainder, where it exceeds the rest of a form."""
@@ -220,13 +250,13 @@ class Finding:
             return "unknown_effect"
         if not named:
             return "nothing_missing"
-        if any(n.confusable_with and n.confidence < CERTAIN_PROBABILITY for n in named):
+        if any(n.confusable_with for n in named):
             return "indistinguishable"
         return "effect_named"
 
     def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
-        base, final = self.outcome.base, decision.final
-        noise, where = gaps.variance(final), gaps.cells(base, self.outcome.outliers)
+        base, final = self.outcome.base, decision.written
+        noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
             :CROSS_VALIDATED_NAMES
         ]
@@ -234,21 +264,55 @@ class Finding:
         few = [c for c in pool if c.name in names]
         before, after, chosen = left_out(base, final, few, position_groups(base))
         both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
-        closed = np.nan if final is base else gaps.closed_share(both, gaps.floor(noise, where))
-        return _LeftOut(both, closed, chosen, gaps.table(base, final, before, after))
+        floor = gaps.floor(noise, where)
+        closed = None if final is base else gaps.closed_gap(both, floor)
+        rows = gaps.table(base, final, before, after)
+        return _LeftOut(gap=both, closed=closed, floor=floor, chosen=chosen, rows=rows)
 
     def _next(self, named: Sequence[Named]) -> Next | None:
         """Return the measurement that separates a name from the likeliest alternative."""
-        pair = next(((n.name, n.confusable_with[0]) for n in named if n.confusable_with), None)
-        ranked = {c.name: c for t in self.outcome.turns for c in t.ranking if c.known}
+        pairs = ((n.name, n.confusable_with[0]) for n in named if n.confusable_with)
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
-        if pair is None or any(p not in effects or p not in ranked for p in pair):
-            return None
-        both = [ranked[p].score for p in pair]
-        return next_measurement(
-            self.outcome.base, [effects[p] for p in pair],
-            [dict(s.candidate.values) for s in both], [abs(s.amplitude) for s in both],
-        )  # fmt: skip
+        pair = next(pairs, None)
+        return None if pair is None else self.separating([effects[name] for name in pair])
+
+    def separating(self, between: Sequence[Effect]) -> Next | None:
+        """Return the measurement that separates two effects best; None: there is none."""
+        return next_measurement(self.outcome.base, self._suspects(between))
+
+    def _promises(self) -> tuple[Promise, ...]:
+        """Return what was promised of measurements that these data hold, and what is found."""
+        known = catalogue()
+        made = [
+            one for one in self.options.promised
+            if len(one.between) > 1 and all(name in known for name in one.between)
+        ]  # fmt: skip
+        pairs = [[known[name] for name in one.between] for one in made]
+        base = self.outcome.base
+        return tuple(
+            Promise(one, separated(base, self._suspects(pair)))
+            for one, pair in zip(made, pairs, strict=True)
+        )
+
+    def _suspects(self, between: Sequence[Effect]) -> list[Suspect]:
+        """Return effects at the size found; where none of them was, at one just noticed."""
+        ranked = {c.name: c.score for t in self.outcome.turns for c in t.ranking if c.known}
+        chosen = {t.chosen.name for t in self.outcome.turns if t.chosen is not None}
+        names = [one.name for one in between]
+        if chosen.intersection(names) and all(name in ranked for name in names):
+            return [
+                Suspect(one, dict(score.candidate.values), abs(score.amplitude))
+                for one, score in ((e, ranked[e.name]) for e in between)
+            ]
+        base = self.outcome.base
+        pool = forms(candidates(base, between), {})
+        if len(pool) < len(between):
+            raise ModelError(f"these data cannot show {' and '.join(names)} both")
+        lengths = signatures(base, pool, {}).detectability
+        return [
+            Suspect(one, dict(form.values), min(1.0, COMPARISON_SIGMA / max(length, 1e-9)))
+            for one, form, length in zip(between, pool, lengths, strict=True)
+        ]
 
     def _ranking(self, seen: Signatures) -> tuple[Ranked, ...]:
         lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
@@ -274,15 +338,27 @@ def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
     return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
 
 
-def _named(one: Choice, final: MixedModelFit, seen: Signatures) -> Named:
-    effect = one.effect
+def _not_reported(unseen: Mapping[str, str], named: Sequence[Named]) -> dict[str, str]:
+    """Return effects that no usual size would show, without those seen all the same."""
+    reported = {name for one in named for name in (one.name, *one.confusable_with)}
+    return {name: needs for name, needs in unseen.items() if name not in reported}
+
+
+def _named(one: Choice, decision: _Decision, seen: Signatures) -> Named:
+    """Return a name with the values that are written; its form as the search has it."""
+    effect, final = one.effect, decision.written
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
-    found, (share, form) = final.found[place], form_of(final, place)
+    found, (share, form) = final.found[place], form_of(decision.known, place)
     near = class_of(effect.name, seen)
-    confusable = tuple(n for n, p in one.alternatives if p > REPORTED_PROBABILITY or n in near)
+    confusable = tuple(n for n, p in one.alternatives if p >= REPORTED_PROBABILITY or n in near)
+    chances = dict(one.alternatives)
+    members = {effect.name: one.confidence, **{name: chances[name] for name in confusable}}
     own = {name: parameters_of(found, name, final) for name in found.values}
+    first = next(iter(own))
     return Named(
-        name=effect.name, location=effect.location, parameters=next(iter(own.values())),
-        by_configuration=own if effect.by_configuration else {}, confidence=one.confidence,
+        name=effect.name, location=effect.location, parameters=own[first],
+        by_configuration=own if effect.by_configuration else {},
+        configuration=first if effect.by_configuration else "",
+        confidence=min(sum(members.values()), 1.0), probabilities=members,
         confusable_with=confusable, form_share=share, form=form, choices=chosen_values(one, found),
     )  # fmt: skip

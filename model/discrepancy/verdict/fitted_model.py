@@ -2,63 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from model.discrepancy.prepare import Options
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
-from model.discrepancy.verdict.inferred_form import unknown_effect
-from model.discrepancy.verdict.result import Gap, Unknown
+from model.discrepancy.verdict.written_form import with_bands
 from model.effects.interface import EffectParameter
-from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
 from model.parameter import Parameter
-from model.sheet.beam_problem import ActiveEffect
+from model.sheet.beam_problem import UNKNOWN, ActiveEffect
+from model.sheet.free_effect import FreeEffect
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 
 
-def sheet_model(
-    final: MixedModelFit,
-    unknown: Unknown | None,
-    measurements: Measurements,
-    options: Options,
-    merit: Gap,
-    own_merit: Mapping[str, Gap],
-) -> SheetModel:
-    """Return the model with the effects found; an unknown effect becomes an empirical term.
-
-    `merit` is the model's error, `own_merit` that of each configuration.
-    """
+def sheet_model(final: MixedModelFit, measurements: Measurements, options: Options) -> SheetModel:
+    """Return the model with the effects found and their forms."""
     sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.forward.names)}
-    effects = [_active(f, final) for f in final.found]
-    if unknown is not None:
-        effects.append(unknown_effect(unknown))
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
-        sheets=sheets, effects=tuple(effects), source=measurements.source,
-        checksum=measurements.checksum, held_out=held,
-        merit=_figures(merit), own_merit={name: _figures(one) for name, one in own_merit.items()},
+        sheets=sheets, effects=tuple(_active(f, final) for f in final.found),
+        source=measurements.source, checksum=measurements.checksum, held_out=held,
     )  # fmt: skip
 
 
-def _figures(merit: Gap) -> dict[str, float]:
-    """Return the errors as a model file states them: those that exist."""
-    figures = {
-        "force_rmse_N": merit.force_rmse_mN * 1e-3, "curve_rmse_m": merit.curve_rmse_mm * 1e-3
-    }  # fmt: skip
-    return {name: value for name, value in figures.items() if np.isfinite(value)}
-
-
 def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
+    form = with_bands(one, final)
+    if isinstance(one.effect, FreeEffect):
+        return ActiveEffect(name=UNKNOWN, location=one.effect.location, form=form)
     own = {name: parameters_of(one, name, final) for name in one.values}
     if one.effect.by_configuration:
-        return ActiveEffect(name=one.effect.name, parameters={}, by_configuration=own)
-    return ActiveEffect(
-        name=one.effect.name, parameters=next(iter(own.values())), by_configuration={}
-    )
+        return ActiveEffect(name=one.effect.name, by_configuration=own, form=form)
+    return ActiveEffect(name=one.effect.name, parameters=next(iter(own.values())), form=form)
 
 
 def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:

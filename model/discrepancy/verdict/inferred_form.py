@@ -12,20 +12,16 @@ from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
 from model.identification.data.data_vector import Index
-from model.identification.likelihood.form_error import FORM, cosine, waves_along
+from model.identification.likelihood.form_ways import FORM, cosine, waves_along
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
-from model.sheet.beam_problem import ActiveEffect, Coordinate, Profile, Under
+from model.sheet.beam_problem import Under
 
 POINTS = 51
-# of a free form's shapes, as a model file has them
-COORDINATES: dict[str, Coordinate] = {
-    "s": "s", "place": "s", "position": "position", "force": "force", "time": "time",
-}  # fmt: skip
 UNDER: dict[str, Under] = {"voltage": "voltage", "polarity": "polarity"}  # by part
 Key = tuple[str, str, str]  # configuration, part, along
 
@@ -123,21 +119,6 @@ def _depends(location_name: str, part: str, along: str) -> str:
     depends += ", a function of the force" if along == "force" else ""
     depends += ", only under voltage" if part == "voltage" else ""
     return depends + (", the other way at the other polarity" if part == "polarity" else "")
-
-
-def unknown_effect(one: Unknown) -> ActiveEffect:
-    """As an empirical term of the model."""
-    along = COORDINATES[one.along]
-    scale = 1.0 if along == "time" else 1e-3
-    profile = Profile(
-        along=along, at=tuple((one.s_mm * scale).tolist()), values=tuple(one.profile.tolist()),
-        sigma=tuple(one.band.tolist()), unit=one.unit, under=one.under,
-    )  # fmt: skip
-    of_the_rig = along in location(one.location).of_the_rig_along
-    names = () if of_the_rig else (one.configuration,)
-    return ActiveEffect(
-        name="unknown", profile=profile, location=one.location, configurations=names
-    )
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:

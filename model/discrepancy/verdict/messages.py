@@ -6,7 +6,15 @@ import math
 from collections.abc import Iterator, Sequence
 
 from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
-from model.discrepancy.verdict.result import BeforeAfter, Named, Unknown, Verdict
+from model.discrepancy.verdict.result import (
+    BeforeAfter,
+    ClosedGap,
+    Named,
+    Promise,
+    Unknown,
+    Verdict,
+)
+from model.effects import title
 
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
@@ -20,25 +28,62 @@ def sentence(
     unknown: Unknown | None,
     left_out: BeforeAfter,
     doubt: str,
+    closed: ClosedGap | None = None,
 ) -> str:
-    """Return the verdict in sentences; `doubt` says why the data do not allow one."""
+    """Return the verdict in sentences; `doubt` says why the data do not allow one.
+
+    `closed` is the gap that is closed on left-out positions; None: none stands out of the noise.
+    """
     if verdict == "cannot_tell":
         return f"These data do not allow a verdict: {doubt}."
     if verdict == "nothing_missing":
         return "Nothing is seen that is not in the model: what is left is noise and scatter."
     if unknown is not None:
-        more = f" besides {listed([n.name for n in named])}" if named else ""
+        more = f" besides {listed([class_name(n) for n in named])}" if named else ""
         return (
             f"Something is seen{more} that is neither in the model nor in the catalogue: it acts on"
             f" {unknown.location.replace('_', ' ')}, {unknown.depends}, most of all at"
             f" {unknown.peak_mm:.3g} {unknown.at_unit}."
         )
     is_not = "are not" if len(named) > 1 else "is not"
-    also = ""
-    if verdict == "indistinguishable":
-        others = sorted({c for n in named for c in n.confusable_with})
-        also = f", or {' or '.join(others)}, which these data cannot tell apart"
-    return f"{listed([n.name for n in named])} {is_not} in the model{also}. {_gap(left_out)}."
+    names = listed([class_name(n) for n in named])
+    said = f"{names[:1].upper()}{names[1:]} {is_not} in the model. {_gap(left_out)}."
+    return said if closed is None else f"{said} {closed_sentence(closed)}"
+
+
+def class_name(one: Named) -> str:
+    """Return the name of an effect, or all names of its class with their common probability."""
+    if not one.confusable_with:
+        return title(one.name)
+    names = " or ".join(title(name) for name in (one.name, *one.confusable_with))
+    return f"{names} (which these data cannot tell apart; together {percent(one.confidence)})"
+
+
+def percent(share: float) -> str:
+    """Return a probability or share in whole percent, never rounded to all or nothing."""
+    if share >= 0.995:
+        return "more than 99 %"
+    return "less than 1 %" if share < 0.005 else f"{100 * share:.0f} %"
+
+
+def closed_sentence(one: ClosedGap) -> str:
+    """Return the share of a gap that is closed, with the errors that it is made of."""
+    digits = 2 if one.unit == "times the noise" else 4 if "along a run" in one.quantity else 3
+    before, after, floor = (f"{v:.{digits}f}" for v in (one.before, one.after, one.floor))
+    return (
+        f"Gap closed above the noise floor: {percent(one.share)} of {one.quantity}"
+        f" ({before} → {after} {one.unit}, floor {floor})."
+    )
+
+
+def promise_note(one: Promise) -> str:
+    """Return what a proposed measurement promised, and what was found with it."""
+    names = listed([title(name) for name in one.proposal.between])
+    return (
+        f"measured as proposed ({one.proposal.extra.replace('_', ' ')}): {names} were"
+        f" {one.proposal.separation:.1f} sigma apart; promised {one.proposal.expected:.1f},"
+        f" found {one.found:.1f}"
+    )
 
 
 def listed(names: Sequence[str]) -> str:
@@ -65,8 +110,8 @@ def scattered(name: str, times: float) -> str:
 def refused(name: str) -> str:
     """Return why an effect that explains something is not named."""
     return (
-        f"{name} explains part of the residual, but not on left-out positions, or only in a form"
-        " that is not its own"
+        f"{title(name)} explains part of the residual, but not on left-out positions, or only in a"
+        " form that is not its own"
     )
 
 
@@ -109,12 +154,12 @@ def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]
     if named and other:
         times = sum(c in other for c in chosen)
         yield (
-            f"without one of the positions, {', '.join(other)} is chosen in {times} of"
+            f"without one of the positions, {', '.join(map(title, other))} is chosen in {times} of"
             f" {len(chosen)} cases"
         )
     for n in named:
         if n.form_share > REPORTED_FORM_SHARE:
             yield (
-                f"{n.name}: the form differs from the catalogue's; the kind of effect is found,"
-                " not its formula"
+                f"{title(n.name)}: the form differs from the catalogue's; the kind of effect is"
+                " found, not its formula"
             )

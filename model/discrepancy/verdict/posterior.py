@@ -19,8 +19,8 @@ from model.discrepancy.thresholds import (
 )
 from model.discrepancy.verdict.result import ChosenValue
 from model.effects.interface import Effect
-from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.model_state import Found
 from model.locations import location
 
 

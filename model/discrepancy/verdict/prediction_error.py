@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.thresholds import TIME_GAP_RATIO
-from model.discrepancy.verdict.result import BeforeAfter, ErrorRow, Gap
+from model.discrepancy.thresholds import REPORTED_GAP_RATIO, TIME_GAP_RATIO
+from model.discrepancy.verdict.result import BeforeAfter, ClosedGap, ErrorRow, Gap
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model import effects, weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -114,27 +114,46 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
     )
 
 
-def closed_share(left_out: BeforeAfter, least: Gap) -> float:
-    """1 - (after^2 - floor^2)/(before^2 - floor^2) of the gap that stands out of noise most.
+# name of the gap, what readers call it, unit, times its floor from which on there is a gap to close
+_QUANTITIES = (
+    ("force_rmse_mN", "force", "mN", REPORTED_GAP_RATIO),
+    ("curve_rmse_mm", "neutral curve", "mm", REPORTED_GAP_RATIO),
+    ("chi2_per_dof", "force and neutral curve", "times the noise", TIME_GAP_RATIO),
+    ("drift_rmse_mN", "force along a run", "mN", TIME_GAP_RATIO),
+    ("drift_rmse_mm", "neutral curve along a run", "mm", TIME_GAP_RATIO),
+    ("pulse_rmse_mN", "force within a pulse", "mN", TIME_GAP_RATIO),
+)
+
+
+def closed_gap(left_out: BeforeAfter, least: Gap) -> ClosedGap | None:
+    """Return how much is closed of the gap that stands out of its noise most; None: none does.
 
     Mean forces and curves in units of their noise are one of them: what only fine shapes tell is
     little in mm, where coarse ones differ from set-up to set-up.
     """
-    best, share = 0.0, np.nan
-    for name, clear in (
-        ("force_rmse_mN", 1.0), ("curve_rmse_mm", 1.0), ("chi2_per_dof", TIME_GAP_RATIO),
-        ("drift_rmse_mN", TIME_GAP_RATIO), ("drift_rmse_mm", TIME_GAP_RATIO),
-        ("pulse_rmse_mN", TIME_GAP_RATIO),
-    ):  # fmt: skip
-        before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
-        if name != "chi2_per_dof":  # which is a mean of squares already
-            before, after, noise = before**2, after**2, noise**2
-        if np.isfinite(before) and before > clear**2 * noise:
-            standing = before / noise
-            if standing > best:
-                best = standing
-                share = 1.0 - max(after - noise, 0.0) / (before - noise)
-    return float(share)
+    best, found = 0.0, None
+    for name, quantity, unit, clear in _QUANTITIES:
+        values = [getattr(g, name) for g in (left_out.before, left_out.after, least)]
+        if name == "chi2_per_dof":  # a mean of squares
+            values = [float(np.sqrt(v)) for v in values]
+        before, after, noise = values
+        if not (np.isfinite(before) and before > clear * noise):
+            continue
+        standing = before / noise if noise > 0.0 else np.inf
+        if standing > best:
+            best = standing
+            share = 1.0 - max(after**2 - noise**2, 0.0) / (before**2 - noise**2)
+            found = ClosedGap(
+                share=float(share), quantity=quantity, before=before, after=after, floor=noise,
+                unit=unit,
+            )  # fmt: skip
+    return found
+
+
+def closed_share(left_out: BeforeAfter, least: Gap) -> float:
+    """Return the share of `closed_gap`; NaN where no gap stands out of the noise."""
+    found = closed_gap(left_out, least)
+    return np.nan if found is None else found.share
 
 
 def refitted(fitted: MixedModelFit) -> FloatArray:

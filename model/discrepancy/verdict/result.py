@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from model.discrepancy.data_checks.contract import Suspicion
+from model.discrepancy.verdict.json_object import diagnosis_object, number
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
@@ -34,13 +36,21 @@ class Named:
 
     name: str
     location: str
-    parameters: Mapping[str, Parameter]  # by the catalogue's names; shared by all configurations
+    parameters: Mapping[str, Parameter]  # by the catalogue's names; those of `configuration`
     by_configuration: Mapping[str, Mapping[str, Parameter]]  # where each has its own
-    confidence: float
+    confidence: float  # posterior of the class: of the name and of `confusable_with` together
     confusable_with: tuple[str, ...]
     form_share: float  # of the effect's size that is deviation from the catalogue's form
     form: FormCurve | None = None
     choices: Mapping[str, ChosenValue] = field(default_factory=dict)  # by name of the parameter
+    configuration: str = ""  # whose `parameters` are; empty: shared by all configurations
+    # posterior of each member of the class; older diagnoses have none
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def probability(self) -> float:
+        """Posterior of the name alone."""
+        return self.probabilities.get(self.name, self.confidence)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +113,7 @@ class Gap:
 
     def to_json(self) -> dict[str, float | None]:
         """Return numbers that do not exist are null."""
-        return {k: _number(v) for k, v in self.__dict__.items()}
+        return {k: number(v) for k, v in self.__dict__.items()}
 
 
 @dataclass(frozen=True)
@@ -116,6 +126,18 @@ class BeforeAfter:
     def to_json(self) -> dict[str, Any]:
         """Both."""
         return {"before": self.before.to_json(), "after": self.after.to_json()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedGap:
+    """How much of a prediction error on left-out positions is closed, above the noise floor."""
+
+    share: float  # 1 - (after^2 - floor^2)/(before^2 - floor^2)
+    quantity: str  # whose error it is: that which stands out of the noise most
+    before: float  # RMS, in `unit`
+    after: float
+    floor: float  # RMS that noise and scatter alone cause
+    unit: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,6 +189,15 @@ class Next:
     expected: float  # and after it
     minutes: float
     protocol: Mapping[str, Any]  # tables of a protocol.toml
+    between: tuple[str, ...] = ()  # the candidates; older diagnoses do not say
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A proposed measurement that was made, and how far apart the candidates are with it."""
+
+    proposal: Next
+    found: float  # sigmas between the candidates, the measurement included
 
 
 @dataclass(frozen=True)
@@ -207,83 +238,16 @@ class Diagnosis:
     base: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)  # B, EIBM
     # "distribution version" by name of the effects and locations of other distributions
     plugins: Mapping[str, str] = field(default_factory=dict)
+    data_checks: tuple[Suspicion, ...] = ()  # what is suspicious about the data as stated
+    closed_gap: ClosedGap | None = None  # the gap whose share `closed` is
+    floor: Gap | None = None  # prediction error that noise and scatter alone cause
+    promises: tuple[Promise, ...] = ()  # of proposals that were measured
+
+    @property
+    def searched(self) -> bool:
+        """Whether anything was searched for: not in data that contradict what is stated of them."""
+        return not any(one.severity == "stop" for one in self.data_checks)
 
     def to_json(self) -> dict[str, Any]:
         """Return the object that `diagnose --json` prints."""
-        return {
-            "verdict": self.verdict,
-            "effects": [_named(e) for e in self.effects],
-            "invisible": list(self.invisible),
-            "unknown": None if self.unknown is None else _unknown(self.unknown),
-            "where": [_where(w) for w in self.where],
-            "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},
-            "next_measurement": None
-            if self.next_measurement is None
-            else {
-                "why": self.next_measurement.why,
-                "protocol": dict(self.next_measurement.protocol),
-            },
-            "sentence": self.sentence,
-            "notes": list(self.notes),
-            **({"plugins": dict(self.plugins)} if self.plugins else {}),
-        }
-
-
-def _named(one: Named) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "slot": one.location,
-        "parameters": {
-            k: {"value": _number(p.value), "sigma": _number(p.sigma)}
-            for k, p in one.parameters.items()
-        },
-        "interval90": {k: [_number(v) for v in p.interval()] for k, p in one.parameters.items()},
-        "by_configuration": {
-            name: {
-                k: {"value": _number(p.value), "sigma": _number(p.sigma)} for k, p in own.items()
-            }
-            for name, own in one.by_configuration.items()
-        },
-        "confidence": round(one.confidence, 6),
-        "confusable_with": list(one.confusable_with),
-        "form_share": round(one.form_share, 4),
-        **({"choices": {k: _choice(c) for k, c in one.choices.items()}} if one.choices else {}),
-    }
-
-
-def _choice(one: ChosenValue) -> dict[str, Any]:
-    others = [{"meaning": m, "probability": round(p, 6)} for m, p in one.alternatives]
-    return {
-        "value": one.value,
-        "meaning": one.meaning,
-        "probability": round(one.probability, 6),
-        "alternatives": others,
-    }
-
-
-def _unknown(one: Unknown) -> dict[str, Any]:
-    return {
-        "slot": one.location,
-        "s_mm": one.s_mm.tolist(),
-        "profile": one.profile.tolist(),
-        "band": one.band.tolist(),
-        "unit": one.unit,
-        "along": one.along,
-        "configuration": one.configuration,
-        "depends": one.depends,
-    }
-
-
-def _where(one: Where) -> dict[str, Any]:
-    result: dict[str, Any] = {
-        "observable": one.observable, "configuration": one.configuration,
-        "voltage_V": one.voltage_V, "position_mm": one.position_mm, "s_mm": one.s_mm,
-        "z": round(one.z, 2),
-    }  # fmt: skip
-    if one.detail:
-        result["detail"] = one.detail
-    return result
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+        return diagnosis_object(self)

@@ -76,6 +76,7 @@ class ReadingTimes:
     rise_s: float
     worked_s: float  # under voltage before the run
     driven_s: float = 0.0  # ... since the sheet was last wetted
+    position_m: float = np.nan  # NaN: free
 
     def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
@@ -107,6 +108,7 @@ class ReadingTimes:
             voltage_V=np.full(shape, self.voltage_V), pulse_s=np.full(shape, SAMPLE_S),
             pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
             opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
+            position_m=np.full(shape, self.position_m),
         )  # fmt: skip
 
 

@@ -205,7 +205,7 @@ def _seen(
     timing = ReadingTimes(
         voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), ratio=ratio,
         rise_s=sheet.rise_time_s, worked_s=session.worked_s.get(key, 0.0),
-        driven_s=session.driven_s.get(key, 0.0),
+        driven_s=session.driven_s.get(key, 0.0), position_m=np.nan if at_m is None else float(at_m),
     )  # fmt: skip
     at = [session.share(condition, r) for r in readings]
     return ConditionData(

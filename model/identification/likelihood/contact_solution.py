@@ -8,7 +8,7 @@ the signatures of all effects cost next to nothing.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -61,6 +61,7 @@ class ConfigurationModel:
         self.s_m = self.length * np.asarray(nodes.c)
         self.weights = np.asarray(nodes.b)  # of a mean over the free length
         self.piece_m = self.length * self.weights
+        self.at_rest = rest(self.s_m)  # k0 at the nodes
         self._make_panels(look, G)
         seen = look.seen
         self.clock = AcquisitionTimes.joined([o.clock for o in seen if len(o.force_N)])
@@ -186,7 +187,7 @@ class ConfigurationModel:
     def solve(self, beam: BeamProblem) -> SolvedConditions:
         """All conditions; a `ModelError` names one that has no equilibrium."""
         K, G, S = self.K, self.count, self.curve_s.shape[1]
-        contact = _nothing_held(K, G)
+        contact = replace(_nothing_held(K, G), at_rest=self.at_rest)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
         self._found = self._equilibria(beam) if len(self.touching) else []
         for rows, found in self._found:

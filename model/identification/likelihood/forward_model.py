@@ -40,6 +40,7 @@ from model.sheet.effect_hooks import (
     course,
     image_displacement_m,
     in_course,
+    lagging,
     load_cell_input,
     self_consistent,
 )
@@ -183,7 +184,7 @@ class ForwardModel:
         if seen is not None:
             beam = step.beam + bent(scene, state, seen[1])
             step = replace(step, frame_eibm=step.frame_eibm + seen[0], beam=beam)
-        for shape, much in one.effect.lagging(state.beam, state.solved.contact, one.values):
+        for shape, much in lagging(one, state.beam, state.solved.contact):
             force, size = self._lagging(c, state, shape, much)
             step = replace(step, force_N=step.force_N + force, frame_eibm=step.frame_eibm + size)
         if type(one.effect).force is not Effect.force:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.likelihood.form_error import Found, effect_columns, moved
+from model.identification.likelihood.form_error import effect_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
     Bases,
@@ -23,7 +23,7 @@ from model.identification.likelihood.mixed_model import (
     inverse_symmetric,
     weigh,
 )
-from model.identification.likelihood.model_state import AppliedEffect
+from model.identification.likelihood.model_state import AppliedEffect, Found, moved
 from model.identification.likelihood.random_effects import Added
 from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
@@ -50,6 +50,10 @@ class FitProblem:
     def of(forward: ForwardModel, bases: Bases, noise: RowNoise) -> FitProblem:
         """With the assumed scatter."""
         return FitProblem(forward, bases, noise, guess_of(noise))
+
+    def noise_names(self) -> list[str]:
+        """Return the names of all standard deviations: scatters, then noises."""
+        return [*self.noise.random_effects, *self.noise.names]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,13 +118,18 @@ def fit_mixed_model(
     )
 
 
-def fit_at_set_ups(problem: FitProblem, theta: FloatArray) -> MixedModelFit:
+def fit_at_set_ups(
+    problem: FitProblem, theta: FloatArray, log_sigma: FloatArray | None = None
+) -> MixedModelFit:
     """Fit the base model, solved for each set-up at its most likely random effects.
+
+    `log_sigma`: standard deviations to begin with; None: those that are assumed.
 
     Random effects large enough to bend the model would otherwise get a wrong weight. Where this
     does not converge, the model is fitted to nominal set-ups.
     """
-    at, noise = _LinearisationPoint(problem=problem, theta=theta, found=(), added=None), None
+    at = _LinearisationPoint(problem=problem, theta=theta, found=(), added=None)
+    noise = log_sigma
     with suppress(ModelError):
         for _ in range(ROUNDS):
             here = _Iteration.of(at, noise)
@@ -229,7 +238,7 @@ class _Iteration:
         promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
         moving = np.arange(self.at.problem.bases.size).tolist()
         for one, span in zip(self.at.found, self.spans, strict=True):
-            moving += range(span.start, span.start + len(one.parameters()))
+            moving += range(span.start, span.start + len(one.parameters()) + len(one.ways))
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
 

@@ -1,16 +1,24 @@
-"""The point that a model is linearised at: effects, set-ups, solutions; and a step away from it."""
+"""The point that a model is linearised at: effects, set-ups, solutions; and a step away from it.
+
+A `Found` effect has values that are refined, and ways in which its form differs.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from model.effects.interface import BeamProblem, Effect, LoadCellInput
+from model.effects.interface import BeamProblem, Effect, EffectParameter, LoadCellInput
 from model.identification.likelihood.contact_solution import Sensitivities, SolvedConditions
 from model.measurements import FloatArray
+from model.sheet.beam_problem import Profile
 from model.sheet.effect_hooks import Acting
+from model.sheet.form import Form, combined, form_in, scaled
+from model.sheet.free_effect import acting_with
+
+MOST_LOG_STEP = 0.4
 
 
 @dataclass(frozen=True)
@@ -19,12 +27,14 @@ class AppliedEffect:
 
     effect: Effect
     values: Mapping[str, Mapping[str, float]]  # configuration -> parameter -> value
+    # configuration -> form; without: the catalogue's
+    forms: Mapping[str, Form] = field(default_factory=dict)
 
 
 def acting_in(active: Sequence[AppliedEffect], configuration: str) -> list[Acting]:
     """Return those that act in a configuration."""
     return [
-        Acting(one.effect, one.values[configuration])
+        acting_with(one.effect, one.values[configuration], one.forms.get(configuration))
         for one in active
         if configuration in one.values
     ]
@@ -69,3 +79,92 @@ class ModelState:
     def reach_m(self) -> FloatArray:
         """How far the EIBM moves each curve, root mean square along it: (K,)."""
         return np.asarray(np.linalg.norm(self.modes_by_eibm, axis=1))
+
+
+# -- effects that are found
+
+
+@dataclass(frozen=True, kw_only=True)
+class FormWay:
+    """A way in which the form of an effect differs, in all configurations that have it."""
+
+    terms: tuple[Profile, ...]  # for a size of one
+    size: float
+    sigma: float  # of the prior of the size, about 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """An effect in the model, with the values it has there."""
+
+    effect: Effect
+    values: Mapping[str, Mapping[str, float]]  # configuration -> parameter -> value
+    width: float = 3.0  # of the prior of the size, in units of its plausible size
+    sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    given: tuple[Profile, ...] | None = None  # the form that it is known to have; None: not known
+    ways: tuple[FormWay, ...] = ()  # in which its form is inferred to differ; states have them
+
+    @property
+    def active(self) -> AppliedEffect:
+        """As states have it."""
+        terms = self.terms
+        forms = {name: form_in(terms, name) for name in self.values} if terms else {}
+        return AppliedEffect(
+            self.effect, self.values, {name: form for name, form in forms.items() if form}
+        )
+
+    @property
+    def terms(self) -> tuple[Profile, ...]:
+        """The terms of its form, as a model has them."""
+        own = [scaled(term, way.size) for way in self.ways for term in way.terms]
+        return combined((*(self.given or ()), *own))
+
+    def parameters(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
+        """Knobs that are refined, each with the configurations that share its value."""
+        names = tuple(self.values)
+        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log]
+        if not self.effect.by_configuration:
+            return [(k, names) for k in free]
+        return [(k, (name,)) for k in free for name in names]
+
+
+def prior_of(parameter: EffectParameter, value: float, one: Found) -> tuple[float, float]:
+    """Width of a parameter's prior, and how far its value is from the middle."""
+    if not parameter.log:
+        return one.width * parameter.prior_scale, value - parameter.neutral
+    if parameter is not one.effect.amplitude:
+        return 1.0, 0.0
+    if np.isfinite(parameter.neutral) and parameter.neutral > 0.0:
+        usual = abs(float(np.log(parameter.prior_scale / parameter.neutral)))
+        return one.width * usual, float(np.log(value / parameter.neutral))
+    return 1.0, float(np.log(value / parameter.prior_scale))
+
+
+def moved(
+    found: tuple[Found, ...], beta: FloatArray, sigma: FloatArray, spans: list[slice]
+) -> tuple[tuple[Found, ...], bool]:
+    """Return the effects after a step, and whether the step was small."""
+    result, quiet = [], True
+    for one, span in zip(found, spans, strict=True):
+        values = {name: dict(v) for name, v in one.values.items()}
+        unsure = {name: dict(one.sigma.get(name, {})) for name in values}
+        for place, (parameter, names) in enumerate(one.parameters(), span.start):
+            step, doubt = float(beta[place]), float(sigma[place])
+            quiet = quiet and abs(step) < 0.1 * doubt
+            for name in names:
+                old = values[name][parameter.name]
+                if parameter.log:
+                    new = old * float(np.exp(np.clip(step, -MOST_LOG_STEP, MOST_LOG_STEP)))
+                    unsure[name][parameter.name] = new * doubt
+                else:
+                    most = max(3.0 * abs(parameter.prior_scale), abs(old - parameter.neutral))
+                    new = old + float(np.clip(step, -most, most))
+                    unsure[name][parameter.name] = doubt
+                values[name][parameter.name] = float(np.clip(new, parameter.low, parameter.high))
+        first = span.start + len(one.parameters())
+        steps = beta[first : first + len(one.ways)].tolist()
+        ways = tuple(
+            replace(way, size=way.size + step) for way, step in zip(one.ways, steps, strict=True)
+        )
+        result.append(replace(one, values=values, sigma=unsure, ways=ways))
+    return tuple(result), quiet

@@ -27,12 +27,22 @@ def in_means(scene: ConfigurationModel, acting: Sequence[Acting]) -> Courses:
 
 
 def in_parts(part: RowBlock, one: Acting) -> tuple[Courses, Courses]:
-    """Return the mean change over the pulses, in each part and at its sampling point: (b,)."""
+    """Return the mean change over the pulses, in each part and at its sampling point: (b,).
+
+    Where the form differs within the pulse it is the difference of the two that does.
+    """
+    form = one.form
+    steady = one if form is None else replace(one, form=form.without("pulse"))
     result = []
     for clock in (part.bin_clock, part.bin_sample):
-        found = course(one, clock) or (np.zeros(clock.run_s.shape),) * 2
+        found = course(steady, clock) or (np.zeros(clock.run_s.shape),) * 2
         result.append((part.bin_mean(found[0]), part.bin_mean(found[1])))
-    return result[0], result[1]
+    within, sample = result
+    if form is not None:
+        factor = part.bin_mean(form.in_pulse(part.bin_clock))
+        eibm, stiffness = (s + (w - s) * factor for w, s in zip(within, sample, strict=True))
+        within = eibm, stiffness
+    return within, sample
 
 
 def of_free_shapes(scene: ConfigurationModel, acting: Sequence[Acting]) -> FloatArray:

@@ -35,9 +35,10 @@ LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 WITHOUT_DELAY = DiagnoseOptions(exclude=("frame_delay",))
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
-        "sentence", "notes"}  # fmt: skip
-NAMED_KEYS = {"name", "slot", "parameters", "interval90", "by_configuration", "confidence",
-              "confusable_with", "form_share"}  # fmt: skip
+        "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises"}  # fmt: skip
+NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
+              "confidence", "confusable_with", "form_share", "parameters_of",
+              "probabilities"}  # fmt: skip
 UNKNOWN_KEYS = {"slot", "s_mm", "profile", "band", "unit", "along", "configuration", "depends"}
 
 
@@ -265,7 +266,9 @@ def test_json_has_these_keys_and_nothing_that_is_no_number(request, of):
         assert set(part) == {"before", "after"}
         in_time = {"drift_rmse_mN", "drift_rmse_mm", "pulse_rmse_mN"}
         assert set(part["after"]) == {"force_rmse_mN", "curve_rmse_mm", "chi2_per_dof"} | in_time
-    assert told["next_measurement"] is None or {"why", "protocol"} == set(told["next_measurement"])
+    assert told["next_measurement"] is None or set(told["next_measurement"]) == {
+        "why", "protocol", "between", "separation_now", "separation_expected", "minutes"
+    }  # fmt: skip
 
 
 # ----------------------------------------------------------------- what data do not allow
@@ -439,8 +442,8 @@ def test_what_tells_two_effects_apart_is_on_the_menu():
     assert found.expected > found.separation
     assert found.minutes > 0.0
     assert set(found.protocol) == {"extras"}
-    assert "gravity" in found.why
-    assert "clamp_angle" in found.why
+    assert found.between == ("gravity", "clamp_angle")
+    assert found.why.endswith(", to separate gravity from clamp angle")
 
 
 def test_one_effect_cannot_be_told_apart():

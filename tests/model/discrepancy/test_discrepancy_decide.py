@@ -36,8 +36,8 @@ from model.discrepancy.verdict.posterior import (
     with_shapes,
 )
 from model.effects import catalogue, effect
-from model.identification.likelihood.form_error import Found
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
+from model.identification.likelihood.model_state import Found
 from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 
@@ -258,7 +258,7 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
     def fit(deviance: float, loss: float, tau: float):
         values = {"long": {"relative_loss_at_sample": loss, "time_constant_s": tau}}
         sigma = {"long": {"relative_loss_at_sample": 0.002, "time_constant_s": 0.01}}
-        found = (Found(relaxing, values, sigma=sigma),)
+        found = (Found(effect=relaxing, values=values, sigma=sigma),)
         return replace(base_fit(), found=found, deviance=deviance)
 
     best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)

@@ -85,6 +85,7 @@ def gap(
         (gap(0.04, chi2=9.0), gap(0.04, chi2=1.4), 0.95),  # of fine shapes, in units of the noise
         (gap(0.04, 0.01, 0.014), gap(0.03, 0.01, 0.014), 1.0),  # which may be noise
         (gap(0.02, 0.009), gap(0.02, 0.009), np.nan),  # there was no gap
+        (gap(0.031, 0.009), gap(0.01, 0.009), np.nan),  # within the noise of the floor
     ],
 )
 def test_the_share_of_the_gap_that_is_closed(before, after, share):

@@ -9,6 +9,7 @@ import pytest
 
 from model.discrepancy.next_measurement.candidate_measurements import (
     MENU,
+    Suspect,
     extended,
     next_measurement,
     separation,
@@ -19,6 +20,10 @@ from model.identification.data.data_vector import look
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
 
 ENTRIES = {entry.name: entry for entry in MENU}
+
+
+def suspects(pair, values, sizes):
+    return [Suspect(*one) for one in zip(pair, values, sizes, strict=True)]
 
 
 @pytest.mark.parametrize("entry", MENU, ids=list(ENTRIES))
@@ -91,7 +96,7 @@ def test_the_load_cell_s_zero_tells_an_offset_from_a_meniscus():
     fit = base_fit()
     pair = [effect("force_offset"), effect("surface_tension")]
     values = [dict(candidates(fit, [e])[0].values) for e in pair]
-    found = next_measurement(fit, pair, values, [0.3, 0.3])
+    found = next_measurement(fit, suspects(pair, values, [0.3, 0.3]))
     assert found.extra == "no_touch_zero"
     assert found.expected > 1.5 * found.separation
 
@@ -117,6 +122,8 @@ def test_a_size_that_is_next_to_nothing_hides_no_difference():
     fit = base_fit()
     pair = [effect("gravity"), effect("clamp_angle")]
     values = [dict(candidates(fit, [e])[0].values) for e in pair]
-    equal, unequal = (next_measurement(fit, pair, values, s) for s in ([0.1, 0.1], [0.1, 1e-9]))
+    equal, unequal = (
+        next_measurement(fit, suspects(pair, values, s)) for s in ([0.1, 0.1], [0.1, 1e-9])
+    )
     assert unequal.separation > 0.5 * min(equal.separation, 8.0) > 0.0
     assert unequal.expected > unequal.separation

@@ -9,7 +9,7 @@ import pytest
 
 from model.discrepancy.verdict.posterior import Choice, chosen_values
 from model.effects import catalogue, effect
-from model.identification.likelihood.form_error import Found
+from model.identification.likelihood.model_state import Found
 from tests.model.discrepancy.sessions import Case, Hiding, diagnosed
 from tests.model.discrepancy.test_discrepancy_decide import base_fit
 
@@ -40,7 +40,9 @@ def test_the_model_at_each_set_ups_offsets_meets_the_points():
 
 def lagging(deviance: float, remembers: float):
     values = {"long": {"time_constant_s": 0.05, "slow_share": 1.0, "remembers": remembers}}
-    return replace(base_fit(), found=(Found(effect("charging_lag"), values),), deviance=deviance)
+    return replace(
+        base_fit(), found=(Found(effect=effect("charging_lag"), values=values),), deviance=deviance
+    )
 
 
 def chosen(*tried):

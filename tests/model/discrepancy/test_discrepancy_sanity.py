@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from model import ModelError
@@ -15,15 +14,6 @@ from tests.model.discrepancy.sessions import base_fit, session
 
 def test_a_usual_session_is_not_remarked_upon():
     assert list(remarks(session(), base_fit())) == []
-
-
-def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
-    fitted = base_fit()
-    theta = fitted.theta.copy()
-    theta[fitted.problem.bases.parts[0].stiffness] -= np.log(1000.0)
-    (said,) = remarks(session(), replace(fitted, theta=theta))
-    assert "the stiffness of 'long' would mean a Young's modulus of" in said
-    assert "check that forces are in mN" in said
 
 
 def test_a_position_out_of_reach_is_named():

@@ -12,22 +12,20 @@ from model.discrepancy.search import ranking
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.nonparametric_terms import linearised, shapes, unknowns
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.verdict.inferred_form import unknown_effect, unknown_of
+from model.discrepancy.verdict.inferred_form import unknown_of
 from model.effects import catalogue, effect
 from model.effects.conformance import plausible
-from model.identification.likelihood.form_error import (
+from model.identification.likelihood.form_error import effect_columns, whole_step
+from model.identification.likelihood.form_ways import (
     FORM,
     OWN,
     SIGN,
-    Found,
     atoms,
     deviations,
-    effect_columns,
-    moved,
     unit,
     waves_along,
-    whole_step,
 )
+from model.identification.likelihood.model_state import Found, moved
 from model.locations import locations
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
@@ -48,7 +46,7 @@ def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
     ways = list(deviations(one, forward, 0, step, states[0].solved.contact))
     k = int(np.argmax(np.max(np.abs(step.beam[:, G : 2 * G]), axis=1)))
     form = step.beam[k, G : 2 * G]
-    ratio = np.stack([share * way.beam[k, G : 2 * G] / form for way, share in ways])
+    ratio = np.stack([way.share * way.step.beam[k, G : 2 * G] / form for way in ways])
     variance = forward.scenes[0].weights @ np.sum(ratio**2, axis=0)
     assert np.sqrt(variance) == pytest.approx(FORM, rel=0.05)
 
@@ -57,12 +55,14 @@ def test_what_may_differ_with_the_polarity_differs_with_it():
     one, forward, states, steps = steps_of("nonlinear_stiffness")
     assert "voltage" in one.form_error_along
     ways = [
-        w for w in deviations(one, forward, 0, steps[0], states[0].solved.contact) if w[1] == SIGN
+        w
+        for w in deviations(one, forward, 0, steps[0], states[0].solved.contact)
+        if w.share == SIGN
     ]
     volts = forward.scenes[0].voltage_V
     assert len(ways) == 2
     G = forward.scenes[0].count
-    odd, zero = (way.beam[:, G] / steps[0].beam[:, G] for way, _ in ways)
+    odd, zero = (way.step.beam[:, G] / steps[0].beam[:, G] for way in ways)
     np.testing.assert_allclose(odd, np.sign(volts))
     np.testing.assert_allclose(zero, np.where(volts == 0.0, -1.0, 0.5))
 
@@ -90,7 +90,7 @@ def test_an_effect_in_the_model_has_its_parameters_first_then_its_form_errors():
     problem = base.problem
     for name, by_sheet in (("initial_curvature", 2), ("force_offset", 1)):
         one = effect(name)
-        found = Found(one, {n: plausible(one) for n in problem.forward.names})
+        found = Found(effect=one, values={n: plausible(one) for n in problem.forward.names})
         assert len(found.parameters()) == by_sheet
         columns, precision, away = effect_columns(
             problem.forward, base.linear, found, (found.active,)
@@ -122,7 +122,7 @@ def study_rows(base, c: int, found: Found):
 
 def test_a_step_of_the_fit_keeps_values_within_their_bounds():
     one = effect("roll_friction")
-    found = Found(one, {"long": plausible(one)})
+    found = Found(effect=one, values={"long": plausible(one)})
     ((after,), quiet) = moved((found,), np.array([-50.0]), np.array([0.01]), [slice(0, 1)])
     assert after.values["long"]["coefficient"] == one.amplitude.low == 0.0
     assert after.values["long"]["force_alone"] == plausible(one)["force_alone"]
@@ -311,7 +311,6 @@ def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])
     assert told.depends.endswith("a function of the force")
-    assert unknown_effect(told).profile(told.s_mm * 1e-3) == pytest.approx(told.profile)
 
 
 @pytest.mark.parametrize("power", [2, 3])

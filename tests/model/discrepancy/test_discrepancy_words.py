@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from model.discrepancy.verdict.messages import sentence
-from model.discrepancy.verdict.result import BeforeAfter, Gap, Named
+from model.discrepancy.verdict.messages import promise_note, sentence
+from model.discrepancy.verdict.result import BeforeAfter, ClosedGap, Gap, Named, Next, Promise
 
 NAN = float("nan")
 NAMED = Named(
@@ -33,9 +35,16 @@ def gap(force_mN: float, curve_mm: float, chi2: float, **further: float) -> Gap:
 )  # fmt: skip
 def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
     said = sentence("effect_named", [NAMED], None, BeforeAfter(before, after), 14)
-    assert said.startswith("gravity is not in the model. ")
+    assert said.startswith("Gravity is not in the model. ")
     assert said.endswith(wanted)
     assert "nan" not in said
+
+
+def test_effects_bear_the_names_that_readers_know():
+    both = BeforeAfter(gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0))
+    named = [replace(NAMED, name=name) for name in ("nonuniform_eibm", "charging_lag")]
+    said = sentence("effect_named", named, None, both, "")
+    assert said.startswith("EIBM along the sheet and charging lag are not in the model. ")
 
 
 def test_several_are_listed_with_the_change_of_each_error():
@@ -46,7 +55,40 @@ def test_several_are_listed_with_the_change_of_each_error():
     both = BeforeAfter(before, after)
     said = sentence("effect_named", [NAMED, NAMED, NAMED], None, both, "")
     assert said == (
-        "gravity, gravity and gravity are not in the model. Prediction error on left-out positions"
+        "Gravity, gravity and gravity are not in the model. Prediction error on left-out positions"
         " (RMS), before → after: force 0.200 → 0.030 mN, neutral curve 1.500 → 0.040 mm, neutral"
         " curve along a run 0.0130 → 0.0004 mm, force within a pulse 0.114 → 0.008 mN."
+    )
+
+
+def test_a_class_is_named_with_all_its_members_and_their_common_probability():
+    both = BeforeAfter(gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0))
+    one = replace(NAMED, confusable_with=("clamp_angle",), confidence=0.93)
+    said = sentence("indistinguishable", [one], None, both, "")
+    assert said.startswith(
+        "Gravity or clamp angle (which these data cannot tell apart; together 93 %) is not in the"
+        " model. "
+    )
+
+
+def test_a_closed_share_is_said_with_its_errors_and_the_floor():
+    both = BeforeAfter(gap(0.023, 1.5, 9.0), gap(0.024, 0.04, 1.0))
+    curves = ClosedGap(
+        share=0.999, quantity="neutral curve", before=1.5, after=0.04, floor=0.02, unit="mm"
+    )
+    said = sentence("effect_named", [NAMED], None, both, "", curves)
+    assert said.endswith(
+        " Gap closed above the noise floor: more than 99 % of neutral curve"
+        " (1.500 → 0.040 mm, floor 0.020)."
+    )
+
+
+def test_what_was_promised_of_a_measurement_is_said_with_what_was_found():
+    proposal = Next(
+        why="", extra="free_shapes", separation=1.8, expected=6.0, minutes=2.0, protocol={},
+        between=("gravity", "clamp_angle"),
+    )  # fmt: skip
+    assert promise_note(Promise(proposal, 4.8)) == (
+        "measured as proposed (free shapes): gravity and clamp angle were 1.8 sigma apart;"
+        " promised 6.0, found 4.8"
     )

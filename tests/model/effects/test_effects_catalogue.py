@@ -72,6 +72,7 @@ def test_the_package_hands_on_its_public_names_only():
         "origins",
         "catalogue",
         "effect",
+        "title",
     }
 
 

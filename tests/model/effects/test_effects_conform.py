@@ -42,7 +42,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "roll_sticking": ("position", ("from_position_mm", "force_mN"), ("kind",)),
     "roll_offset": ("position", ("offset_mm",), ("at_the_pressed",)),
     "force_offset": ("load_cell", ("force_mN",), ()),
-    "force_drift": ("load_cell", ("force_mN",), ("settles",)),
+    "force_drift": ("load_cell", ("force_mN",), ("settles", "tared_at")),
     "load_cell_misalignment": ("load_cell", ("angle_rad",), ()),
     "load_cell_hysteresis": ("load_cell", ("force_mN",), ("from_no_load", "reach_mN")),
     "load_cell_compliance": ("load_cell", ("compliance_mm_per_mN",), ()),

@@ -294,6 +294,8 @@ def test_offset_drift_and_meniscus_add_what_they_say():
     assert effect("force_offset").force(w, {"force_mN": 0.3}) == pytest.approx(3e-4)
     drift = effect("force_drift").force(w, {"force_mN": 0.3, "settles": 0.0})
     assert drift[[0, -1]] == pytest.approx([0.0, 3e-4])
+    amid = {"force_mN": 0.3, "settles": 0.0, "tared_at": 0.5}
+    assert effect("force_drift").force(w, amid)[[0, -1]] == pytest.approx([-1.5e-4, 1.5e-4])
     soon = effect("force_drift").force(w, {"force_mN": 0.3, "settles": 1.0})
     assert soon == pytest.approx(3e-4 * np.expm1(-3.0 * w.session) / np.expm1(-3.0))
     wet = {"force_mN": 0.3, "dries_s": 0.0}

@@ -1,0 +1,1 @@
+"""How often a wrong datum is told rightly: `python -m benchmarks.data_mistakes`."""

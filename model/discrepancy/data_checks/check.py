@@ -1,0 +1,181 @@
+"""Check data before anything is searched for: units, signs, order and lengths, wild readings.
+
+What is stated of a measurement is compared with what the data say. A configuration that the base
+model fits is left at that. Where it does not fit, it is fitted again with one datum changed, for
+each change that a data check proposes; the best one is told if it leaves next to nothing of the
+misfit. A base fit that fails and that no change mends is told, too: no effect explains it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.data_checks.catalogue import data_checks
+from model.discrepancy.data_checks.changed_data import Compared, Trial, compared, of_one
+from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.discrepancy.data_checks.kinds._data import quoted
+from model.discrepancy.data_checks.quick_fit import QuickFit, Tolerances, bare, quick_fit
+from model.discrepancy.thresholds import (
+    FAILED_CURVE_SHARE,
+    FAILED_FORCE_SHARE,
+    LEFT_BY_CHANGED_DATUM,
+    SUSPICIOUS_MISFIT,
+)
+from model.identification.data.outlier_readings import without_outliers
+from model.measurements import Measurements
+
+SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedData:
+    """Measurements with what is suspicious about them."""
+
+    measurements: Measurements  # without readings far from the others
+    suspicions: tuple[Suspicion, ...] = ()
+    notes: tuple[str, ...] = ()  # what was left out
+
+    @property
+    def stops(self) -> tuple[Suspicion, ...]:
+        """Those with which no search makes sense."""
+        return tuple(one for one in self.suspicions if one.severity == "stop")
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Return a sentence for each suspicion, and for what was left out."""
+        return (*(one.sentence for one in self.suspicions), *self.notes)
+
+
+def check_data(measurements: Measurements) -> CheckedData:
+    """Return measurements without wild readings, and what is suspicious; raise nothing."""
+    cleaned = without_outliers(measurements)
+    data = cleaned.measurements
+    checks = tuple(data_checks().values())
+    found = [one for check in checks for one in check.suspicions(data)]
+    stops = [one for one in found if one.severity == "stop"]
+    # what else seems wrong follows from these, as a rule
+    found = stops or [*found, *_of_the_fit(data, checks)]
+    return CheckedData(measurements=data, suspicions=tuple(found), notes=cleaned.sentences())
+
+
+def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Suspicion]:
+    few = bare(data)
+    tolerances = Tolerances.of(few)
+    stiffness, suspicious = dict[str, float](), list[Compared]()
+    for name in data.sheets:
+        own = of_one(few, name)
+        if not any(c.readings and c.position_m is not None for c in own.conditions):
+            continue
+        stated = quick_fit(own, tolerances)
+        if stated is not None and stated.misfit < SUSPICIOUS_MISFIT:
+            stiffness[name] = float(np.exp(stated.theta[stated.bases.parts[0].stiffness]))
+        else:
+            suspicious.append(compared(name, own, stated, tolerances, checks))
+    yield from _changed([one for one in suspicious if _mended(one)])
+    yield from (_failed(one) for one in suspicious if not _mended(one) and _fails(one.stated, data))
+    for check in checks:
+        yield from check.of_stiffness(data, stiffness)
+
+
+def _mended(one: Compared) -> Trial | None:
+    """Return the change that leaves next to nothing of the misfit."""
+    if not one.trials:
+        return None
+    best = one.trials[0]
+    if one.stated is None:
+        return best if best.fit.misfit < SUSPICIOUS_MISFIT else None
+    return best if one.share(best) < LEFT_BY_CHANGED_DATUM else None
+
+
+def _changed(mended: Sequence[Compared]) -> Iterator[Suspicion]:
+    """Return one suspicion for all configurations that ask for the same change."""
+    left = list(mended)
+    while left:
+        first = left[0].trials[0]
+        alike = [one for one in left if _same(first, one.trials[0])]
+        left = [one for one in left if one not in alike]
+        names = [one.name for one in alike]
+        values = np.array([one.trials[0].fit.value for one in alike])
+        sigma = np.array([one.trials[0].fit.sigma for one in alike])
+        sure = np.all(np.isfinite(sigma)) and np.all(sigma > 0.0)
+        weights = sigma**-2.0 if sure else np.ones(len(alike))
+        value = float(weights @ values / weights.sum())
+        # configurations that differ by more than each is sure of are no surer together
+        error = (
+            float(max(weights.sum() ** -0.5, np.std(values))) if first.change.continuous else 0.0
+        )
+        change = first.change
+        gap = _gap(alike)
+        yield Suspicion(
+            check=first.check, severity="stop", where=change.where, configurations=tuple(names),
+            value=value * change.factor, sigma=error * change.factor if change.continuous else None,
+            unit=change.unit,
+            sentence=f"{change.sentence(quoted(names), value, error)}{gap}",
+        )  # fmt: skip
+
+
+def _same(one: Trial, other: Trial) -> bool:
+    if one.check != other.check or one.change.where != other.change.where:
+        return False
+    apart, size = abs(one.fit.value - other.fit.value), max(abs(one.fit.value), 1e-12)
+    if not one.change.continuous:
+        return one.change.sentence("", 0.0, 0.0) == other.change.sentence("", 0.0, 0.0)
+    near = max(SAME_SHARE * size, SAME_SIGMA * float(np.hypot(one.fit.sigma, other.fit.sigma)))
+    return apart < near
+
+
+def _gap(alike: Sequence[Compared]) -> str:
+    """Return the base model's errors before and after, of the configuration that gains most."""
+    known = [one for one in alike if one.stated is not None]
+    if not known:
+        return "; as they are stated the model has no answer"
+    one = min(known, key=lambda each: each.share(each.trials[0]))
+    before, after = one.stated, one.trials[0].fit
+    if before is None:
+        return ""
+    return f" (base model, '{one.name}': {_errors(before)} → {_errors(after)})"
+
+
+def _errors(fit: QuickFit) -> str:
+    parts = []
+    if np.isfinite(fit.force_rms_N):
+        parts.append(f"force error {1e3 * fit.force_rms_N:.2g} mN")
+    if np.isfinite(fit.curve_rms_m):
+        parts.append(f"curve error {1e3 * fit.curve_rms_m:.2g} mm")
+    return ", ".join(parts)
+
+
+def _fails(stated: QuickFit | None, data: Measurements) -> bool:
+    """Whether the base model explains so little that no effect could be what is missing."""
+    if stated is None:
+        return False  # what is missing for a fit is told where it is prepared
+    (name,) = stated.forward.names
+    sheet = data.sheets[name]
+    curve_m = FAILED_CURVE_SHARE * (sheet.free_length_m + sheet.elongation_m)
+    force_N = FAILED_FORCE_SHARE * _spread_N(stated)
+    return bool(stated.force_rms_N > force_N or stated.curve_rms_m > curve_m)
+
+
+def _spread_N(fit: QuickFit) -> float:
+    """Return the standard deviation of the mean forces."""
+    rows = [part.trend @ part.measured_N for part in fit.forward.layout.parts]
+    means = np.concatenate(
+        [r[p.is_mean] for r, p in zip(rows, fit.forward.layout.parts, strict=True)]
+    )
+    return float(np.std(means)) if len(means) > 1 else np.inf
+
+
+def _failed(one: Compared) -> Suspicion:
+    stated = one.stated
+    errors, spread = ("", 0.0) if stated is None else (_errors(stated), _spread_N(stated))
+    return Suspicion(
+        check="base_fit", severity="stop", where="forces and curves", configurations=(one.name,),
+        sentence=(
+            f"the base model does not fit '{one.name}': {errors}, where the forces spread by"
+            f" {1e3 * spread:.2g} mN, more than any effect could explain; no single unit, sign,"
+            " order or length mends it, so check the tables against each other"
+        ),
+    )  # fmt: skip

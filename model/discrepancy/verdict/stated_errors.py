@@ -1,0 +1,70 @@
+"""The errors that a model file states: those of `predict` at the measured conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.data.data_vector import ConditionData
+from model.identification.likelihood.forward_model import ForwardModel
+from model.measurements import FloatArray
+from model.sheet.measured_places import Seen, seen_at
+from model.sheet.sheet_model import SheetModel
+
+
+@dataclass(frozen=True)
+class Error:
+    """Distances of one condition: of its mean force, and of its curve, RMS; NaN: not measured."""
+
+    force_N: float
+    curve_m: float
+
+
+def with_stated_errors(
+    model: SheetModel, forward: ForwardModel, without: Collection[int] = ()
+) -> SheetModel:
+    """Return the model with its errors; raise `ModelError` where it predicts nothing.
+
+    Conditions `without`, by number over all, do not count, nor what no prediction is asked for:
+    free shapes, and what was measured with the rig turned over.
+    """
+    own, first = dict[str, list[Error]](), 0
+    for name, look in zip(forward.names, forward.looks, strict=True):
+        some = [
+            one for k, one in enumerate(look.seen, first)
+            if k not in without and not (one.free or one.zero or one.tilt_rad)
+        ]  # fmt: skip
+        first += len(look.seen)
+        places = [(float(one.position_m), float(one.voltage_V)) for one in some]
+        found = seen_at(model, name, places) if places else []
+        own[name] = [_error(*both) for both in zip(some, found, strict=True)]
+    every = [error for errors in own.values() for error in errors]
+    return model.with_merit(_merit(every), {name: _merit(errors) for name, errors in own.items()})
+
+
+def _error(one: ConditionData, found: Seen) -> Error:
+    force = found.F_N - float(np.mean(one.kept_N)) if len(one.kept_N) else np.nan
+    if one.curve is None:
+        return Error(force, np.nan)
+    s_m = one.curve.s_m
+    apart = np.hypot(
+        np.interp(s_m, found.s_m, found.x_m) - one.curve.x_m,
+        np.interp(s_m, found.s_m, found.y_m) - one.curve.y_m,
+    )
+    return Error(force, _rms(apart))
+
+
+def _merit(errors: Sequence[Error]) -> dict[str, float]:
+    """Return the errors by the names that a model file has; those that exist."""
+    merit = {
+        "force_rmse_N": _rms(np.array([e.force_N for e in errors])),
+        "curve_rmse_m": _rms(np.array([e.curve_m for e in errors])),
+    }
+    return {name: value for name, value in merit.items() if np.isfinite(value)}
+
+
+def _rms(values: FloatArray) -> float:
+    good = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(good**2))) if len(good) else np.nan

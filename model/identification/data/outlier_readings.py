@@ -1,0 +1,110 @@
+"""Readings far from the others of their condition: left out of the mean, and told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.measurements import Condition, FloatArray, Measurements, Reading
+
+FEWEST = 5  # readings of a condition
+SIGMA = 15.0  # of a reading's noise, beyond which it is none of its condition's
+MOST_SHARE = 0.25  # of a condition's readings: more are no outliers
+SAME_PLACE_SHARE = 0.3  # of the conditions: more at the same place of the order are a transient
+PER_MAD = 1.4826  # standard deviation of Gaussian noise over its median absolute deviation
+LEAST_N = 1e-6
+NAMED = 3  # conditions
+WHY = "far from the other readings"
+
+
+@dataclass(frozen=True)
+class WithoutOutliers:
+    """Measurements without readings that are far from the others."""
+
+    measurements: Measurements
+    readings: int  # left out
+    conditions: tuple[str, ...]  # in which
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return what was left out, or nothing."""
+        if not self.readings:
+            return ()
+        many, where = self.readings > 1, self.conditions
+        more = f" and {len(where) - NAMED} more" if len(where) > NAMED else ""
+        told = (
+            f"{self.readings} reading{'s' * many} far from the others of their condition"
+            f" {'are' if many else 'is'} left out ({'; '.join(where[:NAMED])}{more})"
+        )
+        return (told,)
+
+
+def without_outliers(measurements: Measurements) -> WithoutOutliers:
+    """Mark readings as not valid that are far from the others of their condition.
+
+    They are compared with a robust line in time, so that a drift is none, and with the noise of
+    their own condition and of all conditions: both must be exceeded. What many conditions have at
+    the same place, as the first pulses may, is no outlier.
+    """
+    noise_N = _noise_N(measurements)
+    wild = [_wild(one, noise_N) for one in measurements.conditions]
+    asked = sum(len(_ordered(one)) >= FEWEST for one in measurements.conditions)
+    times = Counter(place for own in wild for place in own)
+    usual = {place for place, count in times.items() if count > max(2, SAME_PLACE_SHARE * asked)}
+    wild = [own - usual for own in wild]
+    if not any(wild):
+        return WithoutOutliers(measurements, 0, ())
+    pairs = list(zip(measurements.conditions, wild, strict=True))
+    return WithoutOutliers(
+        replace(measurements, conditions=tuple(_marked(one, own) for one, own in pairs)),
+        sum(map(len, wild)),
+        tuple(_name(one) for one, own in pairs if own),
+    )
+
+
+def _marked(one: Condition, places: set[int]) -> Condition:
+    """Return a condition in which the readings at these places of the order are not valid."""
+    wild = {id(reading) for place, reading in enumerate(_ordered(one)) if place in places}
+    readings = tuple(
+        replace(r, valid=False, why=WHY, curve=None) if id(r) in wild else r for r in one.readings
+    )
+    return replace(one, readings=readings)
+
+
+def _name(one: Condition) -> str:
+    place = "free" if one.position_m is None else f"{one.position_m * 1e3:g} mm"
+    return f"{one.configuration}, {place}, {one.voltage_V:+g} V"
+
+
+def _wild(one: Condition, noise_N: float) -> set[int]:
+    """Return the places of far readings in the order of a condition's readings."""
+    readings = _ordered(one)
+    if len(readings) < FEWEST or not noise_N:
+        return set()
+    off = _off_line(np.array([r.force_N for r in readings]))
+    own_N = PER_MAD * float(np.median(np.abs(off)))
+    far = np.abs(off) > SIGMA * max(noise_N, own_N, LEAST_N)
+    return set() if far.sum() > MOST_SHARE * len(readings) else set(np.flatnonzero(far).tolist())
+
+
+def _noise_N(measurements: Measurements) -> float:
+    """Return the standard deviation of a reading, from all conditions; 0: not known."""
+    every = [_ordered(one) for one in measurements.conditions]
+    off = [_off_line(np.array([r.force_N for r in one])) for one in every if len(one) >= FEWEST]
+    return PER_MAD * float(np.median([np.median(np.abs(one)) for one in off])) if off else 0.0
+
+
+def _ordered(one: Condition) -> list[Reading]:
+    """Return the readings of the mean in time order; none of a free shape."""
+    found = [r for r in one.used() if np.isfinite(r.force_N)]
+    return sorted(found, key=lambda r: r.index) if one.position_m is not None else []
+
+
+def _off_line(values: FloatArray) -> FloatArray:
+    """Return distances from a robust line (Theil 1950, Sen 1968)."""
+    t = np.arange(len(values), dtype=float)
+    i, j = np.triu_indices(len(values), 1)
+    slope = float(np.median((values[j] - values[i]) / (t[j] - t[i])))
+    off = values - slope * t
+    return np.asarray(off - np.median(off))

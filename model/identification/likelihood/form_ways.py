@@ -1,0 +1,306 @@
+"""Ways in which the form of an effect may differ from the catalogue's.
+
+No formula is nature's. So an effect is its form times (1 + a smooth deviation): along the sheet,
+from voltage to voltage, along the arc, in time, or from one configuration to the other, whichever
+it depends on; with a standard deviation of about a third, and integrated over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from model.effects.interface import ContactSolution, Effect
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.model_state import ModelState
+from model.locations.quantities import Perturbation
+from model.measurements import FloatArray
+from model.sheet.beam_problem import Adds, Coordinate, Profile, Under
+
+FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
+SIGN = 0.25  # and from one voltage or configuration to the other
+FALLS = -0.6  # power with which waves along the sheet grow smaller
+WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
+RUN = 0.5  # from run to run
+OWN = 1.0  # where each configuration may have its own size
+PULSE_S = 0.6
+NODES = 51  # of a term that was inferred
+LEAST_V = 1e-6  # that is a voltage
+
+
+Terms = Callable[[], tuple[Profile, ...]]
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way in which a form may differ in one configuration."""
+
+    step: Perturbation
+    share: float  # its standard deviation
+    # terms of a model that have it, for a deviation of one; none: it is a matter of single runs
+    terms: Terms = tuple
+
+
+Ways = Iterator[Way]
+
+
+def deviations(
+    effect: Effect, forward: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
+) -> Ways:
+    """Yield the perturbations by which the form may differ, each with its standard deviation."""
+    scene = forward.scenes[c]
+    for along in effect.form_error_along:
+        if along == "s":
+            waves = waves_along(effect.waves)
+            u, most = scene.s_m / scene.length, scene.length
+            yield from _along_sheet(forward, c, step, u, waves, _Span("s", 0.0, most))
+        elif along == "curvature":
+            bent = np.abs(contact.curvature - scene.rest(scene.s_m))
+            most = max(float(np.max(bent)), 1e-9)
+            span = _Span("curvature", 0.0, most)
+            yield from _along_sheet(forward, c, step, bent / most, WAVES, span)
+        elif along == "position":
+            u, span = unit(scene.stated_m), _Span("position", *_ends(scene.stated_m))
+            for j, share in WAVES:
+                yield Way(_weighed(forward, c, step, cosine(j, u)), FORM * share, span.wave(j))
+        elif along == "voltage":
+            driven = np.sign(scene.voltage_V)
+            at_zero = any(np.any(step_of[driven == 0.0]) for step_of in (step.beam, step.points_m))
+            at_zero = at_zero or bool(
+                np.any(step.force_N[driven[forward.part(c).reading_of] == 0.0])
+            )
+            for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
+                terms = partial(_at_voltages, scene.voltage_V, wave, at_zero=at_zero)
+                yield Way(_weighed(forward, c, step, wave), SIGN, terms)
+        elif along == "time":
+            yield from _in_time(forward, c, step)
+        elif along == "run":
+            yield from _from_run_to_run(forward, c, step)
+        elif along == "place":
+            most = np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
+            span = _Span("s", 0.0, float(np.max(most)))
+            for j, share in WAVES:
+                points = step.points_m * cosine(j, scene.curve_s / most)
+                way = replace(forward.no_step(c), points_m=points)
+                yield Way(way, FORM * share, span.wave(j))
+
+
+@dataclass(frozen=True)
+class _Span:
+    """A coordinate from one end to the other."""
+
+    along: Coordinate
+    low: float
+    high: float
+    under: Under = ""
+
+    def wave(self, j: int, size: float = 1.0, adds: Adds = "") -> Terms:
+        """Return what makes the term that is a wave along it."""
+        return partial(self._wave, j, size, adds)
+
+    def _wave(self, j: int, size: float, adds: Adds) -> tuple[Profile, ...]:
+        def value(t: FloatArray) -> FloatArray:
+            return size * cosine(j, t)
+
+        return (sampled(value, self.along, self.low, self.high, under=self.under, adds=adds),)
+
+
+def sampled(
+    function: Callable[[FloatArray], FloatArray],
+    along: Coordinate,
+    low: float,
+    high: float,
+    *,
+    nodes: int = NODES,
+    unit: str = "",
+    under: Under = "",
+    adds: Adds = "",
+) -> Profile:
+    """Return a function of a coordinate, brought to 0 .. 1, as straight lines."""
+    t = np.linspace(0.0, 1.0, nodes) if nodes > 1 and high > low else np.full(1, 0.5)
+    return Profile(
+        along=along, at=tuple((low + t * (high - low)).tolist()),
+        values=tuple(function(t).tolist()), sigma=(0.0,) * len(t), unit=unit, under=under,
+        adds=adds,
+    )  # fmt: skip
+
+
+def _at_voltages(voltage_V: FloatArray, wave: FloatArray, *, at_zero: bool) -> tuple[Profile, ...]:
+    """Return a wave as a function of the voltage; of what is absent at 0 V that of its sign."""
+    volts, first = np.unique(voltage_V, return_index=True)
+    values = wave[first]
+    if not at_zero:
+        volts, values = volts[volts != 0.0], values[volts != 0.0]
+        signs = [sign for sign in (-1.0, 1.0) if np.any(np.sign(volts) == sign)]
+        near = [float(values[np.sign(volts) == sign][0]) for sign in signs]
+        volts, values = np.append(volts, LEAST_V * np.array(signs)), np.append(values, near)
+        order = np.argsort(volts)
+        volts, values = volts[order], values[order]
+    return (
+        Profile(
+            along="voltage", at=tuple(volts.tolist()), values=tuple(values.tolist()),
+            sigma=(0.0,) * len(volts), unit="",
+        ),
+    )  # fmt: skip
+
+
+def _ends(values: FloatArray) -> tuple[float, float]:
+    good = values[np.isfinite(values)]
+    return (float(good.min()), float(good.max())) if len(good) else (0.0, 0.0)
+
+
+def _from_run_to_run(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
+    """Yield differences between runs, such as the distance of frames from edges."""
+    own = [one.run for one in forward.looks[c].seen]
+    for run in forward.layout.runs:
+        factor = np.array([float(each == run) for each in own])
+        yield Way(_weighed(forward, c, step, factor), RUN)
+
+
+def waves_along(count: int) -> tuple[tuple[int, float], ...]:
+    """Waves along the sheet with their shares of `FORM`; finer ones are smaller."""
+    numbers = np.arange(1, count + 1)
+    shares = numbers**FALLS / np.sqrt(np.sum(numbers ** (2.0 * FALLS)))
+    return tuple(zip(numbers.tolist(), shares.tolist(), strict=True))
+
+
+def _along_sheet(
+    forward: ForwardModel,
+    c: int,
+    step: Perturbation,
+    u: FloatArray,
+    waves: tuple[tuple[int, float], ...],
+    span: _Span,
+) -> Ways:
+    """Yield changes of curvature and compliance times waves of u in 0 .. 1, (G,) or (K, G)."""
+    G = forward.scenes[c].count
+    for j, share in waves:
+        beam = np.zeros_like(step.beam)
+        beam[:, :G] = step.beam[:, :G] * cosine(j, u)
+        beam[:, G : 2 * G] = step.beam[:, G : 2 * G] * cosine(j, u)
+        yield Way(replace(forward.no_step(c), beam=beam), FORM * share, span.wave(j))
+
+
+def _in_time(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
+    """Within a pulse as a factor; over run and session something added, since drifts cross zero."""
+    part = forward.part(c)
+    at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
+    driven = part.clock.voltage_V != 0.0
+    for j in (1, 2, 3):
+        wave, bins = (cosine(j, a / PULSE_S) for a in (at, in_bin))
+        wave, bins = wave * driven, part.bin_mean(bins)
+        way = replace(
+            forward.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
+            force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
+            bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
+        )  # fmt: skip
+        yield Way(way, 0.6 * FORM / j, _Span("pulse", 0.0, PULSE_S, "voltage").wave(j))
+    size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
+    for along, times in _SLOW:
+        values = getattr(part.clock, times)
+        t = unit(values)
+        if np.ptp(t) == 0.0 or not (any(size) or np.any(step.force_N)):
+            continue
+        force = step.force_N if along == "run" else size[2]
+        span = _Span(along, *_ends(values))
+        for j in (1, 2, 3):
+            wave = cosine(j, t)
+            way = replace(
+                forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
+                force_N=force * wave,
+            )  # fmt: skip
+            yield Way(way, 0.6 * FORM / j, partial(_slowly, span, j, size))
+
+
+_SLOW: tuple[tuple[Coordinate, str], ...] = (("session", "session"), ("run", "run_s"))
+
+
+def _slowly(span: _Span, j: int, size: list[float]) -> tuple[Profile, ...]:
+    """Return the terms of a wave over run or session; over the run a force has a factor."""
+    parts: list[tuple[Adds, float]] = [("EIBM", size[0]), ("stiffness", size[1])]
+    parts.append(("force", size[2]) if span.along == "session" else ("", 1.0))
+    return tuple(term for adds, much in parts if much for term in span.wave(j, much, adds)())
+
+
+def cosine(j: int, t: FloatArray) -> FloatArray:
+    """Return a wave of unit mean square on a coordinate 0 .. 1."""
+    result: FloatArray = np.sqrt(2.0) * np.cos(j * np.pi * np.clip(t, 0.0, 1.0))
+    return result
+
+
+def _weighed(forward: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
+    """Return a step times a factor (K,) for each condition."""
+    part = forward.part(c)
+    of, bin_of = part.reading_of, part.bin_of
+    return Perturbation(
+        beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
+        stiffness=step.stiffness * wave[of], force_N=step.force_N * wave[of],
+        bin_eibm=step.bin_eibm * wave[bin_of], bin_stiffness=step.bin_stiffness * wave[bin_of],
+        points_m=step.points_m * wave[:, None], frame_eibm=step.frame_eibm * wave[of],
+    )  # fmt: skip
+
+
+def unit(values: FloatArray) -> FloatArray:
+    """Finite values brought to 0 .. 1; the middle where there is none, or no difference."""
+    good = values[np.isfinite(values)]
+    span = float(np.ptp(good)) if len(good) else 0.0
+    if span == 0.0:
+        return np.full_like(values, 0.5)
+    share: FloatArray = np.nan_to_num((values - good.min()) / span, nan=0.5)
+    return share
+
+
+@dataclass(frozen=True)
+class WayColumn:
+    """A way of all configurations: its rows (N,), and its terms by configuration."""
+
+    rows: FloatArray
+    share: float
+    terms: dict[str, Terms]
+
+
+def atoms(
+    forward: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
+    steps: list[Perturbation], *,
+    tolerant: bool = True,
+) -> FloatArray:  # fmt: skip
+    """Return the form itself, and its deviations times their standard deviations: (N, 1 + J)."""
+    whole = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+    columns: list[FloatArray] = [np.sum(whole, axis=0)]
+    if not tolerant:
+        return np.stack(columns, axis=1)
+    columns += [one.rows for one in ways_of(forward, states, effect, steps, whole)]
+    return np.stack(columns, axis=1)
+
+
+def ways_of(
+    forward: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
+    steps: list[Perturbation], whole: list[FloatArray],
+) -> list[WayColumn]:  # fmt: skip
+    """Return the ways in which the form may differ; the same in all configurations is one."""
+    first = []
+    if len(steps) > 1 and all(np.any(w) for w in whole) and not effect.of_the_rig:
+        share = OWN if effect.by_configuration else SIGN
+        signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
+        rows = share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0)
+        signed: dict[str, Terms] = {
+            n: partial(_constant, s) for n, s in zip(forward.names, signs, strict=True)
+        }
+        first.append(WayColumn(rows, share, signed))
+    ways: list[WayColumn] = []
+    for c, step in enumerate(steps):
+        for j, way in enumerate(deviations(effect, forward, c, step, states[c].solved.contact)):
+            row, terms = way.share * forward.rows_of(c, states[c], way.step), way.terms
+            if j < len(ways):
+                ways[j].terms[forward.names[c]] = terms
+                ways[j] = replace(ways[j], rows=ways[j].rows + row)
+            else:
+                ways.append(WayColumn(row, way.share, {forward.names[c]: terms}))
+    return [*first, *(w for w in ways if np.any(w.rows))]
+
+
+def _constant(value: float) -> tuple[Profile, ...]:
+    return (Profile(along="configuration", at=(0.0,), values=(value,), sigma=(0.0,), unit=""),)

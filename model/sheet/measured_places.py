@@ -1,0 +1,58 @@
+"""What a model says of the conditions that were measured: `predict` of many places at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.measurements import FloatArray, ModelError
+from model.mechanics.equilibrium import SolverStatus
+from model.sheet.instruments import as_pictured, camera_m, load_cell_N
+from model.sheet.prediction import Predictable
+from model.sheet.solution import sampled_s, solved
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seen:
+    """Mean force and curve of a condition, as load cell and camera show them."""
+
+    F_N: float
+    s_m: FloatArray
+    x_m: FloatArray
+    y_m: FloatArray
+
+
+def seen_at(
+    model: Predictable, configuration: str, places: Sequence[tuple[float, float]]
+) -> list[Seen]:
+    """Return what is seen at positions and voltages; raise `ModelError` where one is not reachable.
+
+    It is what `predict` says of each of them.
+    """
+    every = dict.fromkeys(
+        (at_m, volts) for at_m, asked in places for volts in model.beside(configuration, asked)
+    )
+    rows = {place: k for k, place in enumerate(every)}
+    found = solved(model.setups(configuration, list(rows)))
+    if np.any(found.status != SolverStatus.SOLVED):
+        raise ModelError("with the model's effects a measured condition is not reachable")
+    positions_m = [at_m for at_m, _ in rows]
+    s_m = sampled_s(found.setups[0])
+    shapes, result = found.shapes(s_m), list[Seen]()
+    for at_m, volts in places:
+        k = rows[at_m, volts]
+        own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}
+        added_N = load_cell_N(model.effects, found, positions_m, own, volts)
+        then = as_pictured(found.setups[k], model.effects, at_m)
+        late = then is not found.setups[k]
+        curve, row = (solved([then]).shapes(s_m), 0) if late else (shapes, k)
+        dx_m, dy_m = camera_m(model.effects, then, curve, row)
+        result.append(
+            Seen(
+                F_N=float(found.force_N[k]) + added_N, s_m=s_m, x_m=curve.x_m[row] + dx_m,
+                y_m=curve.y_m[row] + dy_m,
+            )
+        )  # fmt: skip
+    return result

@@ -1,0 +1,187 @@
+"""What is stated of a measurement is compared with what the data say before a search."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.data_mistakes.mistakes import MISTAKES
+from model import ModelError
+from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
+from model.discrepancy.data_checks.catalogue import data_checks
+from model.discrepancy.data_checks.changed_data import of_one
+from model.discrepancy.data_checks.conformance import example_measurements, faults
+from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.identification.data.outlier_readings import without_outliers
+from tests.model.discrepancy.sessions import session
+
+BY_NAME = {one.name: one for one in MISTAKES}
+
+
+def with_mistake(name):
+    return BY_NAME[name].make(session(), np.random.default_rng(3))
+
+
+def forces_changed(m, change):
+    """Return measurements in which `change(condition, readings' forces)` gives the forces."""
+
+    def other(c):
+        used = c.used()
+        forces = dict(
+            zip(map(id, used), change(c, np.array([r.force_N for r in used])), strict=True)
+        )
+        readings = (replace(r, force_N=float(forces.get(id(r), r.force_N))) for r in c.readings)
+        return replace(c, readings=tuple(readings))
+
+    return replace(m, conditions=tuple(other(c) for c in m.conditions), series=())
+
+
+def test_the_check_on_the_page_about_extending_conforms():
+    page = (Path(__file__).parents[3] / "docs" / "extending.md").read_text(encoding="utf-8")
+    example = page.split("## A data check")[1].split("```python")[1].split("```")[0]
+    there: dict[str, object] = {"__name__": "example"}
+    exec(compile(example, "extending.md", "exec"), there)
+    assert faults(there["CHECK"]) == []
+
+
+@pytest.mark.parametrize("name", data_checks())
+def test_each_data_check_conforms(name):
+    assert faults(data_checks()[name]) == []
+
+
+def test_nothing_is_suspicious_about_a_usual_session():
+    found = check_data(session())
+    assert found.suspicions == ()
+    assert found.notes == ()
+    assert found.measurements is session()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("positions of one sheet in metres", "'short' (position_mm) reach 0.03 mm; multiplied by"),
+        ("polarities exchanged in the curves", "unless the polarities (voltage_V) are exchanged"),
+        ("tare of 3 to 7 mN forgotten", "the load cell seems not to have been tared"),
+    ],
+)
+def test_a_wrong_datum_is_told_with_the_value_that_would_fit(name, said):
+    wrong, right = with_mistake(name)
+    found = check_data(wrong)
+    (one,) = found.suspicions
+    assert one.severity == "stop"
+    assert one.check in BY_NAME[name].told_by
+    assert said in one.sentence
+    if np.isfinite(BY_NAME[name].tolerance):
+        scale = 1e3 if one.unit else 1.0
+        assert one.value == pytest.approx(scale * right, rel=BY_NAME[name].tolerance)
+
+
+def test_a_length_is_doubted_where_all_curves_end_elsewhere():
+    wrong, right = with_mistake("length wrong by 8 to 15 %")
+    (one,) = check_data(wrong).suspicions
+    assert (one.check, one.severity) == ("sheet_length", "warn")
+    assert one.value == pytest.approx(1e3 * right, rel=1e-3)
+    assert "the free length of 'long' (free_length_mm in sheet.toml) is" in one.sentence
+
+
+def test_a_search_of_data_in_another_unit_stops_with_the_reason():
+    found = diagnose(with_mistake("curves in m instead of mm")[0])
+    assert found.verdict == "cannot_tell"
+    assert found.effects == ()
+    assert not found.searched
+    assert found.sentence.startswith(
+        "These data contradict what is stated of them, so nothing is searched for: curves of 'long'"
+    )
+    (first, _) = found.to_json()["data_checks"]
+    assert (first["check"], first["severity"]) == ("curve_unit", "stop")
+    assert first["value"] == pytest.approx(1000.0, rel=0.01)
+    with pytest.raises(ModelError, match="These data contradict what is stated of them"):
+        next_measurement(
+            with_mistake("curves in m instead of mm")[0],
+            ("gravity", "clamp_angle"),
+            DiagnoseOptions(),
+        )
+
+
+@pytest.mark.slow
+def test_a_base_fit_that_fails_is_said_and_not_explained():
+    random = np.random.default_rng(5)
+    shuffled = forces_changed(
+        of_one(session(), "short"),
+        lambda _, forces: forces - forces.mean() + random.normal(0.0, 3e-3),
+    )
+    found = check_data(shuffled)
+    assert [one.check for one in found.stops] == ["base_fit"]
+    assert "the base model does not fit 'short': force error" in found.stops[0].sentence
+
+
+@pytest.mark.slow
+def test_strong_effects_of_the_load_cell_are_no_wrong_data():
+    lifted = forces_changed(session(), lambda _, forces: forces + 0.4e-3)
+    assert check_data(lifted).suspicions == ()
+
+
+def test_readings_far_from_the_others_are_left_out_and_told():
+    wild = forces_changed(
+        session(),
+        lambda c, forces: (
+            forces + 3e-3 * (np.arange(len(forces)) == 4) * (c.position_m == 0.01)
+            if c.voltage_V > 0.0
+            else forces
+        ),
+    )
+    found = without_outliers(wild)
+    assert found.readings == 2
+    assert found.sentences()[0].startswith("2 readings far from the others of their condition")
+    assert found.conditions == ("long, 10 mm, +2 V", "short, 10 mm, +2 V")
+    means = [
+        [np.mean([r.force_N for r in c.used()]) for c in m.conditions if c.position_m is not None]
+        for m in (session(), found.measurements)
+    ]
+    assert means[1] == pytest.approx(means[0], abs=2e-5)
+
+
+@pytest.mark.parametrize(
+    "course",
+    [
+        lambda n: np.arange(n) / n,  # a drift
+        lambda n: np.exp(-3.0 * np.arange(n)),  # a transient of the first pulses
+        lambda n: (np.arange(n) > n / 2).astype(float),  # a slip
+    ],
+)
+def test_what_readings_do_in_time_is_no_outlier(course):
+    moving = forces_changed(session(), lambda _, forces: forces + 2e-3 * course(len(forces)))
+    assert without_outliers(moving).readings == 0
+
+
+def test_a_check_that_suspects_good_data_does_not_conform():
+    class Grumbling(DataCheck):
+        def suspicions(self, measurements):
+            yield Suspicion(
+                check="grumbling", severity="warn", where="", configurations=(), sentence="no"
+            )
+
+    grumbling = Grumbling(name="grumbling", meaning="nothing", order=1)
+    assert faults(grumbling) == ["it suspects data in which nothing is wrong: no"]
+    assert faults("text")[0].startswith("it is of type str")
+    assert list(example_measurements().sheets) == ["example"]
+
+
+def test_sheets_of_unlike_moduli_are_told_with_the_thickness_that_would_fit():
+    m = session()
+    thin = replace(m.sheets["long"], thickness_m=m.sheets["long"].thickness_m / 2.0)
+    (one,) = check_data(replace(m, sheets={**m.sheets, "long": thin})).suspicions
+    assert one.check == "material"
+    assert one.value == pytest.approx(1e3 * m.sheets["long"].thickness_m, rel=0.2)
+
+
+def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
+    m = session()
+    B_Nm2 = dict.fromkeys(m.sheets, 1e-9 * m.sheets["long"].width_m * 0.2**3 / 12.0)
+    said = [one.sentence for one in data_checks()["material"].of_stiffness(m, B_Nm2)]
+    assert any("would mean a Young's modulus of" in one for one in said)
+    assert all("check that forces are in mN" in one for one in said)
